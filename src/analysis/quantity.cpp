@@ -1,0 +1,31 @@
+#include "analysis/quantity.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+namespace pwlsim::analysis {
+namespace {
+
+struct Prefix {
+  double factor;
+  std::string_view text;
+};
+constexpr std::array<Prefix, 9> prefixes{
+    {{1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1.0, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}, {1e-15, "f"}}};
+
+}  // namespace
+
+std::string quantity(double value, std::string_view unit, int digits) {
+  if (value == 0.0) return fmt::format("0 {}", unit);
+  const double rounded = std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);  // 999.9999 is 1 k with three digits
+  for (const Prefix& prefix : prefixes) {
+    const double scaled = rounded / prefix.factor;
+    if (std::abs(scaled) >= 1.0 && std::abs(scaled) < 1e3) return fmt::format("{:.{}g} {}{}", scaled, digits, prefix.text, unit);
+  }
+  return fmt::format("{:.{}g} {}", value, digits, unit);
+}
+
+}  // namespace pwlsim::analysis

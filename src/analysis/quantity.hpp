@@ -1,0 +1,13 @@
+#pragma once
+/// Numbers for people.
+
+#include <string>
+#include <string_view>
+
+namespace pwlsim::analysis {
+
+/// `value` with a metric prefix and at most `digits` digits: 0.0012345 of "s" is "1.234 ms". A value without a fitting prefix is written
+/// with an exponent.
+[[nodiscard]] std::string quantity(double value, std::string_view unit, int digits = 6);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,126 @@
+#include "analysis/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+#include "analysis/quantity.hpp"
+#include "waveform/csv.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+std::string json_string(std::string_view text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    if (character == '"' || character == '\\') {
+      result += '\\';
+      result += character;
+    } else if (static_cast<unsigned char>(character) < 0x20) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned char>(character));
+    } else {
+      result += character;
+    }
+  }
+  return result + '"';
+}
+
+std::string json_number(double value) { return std::isfinite(value) ? waveform::shortest(value) : "null"; }
+
+std::string json_object(std::initializer_list<std::pair<std::string_view, std::string>> members, std::string_view indent) {
+  std::string result = "{";
+  std::string_view separator = "\n";
+  for (const auto& [key, value] : members) {
+    result += fmt::format("{}{}  \"{}\": {}", separator, indent, key, value);
+    separator = ",\n";
+  }
+  return result + fmt::format("\n{}}}", indent);
+}
+
+std::string json_array(const std::vector<std::string>& strings) {
+  std::string result = "[";
+  for (const std::string& text : strings) result += (result.size() == 1 ? "\n    " : ",\n    ") + json_string(text);
+  return result + (strings.empty() ? "]" : "\n  ]");
+}
+
+std::string residual(double value) { return value == 0.0 ? "0" : fmt::format("{:.1e}", value); }
+
+std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+
+}  // namespace
+
+std::string statistics_json(const RunReport& report) {
+  const engine::Statistics& s = report.statistics;
+  const engine::Certificate& c = report.certificate;
+  const Seconds& t = report.seconds;
+  const auto number = [](std::uint64_t value) { return fmt::format("{}", value); };
+  const std::string seconds = json_object({{"parse", json_number(t.parse)},
+                                           {"flatten", json_number(t.flatten)},
+                                           {"model", json_number(t.model)},
+                                           {"simulate", json_number(t.simulate)},
+                                           {"write", json_number(t.write)},
+                                           {"certificate", json_number(t.certificate)},
+                                           {"total", json_number(t.total)}},
+                                          "  ");
+  const std::string certificate = json_object({{"complementarity", json_number(c.complementarity)},
+                                               {"kcl_kvl", json_number(c.kcl_kvl)},
+                                               {"energy", json_number(c.energy)},
+                                               {"passive", !c.has_passivity ? "null"
+                                                           : c.passive      ? "true"
+                                                                            : "false"},
+                                               {"points_checked", number(c.points_checked)}},
+                                              "  ");
+  return json_object({{"engine", json_string(report.engine)},
+                      {"islands", number(s.islands)},
+                      {"states", number(s.states)},
+                      {"ports", number(s.ports)},
+                      {"switches", number(s.switches)},
+                      {"modes_visited", number(s.modes_visited)},
+                      {"events", number(s.events)},
+                      {"jumps", number(s.jumps)},
+                      {"lcp_pivots", number(s.lcp_pivots)},
+                      {"klu_factorizations", number(s.klu_factorizations)},
+                      {"klu_solves", number(s.klu_solves)},
+                      {"steps", number(s.steps)},
+                      {"rows", number(s.rows)},
+                      {"seconds", seconds},
+                      {"certificate", certificate},
+                      {"notes", json_array(report.notes)}},
+                     "") +
+         "\n";
+}
+
+std::string summary(const RunReport& report, const std::string& output, double stop) {
+  const engine::Certificate& c = report.certificate;
+  return fmt::format("wrote {}: {}, {} to t = {} in {}; worst residuals: complementarity {}, KCL/KVL {}, energy {}{}\n", output,
+                     counted(report.statistics.rows, "row"), counted(report.statistics.events, "event"), quantity(stop, "s"),
+                     quantity(report.seconds.simulate, "s", 3), residual(c.complementarity), residual(c.kcl_kvl), residual(c.energy),
+                     !c.has_passivity ? ""
+                     : c.passive      ? "; passive"
+                                      : "; not passive");
+}
+
+std::string details(const RunReport& report) {
+  const engine::Statistics& s = report.statistics;
+  const Seconds& t = report.seconds;
+  const auto time = [](double value) { return quantity(value, "s", 3); };
+  return fmt::format("engine {}: {}, {}, {}, {}; {} visited, {}, {}\n", report.engine, counted(s.islands, "island"),
+                     counted(s.states, "state"), counted(s.ports, "port"),
+                     s.switches == 1 ? "1 switch" : fmt::format("{} switches", s.switches), counted(s.modes_visited, "mode"),
+                     counted(s.jumps, "jump"), counted(s.lcp_pivots, "LCP pivot")) +
+         fmt::format("time: parse {}, flatten {}, model {}, simulate {}, write {}, certificate {}, total {}\n", time(t.parse),
+                     time(t.flatten), time(t.model), time(t.simulate), time(t.write), time(t.certificate), time(t.total));
+}
+
+std::string operating_point_text(std::span<const std::string> names, std::span<const double> values) {
+  assert(names.size() == values.size());
+  std::string text;
+  for (std::size_t index = 0; index < names.size(); ++index) text += names[index] + " = " + waveform::shortest(values[index]) + '\n';
+  return text;
+}
+
+}  // namespace pwlsim::analysis

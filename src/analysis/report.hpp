@@ -1,0 +1,43 @@
+#pragma once
+/// What a run tells about itself: the statistics file, the summary line, the operating point as text.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+
+namespace pwlsim::analysis {
+
+/// Wall-clock seconds of the phases.
+struct Seconds {
+  double parse = 0.0;     ///< reading the deck into its syntax tree
+  double flatten = 0.0;   ///< syntax tree to network
+  double model = 0.0;     ///< network to state-space model
+  double simulate = 0.0;  ///< model to the values of the rows
+  double write = 0.0;     ///< formatting and writing rows
+  double certificate = 0.0;
+  double total = 0.0;  ///< since the process started its work
+};
+
+struct RunReport {
+  std::string engine;
+  engine::Statistics statistics;
+  engine::Certificate certificate;
+  Seconds seconds;
+  std::vector<std::string> notes;  ///< the messages of the run, "warning[W-…]: …"
+};
+
+/// One JSON object with the keys of the reference (docs/reference/output.md), ended by a line feed. What is not finite is null.
+[[nodiscard]] std::string statistics_json(const RunReport& report);
+
+/// "wrote out.csv: 501 rows, 1000 events to t = 5 ms in 420 µs; worst residuals: complementarity …, KCL/KVL …, energy …; passive".
+[[nodiscard]] std::string summary(const RunReport& report, const std::string& output, double stop);
+
+/// The lines that --verbose adds: phases and counts.
+[[nodiscard]] std::string details(const RunReport& report);
+
+/// `name = value`, one a line.
+[[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values);
+
+}  // namespace pwlsim::analysis

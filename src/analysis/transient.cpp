@@ -1,0 +1,157 @@
+#include "analysis/transient.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "analysis/quantity.hpp"
+#include "analysis/row_grid.hpp"
+#include "waveform/csv.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+class CsvSink : public engine::RowSink {
+ public:
+  CsvSink(waveform::OutputFile& file, const std::vector<std::string>& names) : writer_(file, names), columns_(names.size()) {}
+
+  bool write(std::span<const double> values, std::size_t count) override {
+    const auto start = Clock::now();
+    const std::size_t good = finite_rows(values, count);
+    rows_ += good;
+    if (good != 0) last_time_ = values[(good - 1) * columns_];
+    const bool written = writer_.write(values.first(good * columns_));
+    seconds_ += seconds_since(start);
+    return written && good == count;
+  }
+  bool flush() {
+    const auto start = Clock::now();
+    const bool written = writer_.flush();
+    seconds_ += seconds_since(start);
+    return written;
+  }
+
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  [[nodiscard]] double last_time() const { return last_time_; }
+  [[nodiscard]] double seconds() const { return seconds_; }
+  /// Column of the first value that was not finite; 0 where all were.
+  [[nodiscard]] std::size_t bad_column() const { return bad_column_; }
+
+ private:
+  std::size_t finite_rows(std::span<const double> values, std::size_t count) {
+    for (std::size_t index = 0; index < count * columns_; ++index) {
+      if (std::isfinite(values[index])) continue;
+      bad_column_ = index % columns_;
+      return index / columns_;
+    }
+    return count;
+  }
+
+  waveform::CsvWriter writer_;
+  std::size_t columns_;
+  std::uint64_t rows_ = 0;
+  std::size_t bad_column_ = 0;
+  double last_time_ = 0.0;
+  double seconds_ = 0.0;
+};
+
+engine::NonUnique non_unique(circuit::NonUniqueChoice choice) {
+  switch (choice) {
+    case circuit::NonUniqueChoice::first:
+      return engine::NonUnique::first;
+    case circuit::NonUniqueChoice::stay:
+      return engine::NonUnique::stay;
+    case circuit::NonUniqueChoice::error:
+      break;
+  }
+  return engine::NonUnique::error;
+}
+
+engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control) {
+  engine::Request request;
+  request.stop = analyses.transient->stop.seconds;
+  request.grid = row_grid(*analyses.transient);
+  request.events = control.events;
+  request.use_initial_conditions = analyses.transient->use_initial_conditions;
+  request.non_unique = non_unique(analyses.non_unique);
+  request.progress = control.progress;
+  request.interrupt = control.interrupt;
+  return request;
+}
+
+void judge(TransientRun& run, const CsvSink& sink, const std::vector<std::string>& names) {
+  run.id = run.answer.id;
+  run.message = run.answer.message;
+  switch (run.answer.outcome) {
+    case engine::Outcome::completed:
+      break;
+    case engine::Outcome::interrupted:
+      run.ending = Ending::interrupted;
+      run.id = "E-interrupted";
+      if (run.message.empty()) run.message = fmt::format("interrupted at t = {}", quantity(run.answer.time, "s"));
+      break;
+    case engine::Outcome::sink_stopped:
+    case engine::Outcome::no_solution:
+    case engine::Outcome::not_unique:
+    case engine::Outcome::accumulation:
+      run.ending = Ending::failed;
+      break;
+  }
+  if (sink.bad_column() != 0) {
+    run.ending = Ending::failed;
+    run.id = "E-overflow";
+    run.message = fmt::format("{} leaves the range of numbers after t = {}; try a shorter run, or look for an element that feeds energy in",
+                              names[sink.bad_column()], quantity(sink.last_time(), "s"));
+  }
+}
+
+void complete(TransientRun& run, CsvSink& sink, waveform::OutputFile& file) {
+  if (sink.flush() && file.commit()) return;
+  run.ending = file.closed_pipe() ? Ending::closed_pipe : Ending::write_failed;
+  run.id = "E-cannot-write";
+  run.message = fmt::format("{}: {} at t = {}", file.name(), file.problem(), quantity(sink.last_time(), "s"));
+  if (!file.partial_name().empty()) run.message += fmt::format("; the rows written are in {}", file.partial_name());
+}
+
+}  // namespace
+
+std::vector<std::string> column_names(const model::Network& network) {
+  std::vector<std::string> names{"time"};
+  for (const model::Signal& signal : network.signals) names.push_back(signal.name);
+  return names;
+}
+
+TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
+                           const RunControl& control) {
+  const std::vector<std::string> names = column_names(compiled.network);
+  CsvSink sink(file, names);
+  TransientRun run;
+  const auto broken = [&](std::string id, std::string_view what) {
+    run.ending = Ending::failed;
+    run.id = std::move(id);
+    run.message = fmt::format("{} after t = {}", what, quantity(sink.last_time(), "s"));
+  };
+  try {
+    run.answer = simulate(request_of(compiled.analyses, control), sink);
+    judge(run, sink, names);
+  } catch (const std::bad_alloc&) {
+    broken("E-out-of-memory", "no memory is left");
+  } catch (...) {  // a defect of the program: the rows up to it are still worth keeping
+    broken("E-internal", "the engine met a state it should never reach");
+  }
+  complete(run, sink, file);
+  run.rows = sink.rows();
+  run.seconds_write = sink.seconds();
+  return run;
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,50 @@
+#pragma once
+/// One transient run: deck and engine in, completed CSV out.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "circuit/compile.hpp"
+#include "engine/run.hpp"
+#include "waveform/output_file.hpp"
+
+namespace pwlsim::analysis {
+
+/// The engine, prepared for one network.
+using Simulate = std::function<engine::Answer(const engine::Request&, engine::RowSink&)>;
+
+struct RunControl {
+  bool events = false;                          ///< a row before and after every event
+  std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
+  const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
+};
+
+enum class Ending {
+  completed,
+  failed,       ///< no solution, or not a unique one, …: the rows up to then are in the completed file
+  interrupted,  ///< likewise
+  closed_pipe,  ///< whoever read the output is gone
+  write_failed  ///< the rows that found room are in the partial file
+};
+
+struct TransientRun {
+  Ending ending = Ending::completed;
+  std::string id;       ///< "E-no-solution", … where it did not complete
+  std::string message;  ///< why, with the time reached; empty when completed
+  engine::Answer answer;
+  std::uint64_t rows = 0;  ///< handed to the file
+  double seconds_write = 0.0;
+};
+
+/// The column heads: `time` and the signals.
+[[nodiscard]] std::vector<std::string> column_names(const model::Network& network);
+
+/// Runs `compiled.analyses.transient`, which must be there, into `file`, and commits it unless writing fails.
+/// A value that is not finite ends the run as failed before its row is written; so does want of memory.
+[[nodiscard]] TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
+                                         const RunControl& control);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,24 @@
+#pragma once
+/// Names as the netlist language compares them: ASCII letters without case.
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace pwlsim {
+
+[[nodiscard]] constexpr char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// The key under which a name is stored.
+[[nodiscard]] inline std::string without_case(std::string_view name) {
+  std::string key(name);
+  std::transform(key.begin(), key.end(), key.begin(), lower_letter);
+  return key;
+}
+
+[[nodiscard]] constexpr bool same_name(std::string_view a, std::string_view b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower_letter(x) == lower_letter(y); });
+}
+
+}  // namespace pwlsim

@@ -1,0 +1,38 @@
+#pragma once
+/// What a deck asks to be run, free of any syntax.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/source.hpp"
+
+namespace pwlsim::circuit {
+
+/// A time in seconds. `decimal` is the plain decimal text behind it ("12.5e-6", suffix folded into the exponent) where the deck wrote a
+/// plain number, so that row times can be computed from it exactly; "" where an expression gave the value.
+struct TimeValue {
+  double seconds = 0.0;
+  std::string decimal = "0";
+};
+
+/// `.tran`. Guaranteed: 0 ≤ start < stop, all finite, step ≥ 0. step.seconds = 0 means omitted: 1000 equal steps from start to stop.
+/// A largest step (Tmax) is read, checked and dropped: the engines need none.
+struct Transient {
+  TimeValue step, stop, start;
+  bool use_initial_conditions = false;  ///< uic
+  SourceSpan span;
+};
+
+/// `.options nonunique=error|first|stay`
+enum class NonUniqueChoice { error, first, stay };
+
+struct Analyses {
+  std::optional<Transient> transient;
+  bool operating_point = false;  ///< `.op`
+  NonUniqueChoice non_unique = NonUniqueChoice::error;
+  std::optional<double> relative_tolerance;  ///< `.options reltol=`; the command line rules over it
+  std::uint64_t row_limit = 1'000'000'000;   ///< `.options max_rows=`; a .tran with more rows has already been refused
+};
+
+}  // namespace pwlsim::circuit

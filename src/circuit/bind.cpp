@@ -1,0 +1,316 @@
+#include "circuit/bind.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/bind_source.hpp"
+#include "circuit/card_cursor.hpp"
+#include "circuit/cards.hpp"
+#include "circuit/values.hpp"
+#include "elements/catalogue.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using elements::Control;
+using elements::Instance;
+using elements::Parameter;
+using elements::Tail;
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+/// Forms of E, F, G and H that take an expression or a table, and those that are no piecewise-linear circuit elements.
+constexpr std::string_view expression_forms[] = {"value", "vol", "cur", "table", "v", "i"};
+constexpr std::string_view foreign_forms[] = {"laplace", "freq", "chebyshev"};
+
+bool is_one_of(std::span<const std::string_view> list, std::string_view word) {
+  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, word); });
+}
+
+/// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
+class CardBinding {
+ public:
+  CardBinding(Binder& binder, Place& place, const Card& card, Instance& instance)
+      : binder_(binder), place_(place), card_(card), instance_(instance), kind_(*instance.kind), cursor_(card.items) {}
+
+  void bind() {
+    if (!terminals()) return;
+    if (kind_.tail == Tail::gain) {
+      if (gain()) rest();
+    } else if (kind_.tail == Tail::waveform) {
+      if (bind_source(cursor_, place_.scope, reporter(), card_, instance_)) binder_.note_two_values(card_);
+    } else if (control() && tail()) {
+      rest();
+    }
+  }
+
+  /// Of a card with a syntax error: its nodes as far as they go, so that they are known.
+  void bind_damaged() {
+    for (int k = 0; k < kind_.terminals && cursor_.at(ItemKind::word); ++k)
+      instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
+  }
+
+ private:
+  Reporter& reporter() { return binder_.reporter(); }
+
+  bool missing(std::string id, std::string_view what) {
+    reporter().error(std::move(id), card_.span, fmt::format("{} needs {}; usage: {}", card_.name, what, kind_.usage));
+    return false;
+  }
+
+  bool unexpected(const Item& item) {
+    reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), kind_.usage));
+    return false;
+  }
+
+  bool terminals() {
+    for (int k = 0; k < kind_.terminals; ++k) {
+      if (!cursor_.at(ItemKind::word)) {
+        reporter().error("E-missing-node", card_.span,
+                         fmt::format("{} needs {} nodes, {} given; usage: {}", card_.name, kind_.terminals, k, kind_.usage));
+        return false;
+      }
+      instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
+    }
+    return true;
+  }
+
+  bool node_pair() {
+    if (!cursor_.at(ItemKind::word) || !cursor_.at(ItemKind::word, 1)) return missing("E-missing-node", "a pair of controlling nodes");
+    const model::NodeIndex p = binder_.node(place_, *cursor_.next());
+    const model::NodeIndex n = binder_.node(place_, *cursor_.next());
+    instance_.control_nodes.push_back({p, n});
+    return true;
+  }
+
+  bool reference() {
+    if (!cursor_.at(ItemKind::word)) return missing("E-missing-value", "a controlling element");
+    const Item& name = *cursor_.next();
+    instance_.references.push_back({place_.prefix + name.text, name.span, -1});
+    return true;
+  }
+
+  bool control() {
+    switch (kind_.control) {
+      case Control::none:
+        return true;
+      case Control::node_pair:
+        return node_pair();
+      case Control::element:
+        return reference();
+      case Control::element_list:
+        break;
+    }
+    const bool value_by_name = cursor_.peek(cursor_.positional_left()) != nullptr;
+    const std::size_t behind = value_by_name ? 0 : 1;
+    if (cursor_.positional_left() < 2 + behind) return missing("E-missing-value", "two inductors and a coefficient");
+    while (cursor_.positional_left() > behind) {
+      if (!reference()) return false;
+    }
+    return true;
+  }
+
+  bool tail() { return kind_.tail == Tail::model ? model() : value(); }
+
+  bool value() {
+    const Parameter& parameter = kind_.parameters[0];
+    if (cursor_.positional_left() > 1) return too_many();
+    if (cursor_.at_positional()) {
+      ValueReader(place_.scope, reporter(), card_.name).positional(*cursor_.next(), parameter, instance_.values);
+      return true;
+    }
+    for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k) {
+      const Item& item = *cursor_.peek(k);
+      if (item.kind == ItemKind::assignment && (same_name(item.text, parameter.name) || is_refused(item))) return true;
+    }
+    return missing("E-missing-value", "a value");
+  }
+
+  bool too_many() {
+    const std::string nodes = kind_.terminals == 0 ? "" : fmt::format("{} nodes and ", kind_.terminals);
+    reporter().error("E-node-count", card_.span, fmt::format("{} takes {}one value; usage: {}", card_.name, nodes, kind_.usage));
+    return false;
+  }
+
+  bool is_refused(const Item& item) const {
+    const Parameter* parameter = elements::find_parameter(kind_.parameters, item.text);
+    return parameter != nullptr && parameter->use == elements::Use::refused;
+  }
+
+  bool model() {
+    if (!cursor_.at(ItemKind::word)) return missing("E-missing-model", "a model");
+    const Item& name = *cursor_.next();
+    if (!Models::known(place_.scope, name) && cursor_.at(ItemKind::word) && Models::known(place_.scope, *cursor_.peek())) {
+      reporter().error("E-node-count", card_.span,
+                       fmt::format("{} has a node too many before its model; usage: {}", card_.name, kind_.usage));
+      return false;
+    }
+    instance_.model = binder_.models().use(place_.scope, name, kind_);
+    const Parameter* area = elements::find_parameter(kind_.parameters, "area");
+    if (area != nullptr && cursor_.at_positional() && !cursor_.at(ItemKind::group) && !at_flag()) {
+      const Item& item = *cursor_.next();
+      if (place_.scope.number(item) && reporter().first_time("ignored:area")) {
+        reporter().warning("W-ignored-parameter", item.span, "the area factor is ignored");
+      }
+    }
+    if (at_flag()) flag(*cursor_.next());
+    return true;
+  }
+
+  bool at_flag() const {
+    return cursor_.at(ItemKind::word) && (same_name(cursor_.peek()->text, "on") || same_name(cursor_.peek()->text, "off"));
+  }
+
+  void flag(const Item& item) {
+    if (kind_.takes_flag) {
+      instance_.flag = same_name(item.text, "on");
+    } else if (elements::find_parameter(kind_.parameters, item.text) == nullptr) {
+      unexpected(item);
+    } else if (reporter().first_time("ignored:" + without_case(item.text))) {
+      reporter().warning("W-ignored-parameter", item.span, fmt::format("{} is ignored: the start is found without it", item.text));
+    }
+  }
+
+  bool gain() {
+    if (at_form()) return refuse_form(*cursor_.peek());
+    if (cursor_.at(ItemKind::group) && same_name(cursor_.peek()->text, "poly")) return polynomial();
+    if (!control()) return false;
+    if (!cursor_.at_positional()) return missing("E-missing-value", "a gain");
+    const std::optional<Number> number = place_.scope.number(*cursor_.next());
+    instance_.coefficients = {0.0, number ? number->value : 0.0};
+    return true;
+  }
+
+  /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
+  bool at_form() const {
+    const Item* item = cursor_.peek();
+    if (item == nullptr || (!is_one_of(expression_forms, item->text) && !is_one_of(foreign_forms, item->text))) return false;
+    return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
+           (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
+  }
+
+  bool refuse_form(const Item& item) {
+    const bool not_yet = is_one_of(expression_forms, item.text);
+    reporter().error(not_yet ? "E-not-supported-yet" : "E-not-supported", item.span,
+                     fmt::format("{} with {} is not supported{}; usage: {}", card_.name, item.text, not_yet ? " yet" : "", kind_.usage));
+    return false;
+  }
+
+  bool polynomial() {
+    const Item& head = *cursor_.next();
+    const std::optional<Number> dimension = head.items.size() == 1 ? place_.scope.number(head.items[0]) : std::nullopt;
+    if (!dimension || dimension->value < 1.0 || dimension->value != std::floor(dimension->value) || dimension->value > 1e6) {
+      reporter().error("E-poly", head.span, fmt::format("POLY needs the number of controls, 1 or more; usage: {}", kind_.usage));
+      return false;
+    }
+    const auto controls = static_cast<std::size_t>(dimension->value);
+    for (std::size_t k = 0; k < controls; ++k) {
+      if (!control()) return false;
+    }
+    return coefficients(controls);
+  }
+
+  bool coefficients(std::size_t controls) {
+    std::vector<double>& list = instance_.coefficients;
+    if (!cursor_.at_positional()) return missing("E-missing-value", "a coefficient");
+    while (cursor_.at_positional()) {
+      const Item& item = *cursor_.next();
+      const std::optional<Number> number = place_.scope.number(item);
+      if (number && list.size() > controls && number->value != 0.0) {
+        reporter().error("E-poly", item.span,
+                         fmt::format("this coefficient of {} is not linear: only p0 ... p{} may differ from zero", card_.name, controls));
+        return false;
+      }
+      if (list.size() <= controls) list.push_back(number ? number->value : 0.0);
+    }
+    if (controls == 1 && list.size() == 1) {
+      reporter().error(
+          "E-poly", card_.span,
+          fmt::format("a lone coefficient of POLY(1) is p0 to some simulators and p1 to others; try both p0 and p1 on {}", card_.name));
+      return false;
+    }
+    list.resize(controls + 1, 0.0);
+    return true;
+  }
+
+  void rest() {
+    ValueReader reader(place_.scope, reporter(), card_.name);
+    while (const Item* item = cursor_.next()) {
+      if (item->kind == ItemKind::assignment) {
+        reader.assignment(*item, instance_.values);
+      } else if (item->kind == ItemKind::word && at_known_flag(*item)) {
+        flag(*item);
+      } else {
+        unexpected(*item);
+      }
+    }
+  }
+
+  bool at_known_flag(const Item& item) const {
+    return kind_.tail == Tail::model && (same_name(item.text, "on") || same_name(item.text, "off"));
+  }
+
+  Binder& binder_;
+  Place& place_;
+  const Card& card_;
+  Instance& instance_;
+  const elements::Kind& kind_;
+  CardCursor cursor_;
+};
+
+}  // namespace
+
+void Binder::element(Place& place, const Card& card) {
+  Instance instance;
+  instance.kind = elements::find_kind(card.name.front());
+  instance.name = place.prefix + card.name;
+  instance.span = card.name_span;
+  if (instance.kind == nullptr) {
+    if (!card.damaged) refuse(card);
+  } else {
+    instance.values = elements::Values(instance.kind->parameters);
+    CardBinding binding(*this, place, card, instance);
+    card.damaged ? binding.bind_damaged() : binding.bind();
+  }
+  const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
+  if (instance.kind == nullptr || instance.nodes.size() != terminals) circuit_.has_gaps = true;
+  circuit_.instances.push_back(std::move(instance));
+}
+
+void Binder::note_two_values(const Card& card) {
+  if (!circuit_.analyses.operating_point) return;
+  reporter_.note("N-dc-value", card.name_span,
+                 fmt::format("{} has a DC value and a waveform: .op takes the waveform just before t = 0", card.name));
+}
+
+void Binder::refuse(const Card& card) {
+  const RefusedElement* refused = find_refused_element(card.name.front());
+  if (refused == nullptr) {
+    reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is no element known here", card.name));
+  } else if (refused->not_yet) {
+    reporter_.error("E-not-supported-yet", card.name_span,
+                    fmt::format("{}: the element {} is not supported yet", card.name, refused->name));
+  } else {
+    reporter_.error("E-not-supported", card.name_span, fmt::format("{}: the element {} is not supported", card.name, refused->name));
+  }
+}
+
+model::NodeIndex Binder::node(Place& place, const Item& word) {
+  if (place.prefix.empty() || is_ground_name(word.text)) return circuit_.node(word.text, word.span);
+  const std::string key = without_case(word.text);
+  if (const auto known = place.nodes.find(key); known != place.nodes.end()) return known->second;
+  if (is_global(key)) return circuit_.node(word.text, word.span);
+  model::NodeIndex index = model::ground;
+  if (!circuit_.add_node(place.prefix + word.text, word.span, index)) {
+    reporter_.error("E-name-clash", word.span, fmt::format("two different nodes have the full name {}{}", place.prefix, word.text));
+  }
+  place.nodes.emplace(key, index);
+  return index;
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,207 @@
+#include "circuit/bind_source.hpp"
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/bind_pwl.hpp"
+#include "circuit/values.hpp"
+#include "elements/waveform.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using elements::PwlCard;
+using elements::WaveformKind;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+constexpr std::string_view foreign_waveforms[] = {"SFFM", "AM", "TRNOISE", "TRRANDOM", "EXTERNAL", "WAVEFILE", "PATTERN"};
+
+bool is_foreign(std::string_view name) {
+  for (std::string_view foreign : foreign_waveforms) {
+    if (same_name(foreign, name)) return true;
+  }
+  return false;
+}
+
+class SourceBinding {
+ public:
+  SourceBinding(CardCursor& cursor, Scope& scope, Reporter& reporter, const netlist::Card& card, elements::Instance& instance)
+      : cursor_(cursor), scope_(scope), reporter_(reporter), card_(card), instance_(instance) {}
+
+  bool bind() {
+    if (cursor_.at_end()) missing("a value");
+    while (!cursor_.at_end() && step()) {
+    }
+    finish_pwl();
+    if (!waveform_seen_ && dc_) instance_.waveform = model::Dc{*dc_};
+    return waveform_seen_ && dc_seen_;
+  }
+
+ private:
+  void missing(std::string_view what) {
+    reporter_.error("E-missing-value", card_.span, fmt::format("{} needs {}; usage: {}", card_.name, what, instance_.kind->usage));
+  }
+
+  bool unexpected(const Item& item) {
+    reporter_.error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter_.text(item.span), instance_.kind->usage));
+    return false;
+  }
+
+  /// One part of the card; false where the rest cannot be understood.
+  bool step() {
+    const Item& item = *cursor_.peek();
+    if (item.kind == ItemKind::assignment) return assignment();
+    if (word_is(&item, "ac")) return alternating();
+    if (word_is(&item, "dc")) {
+      cursor_.next();
+      if (cursor_.at_positional()) return dc_seen_ ? unexpected(*cursor_.next()) : constant();
+      missing("a value behind DC");
+      return false;
+    }
+    if (item.kind == ItemKind::group) return grouped();
+    if (item.kind == ItemKind::word && is_waveform(item.text)) return listed();
+    return dc_seen_ || waveform_seen_ ? unexpected(item) : constant();
+  }
+
+  static bool is_waveform(std::string_view name) {
+    return elements::find_waveform(name) != nullptr || same_name(name, "pwl") || is_foreign(name);
+  }
+
+  bool constant() {
+    dc_seen_ = true;
+    if (const std::optional<Number> number = scope_.number(*cursor_.next())) dc_ = number->value;
+    return true;
+  }
+
+  /// Magnitude and phase, either of which may be missing; checked as numbers, then forgotten.
+  bool alternating() {
+    cursor_.next();
+    for (int k = 0; k < 2 && at_number(); ++k) (void)scope_.number(*cursor_.next());
+    if (!dc_) dc_ = 0.0;
+    return true;
+  }
+
+  bool at_number() const {
+    if (!cursor_.at_positional() || cursor_.at(ItemKind::group)) return false;
+    const Item& item = *cursor_.peek();
+    return item.kind != ItemKind::word || (!is_waveform(item.text) && !word_is(&item, "dc"));
+  }
+
+  bool assignment() {
+    const Item& item = *cursor_.next();
+    const bool empty = item.items.empty();
+    if (same_name(item.text, "dc") && !empty) return named_constant(item);
+    if (same_name(item.text, "ac")) return true;
+    if (pwl_ && same_name(item.text, "file")) {
+      pwl_.reset();
+      reporter_.error("E-not-supported", item.span, "PWL with file= is not supported");
+      return false;
+    }
+    if (pwl_ && is_pwl_option(item)) {
+      read_pwl_option(item, *pwl_, scope_, reporter_);
+      return true;
+    }
+    ValueReader(scope_, reporter_, card_.name).assignment(item, instance_.values);
+    return true;
+  }
+
+  bool named_constant(const Item& item) {
+    if (dc_seen_) return unexpected(item);
+    dc_seen_ = true;
+    if (const std::optional<Number> number = scope_.number(item.items[0])) dc_ = number->value;
+    return true;
+  }
+
+  bool grouped() {
+    const Item& group = *cursor_.next();
+    CardCursor inside(group.items);
+    return waveform(group.text, group.text_span, group.span, inside);
+  }
+
+  /// Without parentheses: SIN 0 1 50
+  bool listed() {
+    const Item& name = *cursor_.next();
+    return waveform(name.text, name.span, card_.span, cursor_);
+  }
+
+  bool waveform(std::string_view name, SourceSpan name_span, SourceSpan span, CardCursor& values) {
+    const WaveformKind* kind = elements::find_waveform(name);
+    if (waveform_seen_) {
+      reporter_.error("E-unexpected", name_span, fmt::format("{} has a second waveform", card_.name));
+      return false;
+    }
+    waveform_seen_ = true;
+    if (same_name(name, "pwl")) return piecewise(span, values);
+    if (kind == nullptr) {
+      reporter_.error(is_foreign(name) ? "E-not-supported" : "E-unknown-waveform", name_span, complaint(name));
+      return false;
+    }
+    fixed(*kind, span, values);
+    return true;
+  }
+
+  static std::string complaint(std::string_view name) {
+    if (is_foreign(name)) return fmt::format("the waveform {} is not supported", name);
+    std::vector<std::string> names{"PWL", "SINE"};
+    for (const WaveformKind& kind : elements::waveform_kinds()) names.emplace_back(kind.name);
+    return fmt::format("unknown waveform '{}'{}", name, suggestion(name, names));
+  }
+
+  void fixed(const WaveformKind& kind, SourceSpan span, CardCursor& cursor) {
+    elements::Values values(kind.parameters);
+    ValueReader reader(scope_, reporter_, kind.name);
+    std::size_t count = 0;
+    for (; at_waveform_value(cursor); ++count) {
+      const Item& item = *cursor.next();
+      if (count < kind.parameters.size()) {
+        reader.positional(item, kind.parameters[count], values);
+      } else {
+        reporter_.error("E-unexpected", item.span,
+                        fmt::format("{} takes {} values at most; usage: {}", kind.name, kind.parameters.size(), kind.usage));
+      }
+    }
+    if (&cursor != &cursor_ && !cursor.at_end()) unexpected(*cursor.peek());
+    if (count < kind.required) {
+      reporter_.error("E-missing-value", span, fmt::format("{} needs {}; usage: {}", kind.name, kind.parameters[count].name, kind.usage));
+      return;
+    }
+    make(kind, values, span);
+  }
+
+  void make(const WaveformKind& kind, const elements::Values& values, SourceSpan span) {
+    Diagnostics scratch;
+    instance_.waveform = kind.make(values, span, scratch);
+    reporter_.forward(scratch);
+  }
+
+  bool piecewise(SourceSpan span, CardCursor& values) {
+    pwl_ = bind_pwl(values, &values != &cursor_, scope_, reporter_, span);
+    return pwl_.has_value();
+  }
+
+  void finish_pwl() {
+    if (!pwl_) return;
+    Diagnostics scratch;
+    instance_.waveform = elements::make_pwl(*pwl_, scratch);
+    reporter_.forward(scratch);
+  }
+
+  CardCursor& cursor_;
+  Scope& scope_;
+  Reporter& reporter_;
+  const netlist::Card& card_;
+  elements::Instance& instance_;
+  std::optional<double> dc_;
+  bool dc_seen_ = false;
+  bool waveform_seen_ = false;
+  std::optional<PwlCard> pwl_;
+};
+
+}  // namespace
+
+bool bind_source(CardCursor& cursor, Scope& scope, Reporter& reporter, const netlist::Card& card, elements::Instance& instance) {
+  return SourceBinding(cursor, scope, reporter, card, instance).bind();
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,86 @@
+#include "circuit/cards.hpp"
+
+#include <algorithm>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+constexpr CardKind kinds[] = {
+    {".subckt", CardRole::subcircuit, "begins a subcircuit"},
+    {".ends", CardRole::end_of_subcircuit, "ends a subcircuit"},
+    {".param", CardRole::parameter, "defines parameters"},
+    {".func", CardRole::function, "defines a function"},
+    {".model", CardRole::model, "defines a model"},
+    {".global", CardRole::global, "names nodes that are one in all subcircuits"},
+    {".ic", CardRole::condition, "gives voltages and currents at the start"},
+    {".options", CardRole::options, "sets options"},
+    {".option", CardRole::options, "sets options"},
+    {".opt", CardRole::options, "sets options"},
+    {".tran", CardRole::transient, "asks for a transient analysis"},
+    {".op", CardRole::operating_point, "asks for the operating point"},
+    {".save", CardRole::save, "names the signals of the output"},
+    {".probe", CardRole::save, "names the signals of the output"},
+    {".print", CardRole::print, "names the signals of the output"},
+    {".backanno", CardRole::silent, "means nothing here"},
+    {".title", CardRole::silent, "means nothing here"},
+    {".nodeset", CardRole::ignored, "hints for an iteration that is not needed here"},
+    {".temp", CardRole::ignored, "temperatures have no effect"},
+    {".plot", CardRole::ignored, "line-printer plots"},
+    {".width", CardRole::ignored, "line-printer width"},
+    {".ac", CardRole::ignored, "small-signal analysis"},
+    {".dc", CardRole::ignored, "DC sweep"},
+    {".noise", CardRole::ignored, "noise analysis"},
+    {".tf", CardRole::ignored, "small-signal transfer function"},
+    {".meas", CardRole::not_yet, "measures a signal"},
+    {".measure", CardRole::not_yet, "measures a signal"},
+    {".four", CardRole::not_yet, "Fourier analysis"},
+    {".fourier", CardRole::not_yet, "Fourier analysis"},
+    {".step", CardRole::not_yet, "sweeps a parameter"},
+    {".lcs", CardRole::not_yet, "a raw linear complementarity system"},
+};
+
+constexpr RefusedElement refused[] = {
+    {'A', "A (XSPICE block)", true},        {'B', "B (source with an expression)", true},
+    {'J', "J (junction transistor)", true}, {'M', "M (MOSFET)", true},
+    {'Q', "Q (bipolar transistor)", true},  {'N', "N (compiled model)", false},
+    {'O', "O (lossy line)", false},         {'P', "P (coupled line)", false},
+    {'T', "T (transmission line)", false},  {'U', "U (distributed RC line or digital block)", false},
+    {'Y', "Y (lossy line)", false},         {'Z', "Z (MESFET)", false},
+};
+
+constexpr std::string_view library_names[] = {"mosfet", "igbt", "thyristor", "opamp", "xfmr"};
+
+constexpr std::string_view foreign_types[] = {
+    "R",       "RES",     "C",          "CAP",        "L",     "IND",      "CORE",     "URC",    "LTRA",     "TRN",
+    "NMOS",    "PMOS",    "VDMOS",      "NPN",        "PNP",   "LPNP",     "NJF",      "PJF",    "NMF",      "PMF",
+    "NIGBT",   "PIGBT",   "NHFET",      "PHFET",      "gain",  "summer",   "mult",     "divide", "int",      "limit",
+    "hyst",    "pwl",     "s_xfer",     "d_dt",       "relay", "deadzone", "friction", "slew",   "climit",   "ilimit",
+    "sidiode", "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple",  "sine",     "square", "triangle",
+};
+
+bool listed(std::span<const std::string_view> list, std::string_view name) {
+  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
+}
+
+}  // namespace
+
+std::span<const CardKind> card_kinds() { return kinds; }
+
+const CardKind* find_card(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kinds), std::end(kinds), [&](const CardKind& kind) { return same_name(kind.name, name); });
+  return found == std::end(kinds) ? nullptr : found;
+}
+
+const RefusedElement* find_refused_element(char letter) {
+  const auto matches = [&](const RefusedElement& element) { return lower_letter(element.letter) == lower_letter(letter); };
+  const auto* found = std::find_if(std::begin(refused), std::end(refused), matches);
+  return found == std::end(refused) ? nullptr : found;
+}
+
+bool is_library_name(std::string_view name) { return listed(library_names, name); }
+
+bool is_foreign_model_type(std::string_view type) { return listed(foreign_types, type); }
+
+}  // namespace pwlsim::circuit

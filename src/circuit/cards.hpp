@@ -1,0 +1,51 @@
+#pragma once
+/// The cards that begin with a dot (but those the reader of decks takes itself: .include, .lib, .control, .end), and the elements that are known by name but cannot be simulated: as data.
+
+#include <span>
+#include <string_view>
+
+namespace pwlsim::circuit {
+
+enum class CardRole {
+  subcircuit,         ///< .subckt
+  end_of_subcircuit,  ///< .ends
+  parameter,
+  function,
+  model,
+  global,
+  condition,  ///< .ic
+  options,
+  transient,
+  operating_point,
+  save,     ///< .save, .probe
+  print,    ///< .print tran …
+  silent,   ///< accepted, means nothing here
+  ignored,  ///< one warning
+  not_yet   ///< will come; an error until then
+};
+
+struct CardKind {
+  std::string_view name;  ///< with its dot
+  CardRole role = CardRole::silent;
+  std::string_view text;  ///< what it does, one phrase
+};
+
+[[nodiscard]] std::span<const CardKind> card_kinds();
+/// Null for an unknown name.
+[[nodiscard]] const CardKind* find_card(std::string_view name);
+
+/// Why a card whose name begins with this letter is no element here.
+struct RefusedElement {
+  char letter = '?';
+  std::string_view name;
+  bool not_yet = false;  ///< later versions will take it
+};
+[[nodiscard]] const RefusedElement* find_refused_element(char letter);
+
+/// Subcircuits that later versions ship.
+[[nodiscard]] bool is_library_name(std::string_view name);
+
+/// `.model` types that other simulators know and no element here takes.
+[[nodiscard]] bool is_foreign_model_type(std::string_view type);
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,21 @@
+#pragma once
+/// How large a deck becomes, counted before anything is expanded.
+
+#include "circuit/definitions.hpp"
+#include "circuit/reporter.hpp"
+
+namespace pwlsim::circuit {
+
+struct ExpansionLimits {
+  double elements = 1e7;  ///< calls of subcircuits count as elements
+  double depth = 100;     ///< subcircuits within one another
+};
+
+/// The subcircuit an X card calls: its last word.
+[[nodiscard]] const netlist::Item* called_subcircuit(const netlist::Card& card);
+
+/// False, with an error, where subcircuits call themselves, are nested too deep or become too many elements.
+/// Takes time in proportion to the deck, whatever it expands to. Calls of unknown subcircuits count as nothing.
+[[nodiscard]] bool check_expansion(const Definitions& definitions, const ExpansionLimits& limits, Reporter& reporter);
+
+}  // namespace pwlsim::circuit

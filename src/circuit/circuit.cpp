@@ -1,0 +1,51 @@
+#include "circuit/circuit.hpp"
+
+#include <cassert>
+
+#include "base/names.hpp"
+#include "elements/catalogue.hpp"
+
+namespace pwlsim::circuit {
+
+bool is_ground_name(std::string_view name) { return name == "0" || same_name(name, "gnd"); }
+
+model::NodeIndex Circuit::node(std::string_view name, SourceSpan where) {
+  if (is_ground_name(name)) return model::ground;
+  const auto [entry, is_new] = node_by_name_.try_emplace(without_case(name), static_cast<model::NodeIndex>(nodes_.size()));
+  if (is_new) nodes_.push_back({std::string(name), where});
+  return entry->second;
+}
+
+bool Circuit::add_node(std::string name, SourceSpan where, model::NodeIndex& index) {
+  index = static_cast<model::NodeIndex>(nodes_.size());
+  const bool is_new = node_by_name_.try_emplace(without_case(name), index).second;
+  nodes_.push_back({std::move(name), where});
+  return is_new;
+}
+
+std::optional<model::NodeIndex> Circuit::find_node(std::string_view name) const {
+  if (is_ground_name(name)) return model::ground;
+  const auto entry = node_by_name_.find(without_case(name));
+  if (entry == node_by_name_.end()) return std::nullopt;
+  return entry->second;
+}
+
+elements::Instance& Circuit::add(std::string name, const std::vector<std::string>& node_names) {
+  const elements::Kind* kind = elements::find_kind(name.at(0));
+  assert(kind != nullptr);
+  elements::Instance instance;
+  instance.kind = kind;
+  instance.name = std::move(name);
+  instance.values = elements::Values(kind->parameters);
+  for (const std::string& node_name : node_names) instance.nodes.push_back(node(node_name));
+  return instances.emplace_back(std::move(instance));
+}
+
+int Circuit::add_model(std::string_view type, std::string name) {
+  const elements::ModelKind* kind = elements::find_model_kind(type);
+  assert(kind != nullptr);
+  models.push_back({kind, std::move(name), {}, elements::Values(kind->parameters)});
+  return static_cast<int>(models.size()) - 1;
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,73 @@
+#pragma once
+/// A flat circuit: nodes, elements with the values of their parameters, models, what is to be saved and run. It knows nothing of a
+/// netlist, so that C++ programs can build one:
+///
+///     Circuit circuit;
+///     circuit.add("V1", {"in", "0"}).waveform = model::Dc{10.0};
+///     circuit.add("R1", {"in", "out"}).values.set("R", 1e3);
+///     circuit.add("D1", {"out", "0"}).model = circuit.add_model("D", "DI");
+///
+/// `assemble` turns it into the network of the model.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "base/source.hpp"
+#include "circuit/analyses.hpp"
+#include "elements/kind.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::circuit {
+
+/// One thing of `.save`. Names may use ':' or '.' between instances and what lies in them.
+struct SaveRequest {
+  enum class Kind { all, voltage, current };
+  Kind kind = Kind::voltage;
+  std::string column;  ///< as the output spells it
+  std::string first;   ///< node or element
+  std::string second;  ///< the second node of v(a,b), else ""
+  SourceSpan first_span, second_span;
+};
+
+/// One thing of `.ic`: the voltage of a node or the current of an inductor, by full name.
+struct InitialCondition {
+  bool is_current = false;
+  std::string name;
+  double value = 0.0;
+  SourceSpan span;
+};
+
+class Circuit {
+ public:
+  std::string title;
+  std::vector<elements::Instance> instances;
+  std::vector<elements::Model> models;
+  std::vector<SaveRequest> saves;  ///< none: all
+  std::vector<InitialCondition> conditions;
+  Analyses analyses;
+  bool has_gaps = false;  ///< some element could not be read: what it connects is not known
+
+  /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.
+  model::NodeIndex node(std::string_view name, SourceSpan where = {});
+  /// A node of its own, even if the name is taken; false then.
+  bool add_node(std::string name, SourceSpan where, model::NodeIndex& index);
+  [[nodiscard]] std::optional<model::NodeIndex> find_node(std::string_view name) const;
+  [[nodiscard]] const std::vector<model::Label>& nodes() const { return nodes_; }
+
+  /// An element of the kind its first letter names, which must be one of the catalogue; its values, model, waveform, references and
+  /// coefficients are the caller's to fill. The reference is good until the next call.
+  elements::Instance& add(std::string name, const std::vector<std::string>& node_names);
+  /// A model of a type that some element takes ("D", "SW", …); its index.
+  int add_model(std::string_view type, std::string name);
+
+ private:
+  std::vector<model::Label> nodes_;
+  std::unordered_map<std::string, model::NodeIndex> node_by_name_;
+};
+
+[[nodiscard]] bool is_ground_name(std::string_view name);
+
+}  // namespace pwlsim::circuit

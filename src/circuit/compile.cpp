@@ -1,0 +1,19 @@
+#include "circuit/compile.hpp"
+
+#include "circuit/assemble.hpp"
+#include "circuit/flatten.hpp"
+
+namespace pwlsim::circuit {
+
+std::optional<Compiled> compile(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics,
+                                const CompileOptions& options) {
+  Reporter reporter(diagnostics, sources);
+  Flattened flattened = flatten(deck, reporter, options.analysis_required);
+  if (!flattened.expanded) return std::nullopt;
+  Circuit& circuit = flattened.circuit;
+  std::optional<model::Network> network = assemble(circuit, reporter);
+  if (!network) return std::nullopt;
+  return Compiled{std::move(circuit.title), std::move(*network), std::move(circuit.analyses)};
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,31 @@
+#pragma once
+/// From a syntax tree to the network of the model, in one call: flatten, then assemble.
+
+#include <optional>
+#include <string>
+
+#include "base/diagnostic.hpp"
+#include "base/source.hpp"
+#include "circuit/analyses.hpp"
+#include "model/network.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+struct CompileOptions {
+  bool analysis_required = true;  ///< a deck without .tran and .op is an error (not so for `inspect`)
+};
+
+/// `network.signals` are the columns of the output after `time`, in order.
+struct Compiled {
+  std::string title;
+  model::Network network;
+  Analyses analyses;
+};
+
+/// Every error of meaning goes to `diagnostics`, all in one go. The answer is empty exactly when `diagnostics` holds an error on return;
+/// errors of syntax already in it count too, so that a deck with a syntax error gets its other errors as well.
+[[nodiscard]] std::optional<Compiled> compile(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics,
+                                              const CompileOptions& options = {});
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,289 @@
+#include "circuit/definitions.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/cards.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = netlist::Item::Kind;
+
+constexpr std::string_view func_usage = ".func name(a,b) {expression}";
+constexpr std::string_view subckt_usage = ".subckt name n1 n2 ... [params: p=value ...]";
+
+/// The function's head is the first item of its card: f(a,b).
+bool is_function_head(const Item& item) { return item.kind == ItemKind::group && !item.text.empty(); }
+
+class Reader {
+ public:
+  Reader(const netlist::Deck& deck, Reporter& reporter) : deck_(deck), reporter_(reporter) {}
+
+  Definitions read() {
+    open({}, deck_.title_span);
+    for (const Card& card : deck_.cards) card.name.front() == '.' ? read_dot_card(card) : read_element(card);
+    while (stack_.size() > 1) {
+      reporter_.error("E-missing-ends", current().definition->span, fmt::format(".subckt {} has no .ends", current().definition->name));
+      stack_.pop_back();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  struct Open {
+    Definition* definition = nullptr;
+    std::unordered_map<std::string, SourceSpan> element_spans;
+    std::unordered_map<std::string, SourceSpan> subcircuit_spans;
+  };
+
+  Open& current() { return stack_.back(); }
+  Definition& here() { return *current().definition; }
+  bool at_top() const { return stack_.size() == 1; }
+
+  void open(std::string name, SourceSpan span) {
+    auto definition = std::make_unique<Definition>();
+    definition->name = std::move(name);
+    definition->span = span;
+    definition->parent = stack_.empty() ? nullptr : current().definition;
+    stack_.push_back({definition.get(), {}, {}});
+    result_.all.push_back(std::move(definition));
+  }
+
+  void read_element(const Card& card) {
+    if (std::isalpha(static_cast<unsigned char>(card.name.front())) == 0) {
+      if (!card.damaged)
+        reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is no element: names begin with a letter", card.name));
+      return;
+    }
+    const auto [entry, is_new] = current().element_spans.try_emplace(without_case(card.name), card.name_span);
+    if (is_new) {
+      here().elements.push_back(&card);
+    } else {
+      report_second("E-duplicate-element", "element", card.name, card.name_span, entry->second);
+    }
+  }
+
+  void report_second(std::string id, std::string_view what, std::string_view name, SourceSpan second, SourceSpan first) {
+    reporter_.error(std::move(id), second, fmt::format("a second {} {}; the first stands at {}", what, name, reporter_.where(first)));
+    reporter_.note("N-first-here", first, fmt::format("the first {} stands here", name));
+  }
+
+  void read_dot_card(const Card& card) {
+    const CardKind* kind = find_card(card.name);
+    kind == nullptr ? report_unknown(card) : read_known(card, *kind);
+  }
+
+  void report_unknown(const Card& card) {
+    std::vector<std::string> names;
+    for (const CardKind& kind : card_kinds()) names.emplace_back(kind.name);
+    reporter_.error("E-unknown-card", card.name_span, fmt::format("unknown card '{}'{}", card.name, suggestion(card.name, names)));
+  }
+
+  void read_known(const Card& card, const CardKind& kind) {
+    switch (kind.role) {
+      case CardRole::subcircuit:
+        return read_subcircuit(card);
+      case CardRole::end_of_subcircuit:
+        return read_ends(card);
+      case CardRole::parameter:
+        return read_parameters(card, card.items, here().parameters);
+      case CardRole::function:
+        return read_function(card);
+      case CardRole::model:
+        return read_model(card);
+      case CardRole::global:
+        return read_global(card);
+      case CardRole::condition:
+        here().conditions.push_back(&card);
+        return;
+      case CardRole::options:
+        result_.options.push_back(&card);
+        return;
+      case CardRole::transient:
+        return read_analysis(card, result_.transients);
+      case CardRole::operating_point:
+        return read_analysis(card, result_.operating_points);
+      case CardRole::save:
+        return read_analysis(card, result_.saves);
+      case CardRole::print:
+        return read_print(card);
+      case CardRole::ignored:
+        if (reporter_.first_time(kind.name)) {
+          reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));
+        }
+        return;
+      case CardRole::not_yet:
+        reporter_.error("E-not-supported-yet", card.name_span, fmt::format("{} is not supported yet ({})", card.name, kind.text));
+        return;
+      case CardRole::silent:
+        return;
+    }
+  }
+
+  void read_analysis(const Card& card, std::vector<const Card*>& list) {
+    if (!at_top()) {
+      reporter_.error("E-misplaced", card.name_span, fmt::format("{} cannot stand inside .subckt {}", card.name, here().name));
+      result_.misplaced_analysis = true;
+      return;
+    }
+    list.push_back(&card);
+  }
+
+  void read_print(const Card& card) {
+    const bool is_group = !card.items.empty() && card.items[0].kind == ItemKind::group;
+    if (is_group || (!card.items.empty() && same_name(card.items[0].text, "tran"))) return read_analysis(card, result_.saves);
+    const std::string what = card.items.empty() ? "" : " " + card.items[0].text;
+    reporter_.warning("W-ignored-card", card.name_span, fmt::format("{}{} is ignored: only .print tran names signals", card.name, what));
+  }
+
+  void read_subcircuit(const Card& card) {
+    const bool named = !card.items.empty() && card.items[0].kind == ItemKind::word;
+    if (!named && !card.damaged)
+      reporter_.error("E-missing-value", card.span, fmt::format(".subckt needs a name; usage: {}", subckt_usage));
+    const std::string name = named ? card.items[0].text : "";
+    const SourceSpan span = named ? card.items[0].text_span : card.name_span;
+    const auto [entry, is_new] = current().subcircuit_spans.try_emplace(without_case(name), span);
+    if (!is_new) report_second("E-duplicate-subckt", "subcircuit", name, span, entry->second);
+    Definition& outer = here();
+    open(name, span);
+    if (is_new) outer.subcircuits[without_case(name)] = &here();
+    for (std::size_t k = 1; k < card.items.size(); ++k) read_formal(card.items[k]);
+  }
+
+  void read_formal(const Item& item) {
+    if (item.kind == ItemKind::assignment) {
+      here().formals.push_back({item.text, item.text_span, value_of(item)});
+    } else if (item.kind != ItemKind::word) {
+      reporter_.error("E-unexpected", item.span, fmt::format("a port is a name; usage: {}", subckt_usage));
+    } else if (item.text == "0" || same_name(item.text, "gnd")) {
+      reporter_.error("E-ground-port", item.span, "ground cannot be a port: it is the same node everywhere");
+    } else if (!same_name(item.text, "params:")) {
+      read_port(item);
+    }
+  }
+
+  void read_port(const Item& item) {
+    std::string key = without_case(item.text);
+    auto& ports = here().ports;
+    if (std::find(ports.begin(), ports.end(), key) != ports.end()) {
+      reporter_.error("E-duplicate-port", item.span, fmt::format("{} has a second port {}", here().name, item.text));
+    }
+    ports.push_back(std::move(key));
+  }
+
+  const Item* value_of(const Item& assignment) {
+    if (!assignment.items.empty()) return &assignment.items[0];
+    reporter_.error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
+    return nullptr;
+  }
+
+  void read_ends(const Card& card) {
+    if (at_top()) {
+      reporter_.error("E-misplaced", card.name_span, ".ends without .subckt");
+      return;
+    }
+    if (!card.items.empty() && !same_name(card.items[0].text, here().name)) {
+      reporter_.error("E-ends-name", card.items[0].span, fmt::format(".ends {} ends .subckt {}", card.items[0].text, here().name));
+    }
+    stack_.pop_back();
+  }
+
+  void read_parameters(const Card& card, const std::vector<Item>& items, std::vector<ParameterText>& list) {
+    if (items.empty() && !card.damaged)
+      reporter_.error("E-missing-value", card.span, ".param defines nothing; usage: .param name=value ...");
+    for (const Item& item : items) {
+      if (item.kind != ItemKind::assignment) {
+        reporter_.error("E-unexpected", item.span, ".param takes name=value only");
+      } else if (item.items.size() > 1) {
+        reporter_.error("E-unexpected", item.text_span,
+                        fmt::format("{} is no parameter name; for a function take {}", item.text, func_usage));
+      } else {
+        list.push_back({item.text, item.text_span, value_of(item)});
+      }
+    }
+  }
+
+  void read_function(const Card& card) {
+    if (card.damaged) return;
+    if (card.items.size() != 2 || !is_function_head(card.items[0])) {
+      reporter_.error("E-function", card.span, fmt::format("a function needs a head and a body; usage: {}", func_usage));
+      return;
+    }
+    const Item& head = card.items[0];
+    FunctionText function{head.text, head.text_span, {}, &card.items[1]};
+    for (const Item& formal : head.items) {
+      if (formal.kind != ItemKind::word)
+        reporter_.error("E-function", formal.span, fmt::format("an argument is a name; usage: {}", func_usage));
+      function.formals.push_back(without_case(formal.text));
+    }
+    here().functions[without_case(head.text)] = std::move(function);
+  }
+
+  void read_model(const Card& card) {
+    if (card.items.empty() || card.items[0].kind != ItemKind::word) {
+      if (!card.damaged)
+        reporter_.error("E-missing-value", card.span, ".model needs a name and a type; usage: .model name TYPE(p=value ...)");
+      return;
+    }
+    const auto [entry, is_new] = here().models.try_emplace(without_case(card.items[0].text), &card);
+    if (!is_new) settle_second_model(card, entry->second);
+  }
+
+  /// Two in one file are a mistake; the deck's own model rules over one of a library, and the first of two libraries over the second.
+  void settle_second_model(const Card& second, const Card*& kept) {
+    const Card& first = *kept;
+    const std::string& name = second.items[0].text;
+    if (first.span.file == second.span.file) {
+      if (&first != &second) report_second("E-duplicate-model", "model", name, second.items[0].span, first.items[0].span);
+      return;
+    }
+    if (second.span.file == deck_.title_span.file) kept = &second;
+    const Card& other = kept == &second ? first : second;
+    reporter_.warning("W-second-model", other.items[0].span,
+                      fmt::format("this model {} is not used: the one at {} rules", name, reporter_.where(kept->items[0].span)));
+  }
+
+  void read_global(const Card& card) {
+    for (const Item& item : card.items) {
+      if (item.kind == ItemKind::word) {
+        result_.global_nodes.insert(without_case(item.text));
+      } else {
+        reporter_.error("E-unexpected", item.span, ".global takes node names only");
+      }
+    }
+  }
+
+  const netlist::Deck& deck_;
+  Reporter& reporter_;
+  Definitions result_;
+  std::vector<Open> stack_;
+};
+
+}  // namespace
+
+Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter) { return Reader(deck, reporter).read(); }
+
+const Definition* find_subcircuit(const Definition& from, std::string_view name) {
+  const std::string key = without_case(name);
+  for (const Definition* at = &from; at != nullptr; at = at->parent) {
+    const auto found = at->subcircuits.find(key);
+    if (found != at->subcircuits.end()) return found->second;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> subcircuit_names(const Definition& from) {
+  std::vector<std::string> names;
+  for (const Definition* at = &from; at != nullptr; at = at->parent) {
+    for (const auto& entry : at->subcircuits) names.push_back(entry.second->name);
+  }
+  return names;
+}
+
+}  // namespace pwlsim::circuit

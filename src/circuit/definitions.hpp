@@ -1,0 +1,61 @@
+#pragma once
+/// The cards of a deck sorted by the subcircuit definition they stand in, before anything is evaluated.
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "circuit/reporter.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+/// Keys are names without case.
+using CardMap = std::unordered_map<std::string, const netlist::Card*>;
+
+struct ParameterText {
+  std::string name;  ///< as written
+  SourceSpan span;
+  const netlist::Item* value = nullptr;
+};
+
+struct FunctionText {
+  std::string name;
+  SourceSpan span;
+  std::vector<std::string> formals;  ///< keys
+  const netlist::Item* body = nullptr;
+};
+
+struct Definition {
+  std::string name;  ///< as written; "" for the deck itself
+  SourceSpan span;
+  const Definition* parent = nullptr;  ///< the definition it stands in
+  std::vector<std::string> ports;      ///< keys
+  std::vector<ParameterText> formals;  ///< `params:`
+  std::vector<ParameterText> parameters;
+  std::unordered_map<std::string, FunctionText> functions;
+  CardMap models;
+  std::unordered_map<std::string, const Definition*> subcircuits;
+  std::vector<const netlist::Card*> elements;  ///< X cards too, in order
+  std::vector<const netlist::Card*> conditions;
+};
+
+/// Keeps pointers into the deck.
+struct Definitions {
+  std::vector<std::unique_ptr<Definition>> all;  ///< all[0] is the deck itself
+  std::unordered_set<std::string> global_nodes;  ///< keys
+  std::vector<const netlist::Card*> options, transients, operating_points, saves;
+  bool misplaced_analysis = false;  ///< an analysis card stands where it cannot: its absence elsewhere is no further error
+};
+
+/// Reports cards that are unknown, misplaced or not supported, two definitions of one name, and .subckt without .ends.
+[[nodiscard]] Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter);
+
+/// The nearest definition of that name, seen from `from` outwards; null where there is none.
+[[nodiscard]] const Definition* find_subcircuit(const Definition& from, std::string_view name);
+[[nodiscard]] std::vector<std::string> subcircuit_names(const Definition& from);
+
+}  // namespace pwlsim::circuit

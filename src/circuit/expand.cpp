@@ -1,0 +1,134 @@
+#include "circuit/expand.hpp"
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/cards.hpp"
+#include "circuit/census.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+constexpr std::string_view call_usage = "X<name> n1 n2 ... subcircuit [p=value ...]";
+constexpr std::string_view condition_usage = ".ic v(node)=value i(inductor)=value";
+
+bool is_call(const Card& card) { return lower_letter(card.name.front()) == 'x'; }
+
+}  // namespace
+
+void Expander::expand(Place& place) {
+  for (const Card* card : place.scope.definition().elements) {
+    if (reporter().full()) return;
+    is_call(*card) ? call(place, *card) : binder_.element(place, *card);
+  }
+  for (const Card* card : place.scope.definition().conditions) {
+    for (const Item& item : card->items) condition(place, item);
+  }
+}
+
+void Expander::call(Place& place, const Card& card) {
+  const Item* name = called_subcircuit(card);
+  const Definition* called = name != nullptr ? find_subcircuit(place.scope.definition(), name->text) : nullptr;
+  if (called != nullptr) return enter(place, card, *name, *called);
+  circuit_.has_gaps = true;
+  if (name == nullptr) {
+    if (!card.damaged)
+      reporter().error("E-missing-value", card.span, fmt::format("{} calls no subcircuit; usage: {}", card.name, call_usage));
+    return;
+  }
+  for (const Item* item : actual_nodes(card, *name)) (void)binder_.node(place, *item);
+  if (card.damaged) return;
+  if (is_library_name(name->text)) {
+    reporter().error("E-not-supported-yet", name->span, fmt::format("the library element {} is not supported yet", name->text));
+  } else {
+    reporter().error(
+        "E-unknown-subckt", name->span,
+        fmt::format("unknown subcircuit '{}'{}", name->text, suggestion(name->text, subcircuit_names(place.scope.definition()))));
+  }
+}
+
+std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& name) {
+  std::vector<const Item*> nodes;
+  for (const Item& item : card.items) {
+    if (&item == &name) break;
+    if (item.kind == ItemKind::word) {
+      nodes.push_back(&item);
+    } else {
+      reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), call_usage));
+    }
+  }
+  return nodes;
+}
+
+void Expander::enter(Place& place, const Card& card, const Item& name, const Definition& called) {
+  const std::vector<const Item*> nodes = actual_nodes(card, name);
+  if (nodes.size() != called.ports.size()) circuit_.has_gaps = true;
+  if (nodes.size() != called.ports.size() && !card.damaged) {
+    reporter().error("E-node-count", card.span,
+                     fmt::format("{} gives {} nodes, but {} has {} ({})", card.name, nodes.size(), called.name, called.ports.size(),
+                                 fmt::join(called.ports, " ")));
+  }
+  Scope scope(called, &place.scope.enclosing(*called.parent), session_);
+  Place inner{scope, place.prefix + card.name + ".", {}};
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const model::NodeIndex node = binder_.node(place, *nodes[k]);
+    if (k < called.ports.size()) inner.nodes.emplace(called.ports[k], node);
+  }
+  give_parameters(place, card, name, scope);
+  scope.evaluate_all();
+  expand(inner);
+}
+
+void Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {
+  const auto first = static_cast<std::size_t>(&name - card.items.data()) + 1;
+  for (std::size_t k = first; k < card.items.size(); ++k) {
+    const Item& item = card.items[k];
+    if (item.kind == ItemKind::assignment) {
+      give(place, item, inner);
+    } else if (!same_name(item.text, "params:")) {
+      reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), call_usage));
+    }
+  }
+}
+
+void Expander::give(Place& place, const Item& assignment, Scope& inner) {
+  if (assignment.items.empty()) {
+    reporter().error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
+    return;
+  }
+  const std::optional<Number> number = place.scope.number(assignment.items[0], true);
+  if (inner.give(assignment.text, number ? number->value : 0.0)) return;
+  reporter().error("E-unknown-parameter", assignment.text_span,
+                   fmt::format("the subcircuit {} has no parameter '{}'{}", inner.definition().name, assignment.text,
+                               suggestion(assignment.text, inner.parameter_names())));
+}
+
+std::string Expander::full_node_name(const Place& place, const std::string& name) const {
+  if (place.prefix.empty() || is_ground_name(name)) return name;
+  const std::string key = without_case(name);
+  const auto known = place.nodes.find(key);
+  if (known == place.nodes.end()) return binder_.is_global(key) ? name : place.prefix + name;
+  return known->second == model::ground ? "0" : circuit_.nodes()[static_cast<std::size_t>(known->second)].name;
+}
+
+void Expander::condition(Place& place, const Item& item) {
+  const bool shaped = item.kind == ItemKind::assignment && item.items.size() == 2 && item.items[1].items.size() == 1 &&
+                      item.items[1].items[0].kind == ItemKind::word;
+  const Item* quantity = shaped ? &item.items[1] : nullptr;
+  const bool is_voltage = shaped && same_name(quantity->text, "v");
+  const bool is_current = shaped && same_name(quantity->text, "i");
+  if (!is_voltage && !is_current) {
+    reporter().error("E-ic", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), condition_usage));
+    return;
+  }
+  const std::optional<Number> number = place.scope.number(item.items[0]);
+  const Item& word = quantity->items[0];
+  const std::string name = is_voltage ? full_node_name(place, word.text) : place.prefix + word.text;
+  circuit_.conditions.push_back({is_current, name, number ? number->value : 0.0, word.span});
+}
+
+}  // namespace pwlsim::circuit

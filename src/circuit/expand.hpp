@@ -1,0 +1,30 @@
+#pragma once
+/// Calls of subcircuits: each X card becomes the elements of its definition.
+
+#include "circuit/bind.hpp"
+
+namespace pwlsim::circuit {
+
+class Expander {
+ public:
+  Expander(Circuit& circuit, Binder& binder, Session& session) : circuit_(circuit), binder_(binder), session_(session) {}
+
+  /// Binds every element card of the definition of `place`, calls included, and its .ic cards. The census must have passed.
+  void expand(Place& place);
+
+ private:
+  void call(Place& place, const netlist::Card& card);
+  void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
+  [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
+  void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
+  void give(Place& place, const netlist::Item& assignment, Scope& inner);
+  void condition(Place& place, const netlist::Item& item);
+  [[nodiscard]] std::string full_node_name(const Place& place, const std::string& name) const;
+  [[nodiscard]] Reporter& reporter() { return session_.reporter; }
+
+  Circuit& circuit_;
+  Binder& binder_;
+  Session& session_;
+};
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,32 @@
+#include "circuit/flatten.hpp"
+
+#include "circuit/census.hpp"
+#include "circuit/commands.hpp"
+#include "circuit/definitions.hpp"
+#include "circuit/expand.hpp"
+
+namespace pwlsim::circuit {
+
+Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_required) {
+  Flattened result;
+  Circuit& circuit = result.circuit;
+  circuit.title = deck.title;
+  circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
+  const Definitions definitions = read_definitions(deck, reporter);
+  Session session(reporter);
+  Scope top(*definitions.all.front(), nullptr, session);
+  top.evaluate_all();
+  const Options options = read_options(definitions, top, reporter, circuit.analyses);
+  read_analyses(definitions, top, reporter, analysis_required, circuit);
+  read_saves(definitions, reporter, circuit);
+  if (!check_expansion(definitions, options.limits, reporter)) return result;
+  Models models(circuit, options.settings, reporter);
+  Binder binder(circuit, definitions, models, reporter);
+  Place place{top, "", {}};
+  Expander(circuit, binder, session).expand(place);
+  models.check_unused(top, deck.title_span.file);
+  result.expanded = true;
+  return result;
+}
+
+}  // namespace pwlsim::circuit

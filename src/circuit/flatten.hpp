@@ -1,0 +1,18 @@
+#pragma once
+/// Syntax tree -> flat circuit: parameters evaluated, subcircuits expanded, every card given its meaning.
+
+#include "circuit/circuit.hpp"
+#include "circuit/reporter.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+/// After errors the circuit holds what could be understood: every element at least with its name, so that the names others refer to can
+/// still be checked. It must not be emitted then.
+struct Flattened {
+  Circuit circuit;
+  bool expanded = false;  ///< false where it would have become too large or endless: then it holds no element
+};
+[[nodiscard]] Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_required);
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,83 @@
+#include "circuit/floating.hpp"
+
+#include <map>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace pwlsim::circuit {
+namespace {
+
+using model::NodeIndex;
+
+/// Node k stands at k+1, ground at 0; the root of ground's group is 0.
+class Groups {
+ public:
+  explicit Groups(std::size_t nodes) : parent_(nodes + 1) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+
+  std::size_t root(NodeIndex node) { return find(static_cast<std::size_t>(node + 1)); }
+  void join(NodeIndex a, NodeIndex b) {
+    const std::size_t x = root(a), y = root(b);
+    parent_[std::max(x, y)] = std::min(x, y);
+  }
+
+ private:
+  std::size_t find(std::size_t k) {
+    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+    return k;
+  }
+
+  std::vector<std::size_t> parent_;
+};
+
+using elements::Instance;
+
+bool ties(const Instance& instance) { return instance.kind->joins_terminals == nullptr || instance.kind->joins_terminals(instance); }
+
+/// A controlled current whose control spans two groups feels their difference of potential, so it may fix it; the rank of the model
+/// decides in the end.
+bool feels_difference(const Instance& instance, Groups& groups) {
+  for (const elements::NodePair& pair : instance.control_nodes) {
+    if (groups.root(pair.p) != groups.root(pair.n)) return true;
+  }
+  return false;
+}
+
+void join(const Circuit& circuit, Groups& groups) {
+  for (const Instance& instance : circuit.instances) {
+    if (instance.nodes.size() == 2 && ties(instance)) groups.join(instance.nodes[0], instance.nodes[1]);
+  }
+  for (const Instance& instance : circuit.instances) {
+    if (instance.nodes.size() == 2 && !ties(instance) && feels_difference(instance, groups))
+      groups.join(instance.nodes[0], instance.nodes[1]);
+  }
+}
+
+std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& group) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < group.size() && k < most; ++k) text += (k == 0 ? "" : ", ") + circuit.nodes()[group[k]].name;
+  if (group.size() > most) text += fmt::format(" and {} more", group.size() - most);
+  return text;
+}
+
+}  // namespace
+
+void report_floating(const Circuit& circuit, Reporter& reporter) {
+  Groups groups(circuit.nodes().size());
+  join(circuit, groups);
+  std::map<std::size_t, std::vector<std::size_t>> floating;
+  for (std::size_t k = 0; k < circuit.nodes().size(); ++k) {
+    if (const std::size_t root = groups.root(static_cast<NodeIndex>(k)); root != 0) floating[root].push_back(k);
+  }
+  for (const auto& [root, group] : floating) {
+    const model::Label& first = circuit.nodes()[group[0]];
+    const std::string who =
+        group.size() == 1 ? fmt::format("the node {} has", first.name) : fmt::format("the nodes {} have", some_names(circuit, group));
+    reporter.error("E-floating", first.span, fmt::format("{} no path to ground; try a resistor from {} to 0", who, first.name));
+  }
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,13 @@
+#pragma once
+/// Parts of a circuit that nothing ties to ground.
+
+#include "circuit/circuit.hpp"
+#include "circuit/reporter.hpp"
+
+namespace pwlsim::circuit {
+
+/// An error for each group of nodes that no chain of elements that tie their terminals (R C L V E H D S W) connects to ground, and whose
+/// potential no controlled current fixes either. Parts inside an element count as tied.
+void report_floating(const Circuit& circuit, Reporter& reporter);
+
+}  // namespace pwlsim::circuit

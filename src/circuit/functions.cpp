@@ -1,0 +1,81 @@
+#include "circuit/functions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using Arguments = std::span<const double>;
+
+constexpr std::size_t any_number = std::numeric_limits<std::size_t>::max();
+
+template <double (*F)(double)>
+double of_one(Arguments a) {
+  return F(a[0]);
+}
+template <double (*F)(double, double)>
+double of_two(Arguments a) {
+  return F(a[0], a[1]);
+}
+
+double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
+double median(Arguments a) { return std::max(std::min(a[0], a[1]), std::min(std::max(a[0], a[1]), a[2])); }
+
+constexpr BuiltinFunction functions[] = {
+    {"sqrt", 1, 1, of_one<std::sqrt>},
+    {"exp", 1, 1, of_one<std::exp>},
+    {"ln", 1, 1, of_one<std::log>},
+    {"log", 1, 1, of_one<std::log>},
+    {"log10", 1, 1, of_one<std::log10>},
+    {"sin", 1, 1, of_one<std::sin>},
+    {"cos", 1, 1, of_one<std::cos>},
+    {"tan", 1, 1, of_one<std::tan>},
+    {"asin", 1, 1, of_one<std::asin>},
+    {"acos", 1, 1, of_one<std::acos>},
+    {"atan", 1, 1, of_one<std::atan>},
+    {"atan2", 2, 2, of_two<std::atan2>},
+    {"sinh", 1, 1, of_one<std::sinh>},
+    {"cosh", 1, 1, of_one<std::cosh>},
+    {"tanh", 1, 1, of_one<std::tanh>},
+    {"abs", 1, 1, of_one<std::fabs>},
+    {"pow", 2, 2, of_two<std::pow>},
+    {"floor", 1, 1, of_one<std::floor>},
+    {"ceil", 1, 1, of_one<std::ceil>},
+    {"int", 1, 1, of_one<std::trunc>},
+    {"sgn", 1, 1, of_one<sign>},
+    {"limit", 3, 3, median, true},
+    {"min", 2, any_number, [](Arguments a) { return *std::min_element(a.begin(), a.end()); }, true},
+    {"max", 2, any_number, [](Arguments a) { return *std::max_element(a.begin(), a.end()); }, true},
+};
+
+}  // namespace
+
+std::span<const BuiltinFunction> builtin_functions() { return functions; }
+
+const BuiltinFunction* find_builtin(std::string_view name) {
+  const auto* found = std::find_if(std::begin(functions), std::end(functions), [&](const auto& f) { return same_name(f.name, name); });
+  return found == std::end(functions) ? nullptr : found;
+}
+
+double binary_value(std::string_view op, double a, double b) {
+  if (op == "+") return a + b;
+  if (op == "-") return a - b;
+  if (op == "*") return a * b;
+  if (op == "/") return a / b;
+  if (op == "^" || op == "**") return std::pow(a, b);
+  if (op == "<") return a < b;
+  if (op == ">") return a > b;
+  if (op == "<=") return a <= b;
+  if (op == ">=") return a >= b;
+  if (op == "==") return a == b;
+  if (op == "!=") return a != b;
+  if (op == "&" || op == "&&") return a != 0.0 && b != 0.0;
+  if (op == "|" || op == "||") return a != 0.0 || b != 0.0;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace pwlsim::circuit

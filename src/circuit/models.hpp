@@ -1,0 +1,49 @@
+#pragma once
+/// `.model` cards: found from where they are used, evaluated once in each scope that defines them.
+
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "circuit/circuit.hpp"
+#include "circuit/scope.hpp"
+#include "elements/kind.hpp"
+
+namespace pwlsim::circuit {
+
+class Models {
+ public:
+  Models(Circuit& circuit, const elements::Settings& settings, Reporter& reporter)
+      : circuit_(circuit), settings_(settings), reporter_(reporter) {}
+
+  /// The index in circuit.models of the model `name` as seen from `scope`, for an element of `kind`; -1 after an error.
+  [[nodiscard]] int use(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
+
+  [[nodiscard]] static bool known(Scope& scope, const netlist::Item& name);
+
+  /// Errors in the models of `file` that nothing used: a mistake is one even where it has no effect.
+  void check_unused(Scope& top, FileIndex file);
+
+ private:
+  [[nodiscard]] int evaluated(Scope& scope, const netlist::Card& card);
+  [[nodiscard]] std::optional<elements::Model> read(Scope& scope, const netlist::Card& card);
+  void report_unknown(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
+
+  Circuit& circuit_;
+  const elements::Settings& settings_;
+  Reporter& reporter_;
+  std::unordered_set<const netlist::Card*> used_;
+};
+
+/// A model card taken apart: `.model name [ako:base] TYPE(p=value …)`, the parentheses optional.
+struct ModelText {
+  std::string_view type;  ///< "" where it is left to the base
+  SourceSpan type_span;
+  const netlist::Item* base = nullptr;
+  std::string base_name;
+  std::vector<const netlist::Item*> parameters;
+};
+[[nodiscard]] std::optional<ModelText> read_model_text(const netlist::Card& card, Reporter& reporter);
+
+}  // namespace pwlsim::circuit

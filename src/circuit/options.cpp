@@ -1,0 +1,118 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/commands.hpp"
+#include "elements/parameter.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using elements::Range;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+constexpr double deepest_calls = 10000;
+
+/// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
+constexpr std::string_view honoured[] = {"reltol", "i0", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
+constexpr std::string_view silent[] = {"abstol", "method", "max_include_depth", "max_parentheses"};  // the last two: read with the deck
+constexpr std::string_view ignored[] = {
+    "vntol",        "chgtol",      "trtol",      "gmin",         "gminsteps", "srcsteps",   "sourcesteps",   "itl1",     "itl2",
+    "itl3",         "itl4",        "itl5",       "itl6",         "pivrel",    "pivtol",     "maxord",        "maxstep",  "mindeltagmin",
+    "numdgt",       "plotwinsize", "measdgt",    "temp",         "tnom",      "acct",       "noacct",        "list",     "nomod",
+    "nopage",       "node",        "opts",       "noopiter",     "noopac",    "defl",       "defw",          "defad",    "defas",
+    "cshunt",       "rshunt",      "interp",     "trytocompact", "bypass",    "sparse",     "klu",           "xmu",      "autostop",
+    "savecurrents", "keepopinfo",  "post",       "probe",        "ingold",    "brief",      "captab",        "ramptime", "convstep",
+    "convabsstep",  "auto_bridge", "fastaccess", "flagloads",    "ptrantau",  "ptranmax",   "topologycheck", "nomarch",  "meascplxfmt",
+    "startclk",     "baudrate",    "delim",      "accurate",     "absv",      "lvltim",     "limpts",        "cptime",   "limtim",
+    "reltolc",      "advance",     "stepgmin",   "expand",       "ascii",     "thev_induc", "minclk",        "maxclk",
+};
+
+bool listed(std::span<const std::string_view> list, std::string_view name) {
+  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
+}
+
+class OptionReader {
+ public:
+  OptionReader(Scope& scope, Reporter& reporter, Analyses& analyses) : scope_(scope), reporter_(reporter), analyses_(analyses) {}
+
+  void read(const Item& item) {
+    if (listed(honoured, item.text)) {
+      honour(item);
+    } else if (listed(ignored, item.text)) {
+      if (reporter_.first_time("option")) {
+        reporter_.warning("W-ignored-option", item.text_span.known() ? item.text_span : item.span,
+                          fmt::format("the option {} has no effect here, and so have others of its kind", item.text));
+      }
+    } else if (!listed(silent, item.text)) {
+      std::vector<std::string> names;
+      for (std::string_view name : honoured) names.emplace_back(name);
+      for (std::string_view name : silent) names.emplace_back(name);
+      reporter_.error("E-unknown-option", item.text_span.known() ? item.text_span : item.span,
+                      fmt::format("unknown option '{}'{}", item.text, suggestion(item.text, names)));
+    }
+  }
+
+  Options options;
+
+ private:
+  void honour(const Item& item) {
+    if (item.kind != ItemKind::assignment || item.items.empty()) {
+      reporter_.error("E-missing-value", item.span, fmt::format("the option {} has no value", item.text));
+    } else if (same_name(item.text, "nonunique")) {
+      choose(item.items[0]);
+    } else {
+      set(item);
+    }
+  }
+
+  void choose(const Item& word) {
+    if (same_name(word.text, "error")) {
+      analyses_.non_unique = NonUniqueChoice::error;
+    } else if (same_name(word.text, "first")) {
+      analyses_.non_unique = NonUniqueChoice::first;
+    } else if (same_name(word.text, "stay")) {
+      analyses_.non_unique = NonUniqueChoice::stay;
+    } else {
+      reporter_.error("E-range", word.span, "nonunique is error, first or stay");
+    }
+  }
+
+  void set(const Item& item) {
+    const std::optional<Number> number = scope_.number(item.items[0]);
+    if (!number) return;
+    const double value = number->value;
+    const bool whole = !same_name(item.text, "reltol") && !same_name(item.text, "i0");
+    const elements::Parameter parameter{item.text, "", 0.0, whole ? Range::whole_positive : Range::positive, false, ""};
+    const bool deep = same_name(item.text, "max_subcircuit_depth") && value > deepest_calls;
+    if (!elements::in_range(parameter, value) || value > 1e15 || deep) {
+      const std::string limit =
+          deep ? fmt::format("must not exceed {}", deepest_calls) : std::string(elements::range_words(parameter.range));
+      reporter_.error("E-range", item.items[0].span, fmt::format("the option {} {}, not {}", item.text, limit, value));
+      return;
+    }
+    if (same_name(item.text, "reltol")) analyses_.relative_tolerance = value;
+    if (same_name(item.text, "i0")) options.settings.tangent_current = value;
+    if (same_name(item.text, "max_rows")) analyses_.row_limit = static_cast<std::uint64_t>(value);
+    if (same_name(item.text, "max_elements")) options.limits.elements = value;
+    if (same_name(item.text, "max_subcircuit_depth")) options.limits.depth = value;
+  }
+
+  Scope& scope_;
+  Reporter& reporter_;
+  Analyses& analyses_;
+};
+
+}  // namespace
+
+Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses) {
+  OptionReader reader(scope, reporter, analyses);
+  for (const netlist::Card* card : definitions.options) {
+    for (const Item& item : card->items) reader.read(item);
+  }
+  return reader.options;
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,58 @@
+#pragma once
+/// Messages of the circuit room on their way to the user's Diagnostics: each once, however often its card is expanded.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+
+#include "base/diagnostic.hpp"
+#include "base/source.hpp"
+
+namespace pwlsim::circuit {
+
+class Reporter {
+ public:
+  Reporter(Diagnostics& diagnostics, const SourceStore& sources) : diagnostics_(diagnostics), sources_(&sources) {}
+  /// For circuits that no text stands behind.
+  explicit Reporter(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+  void error(std::string id, SourceSpan span, std::string text) { pass({Severity::error, std::move(id), span, std::move(text)}); }
+  void warning(std::string id, SourceSpan span, std::string text) { pass({Severity::warning, std::move(id), span, std::move(text)}); }
+  void note(std::string id, SourceSpan span, std::string text) { pass({Severity::note, std::move(id), span, std::move(text)}); }
+  void pass(Diagnostic diagnostic);
+  /// Passes on all of `scratch`, or its errors alone.
+  void forward(const Diagnostics& scratch, bool errors_only = false);
+
+  /// True the first time it is called with `key`: for warnings that are given once in a deck.
+  [[nodiscard]] bool first_time(std::string_view key) { return once_.insert(std::string(key)).second; }
+
+  /// A reporter that knows the same texts and writes elsewhere.
+  [[nodiscard]] Reporter beside(Diagnostics& diagnostics) const {
+    Reporter other(diagnostics);
+    other.sources_ = sources_;
+    return other;
+  }
+
+  /// So many errors stand that it is no use to look for more.
+  [[nodiscard]] bool full() const { return errors_ >= most_errors; }
+  [[nodiscard]] bool failed() const { return diagnostics_.has_errors(); }
+  /// What stands at `span`; "" for an unknown place.
+  [[nodiscard]] std::string_view text(const SourceSpan& span) const { return sources_ != nullptr ? sources_->text(span) : ""; }
+  /// "buck.net:7", or "" for an unknown place.
+  [[nodiscard]] std::string where(const SourceSpan& span) const;
+
+ private:
+  static constexpr std::size_t most_errors = 1000;
+
+  Diagnostics& diagnostics_;
+  const SourceStore* sources_ = nullptr;
+  std::unordered_set<std::string> passed_;
+  std::unordered_set<std::string> once_;
+  std::size_t errors_ = 0;
+};
+
+/// "; try 'name'" for the nearest candidate, or "" where none is near.
+[[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace pwlsim::circuit

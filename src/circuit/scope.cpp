@@ -1,0 +1,143 @@
+#include "circuit/scope.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/evaluator.hpp"
+#include "netlist/number.hpp"
+
+namespace pwlsim::circuit {
+
+using ItemKind = netlist::Item::Kind;
+
+Scope::Scope(const Definition& definition, Scope* outer, Session& session) : definition_(definition), outer_(outer), session_(session) {
+  for (const auto* list : {&definition.formals, &definition.parameters}) {
+    for (const ParameterText& text : *list) {
+      const auto [entry, is_new] = entries_.insert_or_assign(without_case(text.name), Entry{text});
+      if (is_new) order_.push_back(entry->first);
+    }
+  }
+}
+
+bool Scope::give(std::string_view name, double value) {
+  const auto found = entries_.find(without_case(name));
+  if (found == entries_.end()) return false;
+  found->second.state = State::known;
+  found->second.value = value;
+  return true;
+}
+
+std::vector<std::string> Scope::parameter_names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : entries_) names.push_back(entry.second.text.name);
+  return names;
+}
+
+void Scope::evaluate_all() {
+  // A chain of definitions longer than the depth of evaluation is resolved from its other end; what is left then is an error.
+  depth_is_error_ = false;
+  for (auto key = order_.begin(); key != order_.end() && !session_.too_deep; ++key) (void)parameter(entries_.at(*key), 0);
+  depth_is_error_ = true;
+  session_.too_deep = false;
+  for (auto key = order_.rbegin(); key != order_.rend(); ++key) (void)parameter(entries_.at(*key), 0);
+}
+
+Scope& Scope::enclosing(const Definition& where) {
+  Scope* at = this;
+  while (&at->definition_ != &where) at = at->outer_;
+  return *at;
+}
+
+std::pair<Scope*, Scope::Entry*> Scope::find(std::string_view name) {
+  const std::string key = without_case(name);
+  for (Scope* at = this; at != nullptr; at = at->outer_) {
+    const auto found = at->entries_.find(key);
+    if (found != at->entries_.end()) return {at, &found->second};
+  }
+  return {nullptr, nullptr};
+}
+
+std::optional<double> Scope::parameter(Entry& entry, int depth) {
+  switch (entry.state) {
+    case State::known:
+      return entry.value;
+    case State::failed:
+      return std::nullopt;
+    case State::evaluating:
+      report_circle(entry);
+      return std::nullopt;
+    case State::unknown:
+      break;
+  }
+  if (depth > Evaluator::deepest) {
+    report_depth(entry);
+    return std::nullopt;
+  }
+  entry.state = State::evaluating;
+  session_.evaluating.push_back(entry.text.name);
+  const auto value = entry.text.value != nullptr ? Evaluator(*this, depth + 1).value(*entry.text.value) : std::nullopt;
+  session_.evaluating.pop_back();
+  if (value) entry.value = *value;
+  entry.state = value ? State::known : (session_.too_deep ? State::unknown : State::failed);
+  return value;
+}
+
+void Scope::report_depth(const Entry& entry) {
+  if (depth_is_error_) {
+    session_.reporter.error("E-too-deep", entry.text.span,
+                            fmt::format("more than {} parameters or functions within one another", Evaluator::deepest));
+  } else {
+    session_.too_deep = true;
+  }
+}
+
+void Scope::report_circle(const Entry& entry) {
+  const auto& names = session_.evaluating;
+  const auto same = [&](const std::string& name) { return same_name(name, entry.text.name); };
+  const auto begin = std::find_if(names.begin(), names.end(), same);
+  std::vector<std::string> circle(begin, names.end());
+  circle.push_back(entry.text.name);
+  session_.reporter.error("E-parameter-circle", entry.text.span,
+                          fmt::format("parameters defined in a circle: {}", fmt::join(circle, " -> ")));
+}
+
+std::vector<std::string> Scope::visible_names() const {
+  std::vector<std::string> names;
+  constexpr std::size_t largest_search = 10000;  // looking through more for every error would take long
+  for (const Scope* at = this; at != nullptr && at->entries_.size() <= largest_search; at = at->outer_) {
+    for (const auto& entry : at->entries_) names.push_back(entry.second.text.name);
+  }
+  return names;
+}
+
+void Scope::report_no_number(const netlist::Item& item) {
+  const bool is_parameter = item.kind == ItemKind::word && find(item.text).second != nullptr;
+  const std::string cure = is_parameter ? fmt::format("; try {{{}}}", item.text) : "";
+  const std::string_view text = session_.reporter.text(item.span);
+  session_.reporter.error("E-not-a-number", item.span, fmt::format("'{}' is not a number{}", text, cure));
+}
+
+std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_allowed) {
+  if (item.kind == ItemKind::group && item.text.empty() && item.items.size() == 1) return number(item.items[0], infinity_allowed);
+  Number number;
+  if (item.kind == ItemKind::word) {
+    const netlist::NumberText text = netlist::read_number(item.text);
+    if (text.valid) {
+      number.bare_femto = text.bare_femto;
+      number.decimal = text.infinite ? "" : text.decimal_digits;
+    }
+  }
+  const std::optional<double> value = Evaluator(*this, 0).value(item);
+  if (!value) return std::nullopt;
+  if (std::isinf(*value) && !infinity_allowed) {
+    session_.reporter.error("E-not-finite", item.span, "inf is allowed only where a limit is meant");
+    return std::nullopt;
+  }
+  number.value = *value;
+  return number;
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,88 @@
+#pragma once
+/// Parameters and expressions: one Scope for the deck and one for every call of a subcircuit.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "circuit/definitions.hpp"
+#include "circuit/reporter.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+/// What all scopes of one deck share.
+struct Session {
+  explicit Session(Reporter& r) : reporter(r) {}
+
+  Reporter& reporter;
+  std::vector<std::string> evaluating;  ///< names of the parameters under evaluation, outermost first
+  std::uint64_t function_calls = 0;     ///< of .func functions, in all
+  bool functions_exhausted = false;
+  int nesting = 0;        ///< expressions within one another, through parameters and functions too
+  bool too_deep = false;  ///< a chain of parameters was too long to follow from where it was entered
+};
+
+/// A number as it stands on a card.
+struct Number {
+  double value = 0.0;
+  bool bare_femto = false;  ///< "10F": femto, worth a warning behind a capacitance
+  std::string decimal;      ///< plain decimal text where the card has a plain number, else ""
+};
+
+/// Parameters of one definition as one call of it sees them. Evaluated at first use and kept; the last definition of a name wins, a value
+/// given by the call over both. Names are sought here, then in the scope the definition stands in. Every error is reported once;
+/// the value is then absent.
+class Scope {
+ public:
+  Scope(const Definition& definition, Scope* outer, Session& session);
+  Scope(const Scope&) = delete;
+  Scope& operator=(const Scope&) = delete;
+
+  /// A value from the call. False if the definition has no such parameter.
+  bool give(std::string_view name, double value);
+  [[nodiscard]] std::vector<std::string> parameter_names() const;
+  /// Evaluates every parameter, so that each mistake is reported even where nothing uses it.
+  void evaluate_all();
+
+  /// The number an item stands for; an infinite one only where `inf` was written and `infinity_allowed`.
+  [[nodiscard]] std::optional<Number> number(const netlist::Item& item, bool infinity_allowed = false);
+
+  [[nodiscard]] const Definition& definition() const { return definition_; }
+  [[nodiscard]] Scope* outer() const { return outer_; }
+  /// The scope of the definition `where`, which is this one's or encloses it.
+  [[nodiscard]] Scope& enclosing(const Definition& where);
+  /// The models of this scope that have been evaluated, by card: what Models keeps of them.
+  [[nodiscard]] std::unordered_map<const netlist::Card*, int>& evaluated_models() { return evaluated_models_; }
+
+ private:
+  friend class Evaluator;
+
+  enum class State { unknown, evaluating, known, failed };
+  struct Entry {
+    ParameterText text;
+    State state = State::unknown;
+    double value = 0.0;
+  };
+
+  /// Null where neither this scope nor an outer one has it.
+  [[nodiscard]] std::pair<Scope*, Entry*> find(std::string_view name);
+  [[nodiscard]] std::optional<double> parameter(Entry& entry, int depth);
+  void report_depth(const Entry& entry);
+  void report_circle(const Entry& entry);
+  void report_no_number(const netlist::Item& item);
+  [[nodiscard]] std::vector<std::string> visible_names() const;
+
+  const Definition& definition_;
+  Scope* outer_;
+  Session& session_;
+  std::unordered_map<std::string, Entry> entries_;
+  std::vector<std::string> order_;  ///< keys as first defined
+  std::unordered_map<const netlist::Card*, int> evaluated_models_;
+  bool depth_is_error_ = true;  ///< not while a chain of parameters may still be resolved from its other end
+};
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,108 @@
+#include "circuit/signals.hpp"
+
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+/// The name of a column without case, blanks and the two ways to write a separator: equal ones are one signal.
+std::string column_key(const std::string& column) {
+  std::string key;
+  for (char c : without_case(column)) {
+    if (c != ' ' && c != '\t') key += c == ':' ? '.' : c;
+  }
+  return key;
+}
+
+class SignalList {
+ public:
+  SignalList(const Circuit& circuit, const NameIndex& names, Reporter& reporter) : circuit_(circuit), names_(names), reporter_(reporter) {}
+
+  std::vector<SignalSource> read() {
+    if (circuit_.saves.empty()) add_all();
+    for (const SaveRequest& request : circuit_.saves) {
+      switch (request.kind) {
+        case SaveRequest::Kind::all:
+          add_all();
+          break;
+        case SaveRequest::Kind::voltage:
+          add_voltage(request);
+          break;
+        case SaveRequest::Kind::current:
+          add_current(request);
+          break;
+      }
+    }
+    return std::move(list_);
+  }
+
+ private:
+  void add(SignalSource source) {
+    if (seen_.insert(column_key(source.column)).second) list_.push_back(std::move(source));
+  }
+
+  void add_all() {
+    for (std::size_t k = 0; k < circuit_.nodes().size(); ++k) {
+      add({fmt::format("v({})", circuit_.nodes()[k].name), static_cast<model::NodeIndex>(k), model::ground, -1});
+    }
+    for (std::size_t k = 0; k < circuit_.instances.size(); ++k) {
+      const elements::Instance& instance = circuit_.instances[k];
+      if (instance.kind == nullptr || !instance.kind->saved_by_default) continue;
+      add({fmt::format("i({})", instance.name), model::ground, model::ground, static_cast<int>(k)});
+    }
+  }
+
+  std::optional<model::NodeIndex> node(const std::string& name, const SourceSpan& span) {
+    const auto found = names_.node(name);
+    if (!found) reporter_.error("E-unknown-node", span, fmt::format("unknown node '{}'{}", name, suggestion(name, names_.node_names())));
+    return found;
+  }
+
+  void add_voltage(const SaveRequest& request) {
+    const auto p = node(request.first, request.first_span);
+    const auto n = request.second.empty() ? model::ground : node(request.second, request.second_span);
+    if (p && n) add({request.column, *p, *n, -1});
+  }
+
+  void add_current(const SaveRequest& request) {
+    const int element = names_.element(request.first);
+    if (element < 0) {
+      reporter_.error("E-unknown-element", request.first_span, unknown_element(request.first));
+      return;
+    }
+    const elements::Kind* kind = circuit_.instances[static_cast<std::size_t>(element)].kind;
+    if (kind != nullptr && !kind->has_current) {
+      reporter_.error("E-unknown-signal", request.first_span, fmt::format("{} is a {} and has no current", request.first, kind->name));
+      return;
+    }
+    add({request.column, model::ground, model::ground, element});
+  }
+
+  std::string unknown_element(const std::string& name) const {
+    if (names_.is_call(name)) return fmt::format("{} is a subcircuit; try the current of an element in it", name);
+    return fmt::format("unknown element '{}'{}", name, suggestion(name, names_.element_names()));
+  }
+
+  const Circuit& circuit_;
+  const NameIndex& names_;
+  Reporter& reporter_;
+  std::vector<SignalSource> list_;
+  std::unordered_set<std::string> seen_;
+};
+
+}  // namespace
+
+std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
+  return SignalList(circuit, names, reporter).read();
+}
+
+model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted) {
+  if (source.element < 0) return {source.column, model::voltage_between(source.p, source.n)};
+  return {source.column, emitted[static_cast<std::size_t>(source.element)].current};
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,25 @@
+#pragma once
+/// Saved signals: first as nodes and elements, which any circuit can be asked for, then as forms over its network.
+
+#include <vector>
+
+#include "circuit/circuit.hpp"
+#include "circuit/names.hpp"
+#include "circuit/reporter.hpp"
+#include "elements/emission.hpp"
+
+namespace pwlsim::circuit {
+
+/// v(p) − v(n), or the current of an element.
+struct SignalSource {
+  std::string column;
+  model::NodeIndex p = model::ground, n = model::ground;
+  int element = -1;  ///< -1: a voltage
+};
+
+/// In the order of the columns, each once. Unknown names are errors, with the nearest.
+[[nodiscard]] std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
+
+[[nodiscard]] model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted);
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,131 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/commands.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+constexpr std::string_view usage = ".tran Tstep Tstop [Tstart [Tmax]] [uic] or .tran Tstop [uic]";
+constexpr double default_steps = 1000.0;
+
+struct Time {
+  TimeValue value;
+  SourceSpan span;
+};
+
+class TransientReader {
+ public:
+  TransientReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {}
+
+  std::optional<Transient> read(std::uint64_t row_limit) {
+    for (const Item& item : card_.items) read_item(item);
+    if (!ok_) return std::nullopt;
+    if (times_.empty()) return fail("E-missing-value", card_.span, ".tran has no times");
+    if (times_.size() > 4) return fail("E-unexpected", times_[4].span, ".tran takes four times at most");
+    Transient transient = arrange();
+    if (!check(transient, row_limit)) return std::nullopt;
+    return transient;
+  }
+
+ private:
+  std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
+    reporter_.error(std::move(id), span, fmt::format("{}; usage: {}", text, usage));
+    ok_ = false;
+    return std::nullopt;
+  }
+
+  void read_item(const Item& item) {
+    if (item.kind == ItemKind::word && same_name(item.text, "uic")) {
+      use_initial_conditions_ = true;
+    } else if (item.kind == ItemKind::word && is_foreign(item.text)) {
+      reporter_.error("E-not-supported", item.span, fmt::format("{} on .tran is not supported; usage: {}", item.text, usage));
+      ok_ = false;
+    } else if (item.kind == ItemKind::assignment) {
+      fail("E-unexpected", item.span, fmt::format("unexpected '{}'", item.text));
+    } else {
+      read_time(item);
+    }
+  }
+
+  static bool is_foreign(std::string_view word) {
+    return same_name(word, "startup") || same_name(word, "steady") || same_name(word, "nodiscard") || same_name(word, "step");
+  }
+
+  void read_time(const Item& item) {
+    const std::optional<Number> number = scope_.number(item);
+    if (!number) {
+      ok_ = false;
+    } else if (number->value < 0.0) {
+      fail("E-tran", item.span, fmt::format("a time of .tran must not be negative, not {}", number->value));
+    } else {
+      times_.push_back({{number->value, number->decimal}, item.span});
+    }
+  }
+
+  Transient arrange() const {
+    Transient transient;
+    transient.span = card_.span;
+    transient.use_initial_conditions = use_initial_conditions_;
+    transient.stop = times_[times_.size() == 1 ? 0 : 1].value;
+    if (times_.size() > 1) transient.step = times_[0].value;
+    if (times_.size() > 2) transient.start = times_[2].value;
+    return transient;
+  }
+
+  bool check(const Transient& transient, std::uint64_t row_limit) {
+    const SourceSpan stop_span = times_[times_.size() == 1 ? 0 : 1].span;
+    const double length = transient.stop.seconds - transient.start.seconds;
+    if (!(length > 0.0)) {
+      fail("E-tran", stop_span, fmt::format("Tstop = {} s must lie behind Tstart = {} s", transient.stop.seconds, transient.start.seconds));
+      return false;
+    }
+    const double step = transient.step.seconds > 0.0 ? transient.step.seconds : length / default_steps;
+    const double rows = std::floor(length / step) + 1.0;
+    if (rows > static_cast<double>(row_limit)) {
+      reporter_.error("E-too-many-rows", times_[0].span,
+                      fmt::format("{:.6g} output rows, more than {}; try a larger Tstep, or .options max_rows=", rows, row_limit));
+      return false;
+    }
+    return true;
+  }
+
+  const Card& card_;
+  Scope& scope_;
+  Reporter& reporter_;
+  std::vector<Time> times_;
+  bool use_initial_conditions_ = false;
+  bool ok_ = true;
+};
+
+void report_second_cards(const Definitions& definitions, Reporter& reporter) {
+  const auto& cards = definitions.transients;
+  for (std::size_t k = 1; k < cards.size(); ++k) {
+    reporter.error("E-duplicate-analysis", cards[k]->name_span,
+                   fmt::format("a second .tran; the first stands at {}", reporter.where(cards[0]->span)));
+  }
+}
+
+}  // namespace
+
+void read_analyses(const Definitions& definitions, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
+  Analyses& analyses = circuit.analyses;
+  report_second_cards(definitions, reporter);
+  const Card* card = definitions.transients.empty() ? nullptr : definitions.transients.front();
+  if (card != nullptr && !card->damaged) analyses.transient = TransientReader(*card, scope, reporter).read(analyses.row_limit);
+  for (const Card* operating_point : definitions.operating_points) {
+    analyses.operating_point = true;
+    for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes nothing behind it");
+  }
+  if (required && card == nullptr && !analyses.operating_point && !definitions.misplaced_analysis) {
+    reporter.error("E-no-analysis", {}, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
+  }
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,68 @@
+#include "circuit/values.hpp"
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+
+using elements::Parameter;
+using elements::Use;
+using netlist::Item;
+
+void warn_of_femto(const Item& item, const Number& number, std::string_view unit, Reporter& reporter) {
+  if (!number.bare_femto || unit != "F") return;
+  reporter.warning("W-femto", item.span, fmt::format("{} is {} farad: a bare F is femto; leave it out for farad", item.text, number.value));
+}
+
+void ValueReader::assignment(const Item& item, elements::Values& values, std::vector<std::string>* ignored) {
+  const Parameter* parameter = elements::find_parameter(values.table(), item.text);
+  if (parameter == nullptr) return report_unknown(item, values.table());
+  if (parameter->use == Use::ignored && ignored != nullptr) {
+    ignored->push_back(item.text);
+  } else if (parameter->use == Use::ignored) {
+    if (reporter_.first_time("ignored:" + without_case(item.text))) {
+      reporter_.warning("W-ignored-parameter", item.span, fmt::format("{}= is ignored", item.text));
+    }
+  } else if (item.items.empty()) {
+    reporter_.error("E-missing-value", item.span, fmt::format("{} of {} has no value", item.text, owner_));
+  } else if (parameter->use == Use::refused) {
+    refuse(item, *parameter);
+  } else if (values.has(parameter->name)) {
+    reporter_.error("E-duplicate-parameter", item.span, fmt::format("{} of {} is given twice", item.text, owner_));
+  } else {
+    store(item.items[0], *parameter, values);
+  }
+}
+
+void ValueReader::positional(const Item& item, const Parameter& parameter, elements::Values& values) { store(item, parameter, values); }
+
+void ValueReader::store(const Item& value, const Parameter& parameter, elements::Values& values) {
+  const std::optional<Number> number = scope_.number(value, parameter.infinity_allowed);
+  if (!number) return;
+  warn_of_femto(value, *number, parameter.unit, reporter_);
+  if (!elements::in_range(parameter, number->value)) {
+    reporter_.error("E-range", value.span,
+                    fmt::format("{} of {} {}, not {}", parameter.name, owner_, elements::range_words(parameter.range), number->value));
+  }
+  values.set(parameter.name, number->value, value.span);
+}
+
+/// A refused parameter may stand where it has the value it has anyway.
+void ValueReader::refuse(const Item& item, const Parameter& parameter) {
+  const std::optional<Number> number = item.items[0].kind == Item::Kind::word ? scope_.number(item.items[0], true) : std::nullopt;
+  if (number && number->value == parameter.fallback) return;
+  reporter_.error("E-not-supported", item.span, fmt::format("{} of {} is not supported", item.text, owner_));
+}
+
+void ValueReader::report_unknown(const Item& item, elements::ParameterTable table) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : table) {
+    if (parameter.use == Use::honoured) names.emplace_back(parameter.name);
+  }
+  const std::string nearest = suggestion(item.text, names);
+  const std::string cure = nearest.empty() && !names.empty() ? fmt::format("; it takes {}", fmt::join(names, ", ")) : nearest;
+  reporter_.error("E-unknown-parameter", item.text_span, fmt::format("{} has no parameter '{}'{}", owner_, item.text, cure));
+}
+
+}  // namespace pwlsim::circuit

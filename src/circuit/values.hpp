@@ -1,0 +1,36 @@
+#pragma once
+/// `name=value` items read into the Values of an element, model or waveform.
+
+#include <string_view>
+
+#include "circuit/scope.hpp"
+#include "elements/parameter.hpp"
+
+namespace pwlsim::circuit {
+
+/// Reads numbers and `name=value` items in one scope, and checks them against a parameter table.
+class ValueReader {
+ public:
+  /// `owner` names what the values belong to in messages: "R1", "model DX".
+  ValueReader(Scope& scope, Reporter& reporter, std::string_view owner) : scope_(scope), reporter_(reporter), owner_(owner) {}
+
+  /// One `name=value`. Unknown names, values out of range and names given twice are errors; ignored ones are a warning, once for each
+  /// name in a deck, or are collected in `ignored` where that is given.
+  void assignment(const netlist::Item& item, elements::Values& values, std::vector<std::string>* ignored = nullptr);
+  /// A value by position.
+  void positional(const netlist::Item& item, const elements::Parameter& parameter, elements::Values& values);
+
+ private:
+  void report_unknown(const netlist::Item& item, elements::ParameterTable table);
+  void refuse(const netlist::Item& item, const elements::Parameter& parameter);
+  void store(const netlist::Item& value, const elements::Parameter& parameter, elements::Values& values);
+
+  Scope& scope_;
+  Reporter& reporter_;
+  std::string_view owner_;
+};
+
+/// "1F" behind a capacitance is a femtofarad: says so.
+void warn_of_femto(const netlist::Item& item, const Number& number, std::string_view unit, Reporter& reporter);
+
+}  // namespace pwlsim::circuit

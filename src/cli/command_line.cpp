@@ -1,0 +1,262 @@
+#include "cli/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+namespace pwlsim::cli {
+namespace {
+
+struct Subcommand {
+  std::string_view name;
+  std::string_view arguments;
+  std::string_view description;
+};
+constexpr std::array<Subcommand, 3> subcommands{{
+    {"inspect", "circuit.net [--mode D1=on,D2=off,…] [--json]", "the model: islands, states, ports, (A,B,C,D) per switch position"},
+    {"export", "circuit.net -o out.cir [--smooth X]", "the smoothed equivalent as an ngspice deck"},
+    {"compare", "circuit.net [--json] [--plot out.svg]", "run the deck in ngspice and report the difference and both times"},
+}};
+
+constexpr std::string_view help_footer =
+    "Subcommands (not supported yet): inspect, export, compare; each has its own --help.\n"
+    "\n"
+    "Exit status: 0 done; 1 the run failed, the rows up to then are kept; 2 the deck or the\n"
+    "command line is wrong; 3 a file cannot be read or written; 130, 143 after SIGINT, SIGTERM,\n"
+    "the rows up to then are kept; 141 after a closed pipe.";
+
+class HelpText : public CLI::Formatter {
+ public:
+  HelpText() { column_width(22); }
+  std::string make_usage(const CLI::App*, std::string) const override { return "\nUsage: pwlsim circuit.net [options]\n"; }
+  std::string make_positionals(const CLI::App*) const override { return "\n  circuit.net         The deck: a SPICE-like netlist\n"; }
+};
+
+/// What CLI11 fills in; checked and turned into RunOptions afterwards, so that every complaint has our own form.
+struct Raw {
+  std::vector<std::string> files;
+  std::string output, engine, reltol, stats, format, plot, report;
+  bool events = false, quiet = false, verbose = false, no_progress = false, json = false;
+};
+
+void add_options(CLI::App& app, Raw& raw, const std::string& version) {
+  app.name("pwlsim");
+  app.formatter(std::make_shared<HelpText>());
+  app.footer(std::string(help_footer));
+  app.allow_extras();
+  app.set_help_flag("-h,--help", "Print this text and stop");
+  app.set_version_flag("--version", "pwlsim " + version, "Print the version and stop");
+  app.add_option("circuit", raw.files, "The deck: a SPICE-like netlist")->type_name("FILE");
+  app.add_option("-o,--output", raw.output,
+                 "The CSV file; '-' is standard output (default: the deck's name with .csv, in the current directory)")
+      ->type_name("FILE");
+  app.add_flag("--events", raw.events, "Add a row before and after every event");
+  app.add_option("--engine", raw.engine, "auto or exact (sparse: not supported yet)")->type_name("NAME");
+  app.add_option("--reltol", raw.reltol, "Bound on the local error of the sparse engine; the exact engine needs none")->type_name("X");
+  app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
+  app.add_option("--format", raw.format, "csv (raw: not supported yet)")->type_name("NAME");
+  app.add_option("--plot", raw.plot, "Not supported yet")->type_name("FILE");
+  app.add_option("--report", raw.report, "Not supported yet")->type_name("FILE");
+  app.add_flag("--json", raw.json, "Not supported yet");
+  app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
+  app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
+  app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
+}
+
+bool takes_value(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = app.get_option_no_throw(name);
+  return option != nullptr && option->get_items_expected_max() > 0;
+}
+
+/// The first argument that is neither an option nor the value of one; "" where `--` comes first or there is none.
+std::string first_word(const CLI::App& app, const std::vector<std::string>& arguments) {
+  for (std::size_t index = 0; index < arguments.size(); ++index) {
+    const std::string& argument = arguments[index];
+    if (argument == "--") return {};
+    if (argument.size() < 2 || argument[0] != '-') return argument;
+    if (takes_value(app, argument)) ++index;
+  }
+  return {};
+}
+
+class Complaints {
+ public:
+  void add(std::string id, std::string text) { diagnostics_.error(std::move(id), {}, std::move(text)); }
+  void not_yet(std::string_view what, std::string_view cure) {
+    add("E-not-supported-yet", fmt::format("`{}` is not supported yet; try {}", what, cure));
+  }
+  [[nodiscard]] bool any() const { return diagnostics_.has_errors(); }
+  Refused refused() { return {std::move(diagnostics_)}; }
+
+ private:
+  Diagnostics diagnostics_;
+};
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+void complain_of_unknown(const CLI::App& app, Complaints& complaints) {
+  for (const std::string& extra : app.remaining()) {
+    if (extra == "--") continue;
+    const std::string name = extra.substr(0, extra.find('='));
+    const std::string near = nearest_name(name, option_names(app));
+    complaints.add("E-unknown-argument",
+                   fmt::format("`{}` is no option of pwlsim; try {}", name, near.empty() ? "pwlsim --help" : '`' + near + '`'));
+  }
+}
+
+/// CLI11 stops at the first option with too few or too many values.
+void complain_of_parse_error(const CLI::App& app, const CLI::ParseError& error, Complaints& complaints) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() == 1 && option->count() > 1) {
+      complaints.add("E-repeated-option", fmt::format("`{}` is given {} times; try it once", option->get_name(), option->count()));
+      return;
+    }
+  }
+  const std::string text = error.what();
+  const std::string name = text.substr(0, text.find(':'));
+  if (app.get_option_no_throw(name) != nullptr && error.get_name() == "ArgumentMismatch") {
+    complaints.add("E-option-value", fmt::format("`{}` lacks its value; try pwlsim --help", name));
+  } else {
+    complaints.add("E-option-value", "an option has a value it cannot take; try pwlsim --help");
+  }
+}
+
+void check_file_name(std::string_view option, const CLI::App& app, const std::string& value, Complaints& complaints) {
+  if (app.count(std::string(option)) == 0) return;
+  if (value.empty()) {
+    complaints.add("E-option-value", fmt::format("`{}` lacks its value; try {} out", option, option));
+  } else if (value.size() > 1 && value[0] == '-') {
+    complaints.add("E-option-value", fmt::format("`{}` lacks its value: `{}` looks like an option; try `{} ./{}` if it is a file", option,
+                                                value, option, value));
+  }
+}
+
+void check_engine(const std::string& engine, Complaints& complaints) {
+  if (engine == "sparse") {
+    complaints.not_yet("--engine sparse", "`--engine exact`");
+  } else if (!engine.empty() && engine != "auto" && engine != "exact") {
+    complaints.add("E-option-value", fmt::format("`--engine {}` names no engine; try auto or exact", engine));
+  }
+}
+
+void check_format(const std::string& format, Complaints& complaints) {
+  if (format == "raw") {
+    complaints.not_yet("--format raw", "`--format csv`");
+  } else if (!format.empty() && format != "csv") {
+    complaints.add("E-option-value", fmt::format("`--format {}` names no format; try csv", format));
+  }
+}
+
+void check_reltol(const std::string& text, Complaints& complaints) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool number = error == std::errc() && end == text.data() + text.size();
+  if (!number || !std::isfinite(value) || value <= 0.0) {
+    complaints.add("E-option-value", fmt::format("`--reltol {}` is no positive number; try `--reltol 1e-4`", text));
+  }
+}
+
+void check_files(const Raw& raw, Complaints& complaints) {
+  if (raw.files.empty()) {
+    complaints.add("E-no-deck", "no deck is given; try pwlsim circuit.net, or pwlsim --help");
+  } else if (raw.files.size() > 1) {
+    complaints.add("E-too-many-files",
+                   fmt::format("one deck is run at a time, but {} are given, the second is `{}`; try one", raw.files.size(), raw.files[1]));
+  }
+}
+
+std::filesystem::path resolved(const std::string& name) {
+  std::error_code unresolved;
+  const auto absolute = std::filesystem::absolute(name, unresolved);
+  const auto canonical = std::filesystem::weakly_canonical(absolute, unresolved);
+  return unresolved ? absolute : canonical;
+}
+
+bool one_target(const std::string& a, const std::string& b) { return a == b || (!a.empty() && !b.empty() && resolved(a) == resolved(b)); }
+
+RunOptions run_options(const Raw& raw) {
+  RunOptions options;
+  options.deck = raw.files[0];
+  options.output = raw.output.empty() ? default_output(options.deck) : raw.output;
+  options.stats = raw.stats;
+  options.events = raw.events;
+  options.quiet = raw.quiet;
+  options.verbose = raw.verbose;
+  options.progress = !raw.no_progress && !raw.quiet;
+  return options;
+}
+
+CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints) {
+  check_file_name("--output", app, raw.output, complaints);
+  check_file_name("--stats", app, raw.stats, complaints);
+  check_engine(raw.engine, complaints);
+  check_format(raw.format, complaints);
+  if (app.count("--reltol") != 0) check_reltol(raw.reltol, complaints);
+  if (app.count("--plot") != 0) complaints.not_yet("--plot", "plotting the CSV file");
+  if (app.count("--report") != 0) complaints.not_yet("--report", "`--stats`");
+  if (raw.json) complaints.not_yet("--json", "`--stats`");
+  if (raw.quiet && raw.verbose) complaints.add("E-option-conflict", "`--quiet` and `--verbose` contradict each other; try one of them");
+  check_files(raw, complaints);
+  if (complaints.any()) return complaints.refused();
+  RunOptions options = run_options(raw);
+  if (one_target(options.output, options.stats)) {
+    complaints.add("E-option-conflict", fmt::format("the rows and `--stats` would both go to `{}`; try two names", options.stats));
+    return complaints.refused();
+  }
+  return options;
+}
+
+CommandLine read_subcommand(const Subcommand& subcommand, const std::vector<std::string>& arguments) {
+  const auto asks_for_help = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
+  if (std::any_of(arguments.begin(), arguments.end(), asks_for_help)) {
+    return Information{fmt::format("Usage: pwlsim {} {}\n\n{}.\nThis subcommand is not supported yet.\n", subcommand.name,
+                                   subcommand.arguments, subcommand.description)};
+  }
+  Complaints complaints;
+  complaints.not_yet(fmt::format("pwlsim {}", subcommand.name), fmt::format("`./{}` if a deck of that name is meant", subcommand.name));
+  return complaints.refused();
+}
+
+}  // namespace
+
+std::string default_output(const std::string& deck) { return std::filesystem::path(deck).stem().string() + ".csv"; }
+
+CommandLine read_command_line(const std::vector<std::string>& arguments, const std::string& version) {
+  Raw raw;
+  CLI::App app("Exact simulation of piecewise-linear circuits: runs the analyses in a deck and writes the waveforms as CSV.");
+  add_options(app, raw, version);
+
+  const std::string word = first_word(app, arguments);
+  const auto* subcommand = std::find_if(subcommands.begin(), subcommands.end(), [&](const Subcommand& s) { return s.name == word; });
+  if (subcommand != subcommands.end()) return read_subcommand(*subcommand, arguments);
+
+  Complaints complaints;
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    return Information{app.help()};
+  } catch (const CLI::CallForVersion& call) {
+    return Information{std::string(call.what()) + '\n'};
+  } catch (const CLI::ParseError& error) {
+    complain_of_parse_error(app, error, complaints);
+    return complaints.refused();
+  }
+  complain_of_unknown(app, complaints);
+  if (complaints.any()) return complaints.refused();
+  return checked(app, raw, complaints);
+}
+
+}  // namespace pwlsim::cli

@@ -1,0 +1,42 @@
+#pragma once
+/// The command line as data.
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+
+namespace pwlsim::cli {
+
+/// `pwlsim circuit.net …`: run the analyses of a deck.
+struct RunOptions {
+  std::string deck;
+  std::string output;  ///< never empty; "-" is standard output
+  std::string stats;   ///< empty: none; "-" is standard output
+  bool events = false;
+  bool quiet = false;
+  bool verbose = false;
+  bool progress = true;
+};
+
+/// Text asked for by --help or --version.
+struct Information {
+  std::string text;
+};
+
+/// What is wrong with the command line, in `diagnostics`.
+struct Refused {
+  Diagnostics diagnostics;
+};
+
+using CommandLine = std::variant<RunOptions, Information, Refused>;
+
+/// `arguments` without the program's name. Flags may stand before or after the file; what follows `--` is no flag. The first word that is no
+/// flag and names a subcommand is one; a file of that name is reached as `./inspect` or behind `--`.
+[[nodiscard]] CommandLine read_command_line(const std::vector<std::string>& arguments, const std::string& version);
+
+/// circuit.csv for any/path/circuit.net.
+[[nodiscard]] std::string default_output(const std::string& deck);
+
+}  // namespace pwlsim::cli

@@ -1,0 +1,29 @@
+#pragma once
+/// A progress bar on standard error.
+
+#include <chrono>
+
+namespace pwlsim::cli {
+
+class Progress {
+ public:
+  /// Shows nothing unless `wanted` and standard error is a terminal. `stop`: the time at which the bar is full, seconds.
+  Progress(bool wanted, double stop);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// Wipes the bar off the line.
+  ~Progress();
+
+  [[nodiscard]] bool shown() const { return shown_; }
+  /// Cheap; redraws at most ten times a second, and not in the first tenth.
+  void reached(double time);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool shown_;
+  bool drawn_ = false;
+  double stop_;
+  Clock::time_point start_, next_;
+};
+
+}  // namespace pwlsim::cli

@@ -1,0 +1,210 @@
+#include "cli/session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "analysis/report.hpp"
+#include "analysis/transient.hpp"
+#include "circuit/compile.hpp"
+#include "cli/messages.hpp"
+#include "cli/progress.hpp"
+#include "cli/signals.hpp"
+#include "cli/status.hpp"
+#include "engine/exact/exact.hpp"
+#include "netlist/load.hpp"
+#include "waveform/output_file.hpp"
+
+namespace pwlsim::cli {
+namespace {
+
+using analysis::Ending;
+using waveform::OutputFile;
+using Clock = std::chrono::steady_clock;
+
+Diagnostic error_without_place(std::string id, std::string text) { return {Severity::error, std::move(id), {}, std::move(text)}; }
+
+Severity severity_of(const engine::Remark& remark) { return remark.id.starts_with("W-") ? Severity::warning : Severity::note; }
+
+/// Whether nothing else is wrong with the deck than that files it names cannot be read.
+bool only_unreadable_files(const Diagnostics& diagnostics) {
+  return diagnostics.has_errors() && std::all_of(diagnostics.all().begin(), diagnostics.all().end(), [](const Diagnostic& diagnostic) {
+           return diagnostic.severity != Severity::error || diagnostic.id == "E-include-unreadable";
+         });
+}
+
+class Session {
+ public:
+  explicit Session(const RunOptions& options) : options_(options), messages_(options.quiet) {}
+
+  int run() {
+    int status = prepare();
+    if (status == 0) status = open_files();
+    if (status != 0) return status;
+    if (compiled_->analyses.operating_point) status = operating_point();
+    if (compiled_->analyses.transient) status = std::max(status, transient());
+    report_.seconds.total = since(start_);
+    return std::max(status, write_statistics());
+  }
+
+ private:
+  static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+  int fail(Status status, std::string id, std::string text) {
+    messages_.report(error_without_place(std::move(id), std::move(text)));
+    return static_cast<int>(status);
+  }
+  /// 0, or the status of a signal that came while nothing had been written yet.
+  int interrupted_before_run() {
+    const int signal_number = caught_signal();
+    if (signal_number == 0) return 0;
+    messages_.report(error_without_place("E-interrupted", "interrupted before the run began; nothing was written"));
+    return status_of_signal(signal_number);
+  }
+
+  int prepare();
+  bool load_and_compile(int& status);
+  int open_files();
+  int open(const std::string& name, std::optional<OutputFile>& file);
+  int operating_point();
+  int transient();
+  int conclude(const analysis::TransientRun& run);
+  int write_statistics();
+  void take_remarks(const engine::Answer& answer);
+
+  const RunOptions& options_;
+  const Clock::time_point start_ = Clock::now();
+  Messages messages_;
+  SourceStore sources_;
+  std::optional<circuit::Compiled> compiled_;
+  std::shared_ptr<const engine::ExactModel> model_;
+  std::optional<OutputFile> rows_file_, statistics_file_;
+  analysis::RunReport report_;
+};
+
+/// False where the deck is wrong; `status` then says how.
+bool Session::load_and_compile(int& status) {
+  Diagnostics diagnostics;
+  const auto parse_start = Clock::now();
+  const netlist::Loaded loaded = netlist::load(options_.deck, sources_, diagnostics);
+  report_.seconds.parse = since(parse_start);
+  const auto flatten_start = Clock::now();
+  if (loaded.readable) compiled_ = circuit::compile(loaded.deck, sources_, diagnostics);
+  report_.seconds.flatten = since(flatten_start);
+  messages_.report(diagnostics, sources_);
+  const bool unreadable = !loaded.readable || only_unreadable_files(diagnostics);
+  status = static_cast<int>(unreadable ? Status::file_error : Status::wrong_input);
+  return loaded.readable && compiled_.has_value();
+}
+
+int Session::prepare() {
+  int status = 0;
+  if (!load_and_compile(status)) return status;
+  if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
+  Diagnostics diagnostics;
+  const auto model_start = Clock::now();
+  model_ = engine::prepare(compiled_->network, diagnostics);
+  report_.seconds.model = since(model_start);
+  report_.engine = "exact";
+  messages_.report(diagnostics, sources_);
+  if (model_ == nullptr || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+  return interrupted_before_run();
+}
+
+int Session::open(const std::string& name, std::optional<OutputFile>& file) {
+  if (name != "-" && waveform::same_file(name, options_.deck)) {
+    return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
+  }
+  std::string problem;
+  auto opened = OutputFile::open(name, problem);
+  if (!opened) return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", name, problem));
+  file.emplace(std::move(*opened));
+  return 0;
+}
+
+int Session::open_files() {
+  int status = 0;
+  if (compiled_->analyses.transient) status = open(options_.output, rows_file_);
+  if (status == 0 && !options_.stats.empty()) status = open(options_.stats, statistics_file_);
+  return status;
+}
+
+void Session::take_remarks(const engine::Answer& answer) {
+  for (const engine::Remark& remark : answer.remarks) messages_.report({severity_of(remark), remark.id, {}, remark.text});
+  report_.statistics = answer.statistics;
+  report_.certificate = answer.certificate;
+  report_.seconds.simulate = answer.statistics.seconds_simulate;
+  report_.seconds.certificate = answer.statistics.seconds_certificate;
+}
+
+int Session::operating_point() {
+  const engine::OperatingPoint point = engine::operating_point(*model_);
+  take_remarks(point.answer);
+  if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
+  const std::vector<std::string> names = analysis::column_names(compiled_->network);
+  const std::string text = analysis::operating_point_text(std::span(names).subspan(1), point.values);
+  std::size_t written = 0;
+  const int error_number = waveform::write_all(options_.output == "-" ? STDERR_FILENO : STDOUT_FILENO, text, written);
+  if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
+  if (error_number != 0) return fail(Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
+  return 0;
+}
+
+int Session::transient() {
+  const double stop = compiled_->analyses.transient->stop.seconds;
+  analysis::TransientRun run;
+  {
+    Progress progress(options_.progress, stop);
+    analysis::RunControl control{options_.events, {}, &caught_signal()};
+    if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
+    const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model_, request, sink); };
+    run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);
+  }
+  take_remarks(run.answer);
+  report_.statistics.rows = run.rows;
+  report_.seconds.write = run.seconds_write;
+  report_.seconds.total = since(start_);
+  return conclude(run);
+}
+
+int Session::conclude(const analysis::TransientRun& run) {
+  const std::string kept = fmt::format("{}; the rows up to then are in {}", run.message, rows_file_->name());
+  switch (run.ending) {
+    case Ending::completed:
+      messages_.remark(analysis::summary(report_, rows_file_->name(), run.answer.time));
+      if (options_.verbose) messages_.remark(analysis::details(report_));
+      return 0;
+    case Ending::failed:
+      return fail(Status::run_failed, run.id, kept);
+    case Ending::interrupted:
+      fail(Status::run_failed, run.id, kept);
+      return status_of_signal(caught_signal());
+    case Ending::closed_pipe:
+      return static_cast<int>(Status::closed_pipe);
+    case Ending::write_failed:
+      break;
+  }
+  return fail(Status::file_error, run.id, run.message);
+}
+
+int Session::write_statistics() {
+  if (!statistics_file_) return 0;
+  report_.notes = messages_.heads();
+  if (statistics_file_->write(analysis::statistics_json(report_)) && statistics_file_->commit()) return 0;
+  if (statistics_file_->closed_pipe()) return static_cast<int>(Status::closed_pipe);
+  return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}", statistics_file_->name(), statistics_file_->problem()));
+}
+
+}  // namespace
+
+int run_session(const RunOptions& options) { return Session(options).run(); }
+
+}  // namespace pwlsim::cli

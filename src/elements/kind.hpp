@@ -1,0 +1,106 @@
+#pragma once
+/// Element and model kinds as data. An element is a file in elements/kinds that fills one Kind: its letter, the shape of its card,
+/// its parameters, and what it emits. Binding, reference tables and messages all read the same Kind.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+#include "base/source.hpp"
+#include "elements/parameter.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::elements {
+
+class Emission;
+struct Instance;
+struct Model;
+
+/// Deck-wide numbers that elements depend on.
+struct Settings {
+  double tangent_current = 1.0;  ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
+};
+
+/// A `.model` type: "D", or "SW" and its like.
+struct ModelKind {
+  std::string_view type;  ///< as written behind the model's name
+  std::string_view text;  ///< what it is, for messages and tables
+  ParameterTable parameters;
+  /// Turns what was written into what emit reads, and says what was changed. May be null.
+  void (*complete)(Model& model, const Settings& settings, Diagnostics& diagnostics) = nullptr;
+};
+
+struct Model {
+  const ModelKind* kind = nullptr;
+  std::string name;
+  SourceSpan span;  ///< of the name, in its .model card
+  Values values;
+};
+
+/// What stands between the terminals and the rest of a card.
+enum class Control {
+  none,
+  node_pair,    ///< nc+ nc-; with Tail::gain also POLY(n) and n pairs
+  element,      ///< the name of an element whose current is meant; with Tail::gain also POLY(n) and n names
+  element_list  ///< two or more names (K)
+};
+
+/// What stands behind terminals and control.
+enum class Tail {
+  value,     ///< the first parameter of the table, with or without its name; then `name=value`
+  gain,      ///< one gain, or the coefficients of POLY
+  waveform,  ///< [DC] value, AC, SIN(…) and the like; then `name=value`
+  model      ///< the name of a model, [area], on/off; then `name=value`
+};
+
+struct Kind {
+  std::string_view name;   ///< "resistor"
+  char letter = '?';       ///< first letter of its cards, upper case
+  std::string_view usage;  ///< the card in one line
+  std::string_view text;   ///< one sentence for the tables
+  int terminals = 2;
+  Control control = Control::none;
+  Tail tail = Tail::value;
+  ParameterTable parameters;
+  std::span<const ModelKind* const> models;  ///< the types Tail::model takes
+  bool takes_flag = false;                   ///< on / off behind the model
+  bool has_current = true;                   ///< i(X) may be saved
+  bool controls_others = true;               ///< i(X) may control F, H and W: it is known when X has been emitted
+  /// Whether this instance ties its two terminals together, as far as potentials go. Null: it always does.
+  bool (*joins_terminals)(const Instance&) = nullptr;
+  bool saved_by_default = false;  ///< i(X) is among the columns of a deck without .save
+  void (*emit)(Emission&) = nullptr;
+  /// Second pass, when every element has been emitted: forms that need the current of another. May be null.
+  void (*connect)(Emission&) = nullptr;
+};
+
+struct NodePair {
+  model::NodeIndex p = model::ground, n = model::ground;
+};
+
+/// Another element, by its full name ("X1.V2"); `index` counts within the circuit once resolved.
+struct Reference {
+  std::string name;
+  SourceSpan span;
+  int index = -1;
+};
+
+/// One element of a flat circuit.
+struct Instance {
+  const Kind* kind = nullptr;
+  std::string name;  ///< full: "X1.D3"
+  SourceSpan span;   ///< of the name on its card
+  std::vector<model::NodeIndex> nodes;
+  std::vector<NodePair> control_nodes;
+  std::vector<Reference> references;
+  Values values;
+  std::vector<double> coefficients;  ///< Tail::gain: the constant part, then one number a control
+  std::optional<model::SourceFunction> waveform;
+  int model = -1;            ///< index within the circuit's models
+  std::optional<bool> flag;  ///< on / off as written
+};
+
+}  // namespace pwlsim::elements

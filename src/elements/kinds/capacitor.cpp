@@ -1,0 +1,62 @@
+#include <cmath>
+
+#include "elements/two_terminal.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr Parameter parameters[] = {
+    {"C", "F", 0.0, Range::any, false, "Capacitance; negative values as far as the circuit stays solvable, zero is an open circuit."},
+    {"ic", "V", 0.0, Range::any, false, "Voltage at the start; counts with uic only."},
+    multiplicity,
+    series_resistance,
+    series_inductance,
+    parallel_resistance,
+    parallel_capacitance,
+    {"RLshunt", "ohm", infinite, Range::any, true, "Resistance across Lser.", Use::refused},
+    {"Q", "C", 0.0, Range::any, false, "Charge as a function of voltage.", Use::refused},
+    temperature_linear,
+    temperature_square,
+    temperature,
+    temperature_difference,
+    {"V", "V", 0.0, Range::any, false, "Rated voltage.", Use::ignored},
+    {"Irms", "A", 0.0, Range::any, false, "Rated current.", Use::ignored},
+    maker,
+    part_number,
+    part_type,
+};
+
+void emit(Emission& emission) {
+  const double capacitance = emission.value("C") * emission.value("m");
+  if (capacitance == 0.0) {
+    emission.diagnostics().note("N-zero-capacitance", emission.span_of("C"),
+                                emission.instance().name + " has no capacitance: it is left open");
+  } else {
+    const NodePair core = add_series_parts(emission);
+    const int index =
+        emission.builder().add(model::Capacitor{emission.label(), core.p, core.n, capacitance, emission.has("ic"), emission.value("ic")});
+    emission.result().current = quantity(Quantity::capacitor_current, index);
+  }
+  add_parallel_parts(emission);
+}
+
+bool joins_terminals(const Instance& instance) {
+  const Values& v = instance.values;
+  return v.get("C") != 0.0 || v.get("Cpar") != 0.0 || !std::isinf(v.get("Rpar"));
+}
+
+}  // namespace
+
+Kind capacitor() {
+  Kind kind;
+  kind.name = "capacitor";
+  kind.letter = 'C';
+  kind.usage = "C<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.text = "Linear capacitor, i = C dv/dt.";
+  kind.parameters = parameters;
+  kind.joins_terminals = joins_terminals;
+  kind.emit = emit;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

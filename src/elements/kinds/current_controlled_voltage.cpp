@@ -1,0 +1,32 @@
+#include "elements/emission.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+void emit(Emission& emission) {
+  const int index = emission.builder().add(model::Branch{emission.label(), emission.p(), emission.n(), {}});
+  emission.result().item = index;
+  emission.result().current = quantity(Quantity::branch_current, index);
+}
+
+void connect(Emission& emission) {
+  emission.builder().network().branches[static_cast<std::size_t>(emission.result().item)].voltage = current_control(emission);
+}
+
+}  // namespace
+
+Kind current_controlled_voltage() {
+  Kind kind;
+  kind.name = "current-controlled voltage source";
+  kind.letter = 'H';
+  kind.usage = "H<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn";
+  kind.text = "v = gain i(element), or p0 + p1 i1 + ... + pn in.";
+  kind.control = Control::element;
+  kind.tail = Tail::gain;
+  kind.saved_by_default = true;
+  kind.emit = emit;
+  kind.connect = connect;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

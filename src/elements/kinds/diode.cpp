@@ -1,0 +1,184 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "elements/conduction.hpp"
+#include "elements/two_terminal.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr Parameter ignored(std::string_view name, std::string_view text) { return {name, "", 0.0, Range::any, true, text, Use::ignored}; }
+
+constexpr Parameter model_parameters[] = {
+    {"Ron", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond Vfwd."},
+    {"Roff", "ohm", infinite, Range::positive, true, "Slope resistance between -Vrev and Vfwd."},
+    {"Vfwd", "V", 0.0, Range::any, false, "Forward drop."},
+    {"Vrev", "V", infinite, Range::not_negative, true, "Reverse breakdown voltage."},
+    {"Rrev", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond -Vrev."},
+    {"IS", "A", 1e-14, Range::positive, false, "Saturation current; read for the tangent at i0."},
+    {"N", "", 1.0, Range::positive, false, "Emission coefficient; read for the tangent at i0."},
+    {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0."},
+    {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage; becomes Vrev."},
+    {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current.", Use::refused},
+    {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current.", Use::refused},
+    ignored("Epsilon", "Width of the rounded corner at Vfwd."),
+    ignored("Revepsilon", "Width of the rounded corner at -Vrev."),
+    ignored("IBV", "Current at breakdown."),
+    ignored("IBVL", "Low-level breakdown current."),
+    ignored("NBV", "Breakdown emission coefficient."),
+    ignored("NBVL", "Low-level breakdown emission coefficient."),
+    ignored("CJO", "Junction capacitance."),
+    ignored("CJ0", "Junction capacitance."),
+    ignored("CJ", "Junction capacitance."),
+    ignored("CJP", "Sidewall capacitance."),
+    ignored("CJSW", "Sidewall capacitance."),
+    ignored("VJ", "Junction potential."),
+    ignored("M", "Grading coefficient."),
+    ignored("MJSW", "Sidewall grading coefficient."),
+    ignored("FC", "Forward-bias depletion coefficient."),
+    ignored("TT", "Transit time."),
+    ignored("Vp", "Soft reverse recovery parameter."),
+    ignored("EG", "Energy gap."),
+    ignored("XTI", "Saturation-current temperature exponent."),
+    ignored("KF", "Flicker noise coefficient."),
+    ignored("AF", "Flicker noise exponent."),
+    ignored("IK", "High-injection knee current."),
+    ignored("IKF", "High-injection knee current."),
+    ignored("IKR", "Reverse high-injection knee current."),
+    ignored("ISR", "Recombination current."),
+    ignored("NR", "Recombination emission coefficient."),
+    ignored("JSW", "Sidewall saturation current."),
+    ignored("NS", "Sidewall emission coefficient."),
+    ignored("TNOM", "Temperature of the parameters."),
+    ignored("Tref", "Temperature of the parameters."),
+    ignored("T_measured", "Temperature of the parameters."),
+    ignored("TBV1", "Temperature coefficient."),
+    ignored("TBV2", "Temperature coefficient."),
+    ignored("TRS1", "Temperature coefficient."),
+    ignored("TRS2", "Temperature coefficient."),
+    ignored("TM1", "Temperature coefficient."),
+    ignored("TM2", "Temperature coefficient."),
+    ignored("TTT1", "Temperature coefficient."),
+    ignored("TTT2", "Temperature coefficient."),
+    ignored("TIKF", "Temperature coefficient."),
+    ignored("level", "Variant of the exponential model."),
+    ignored("perim", "Perimeter."),
+    ignored("area", "Area."),
+    ignored("Vpk", "Rated peak voltage."),
+    ignored("Iave", "Rated average current."),
+    ignored("Ipk", "Rated peak current."),
+    ignored("Irms", "Rated current."),
+    ignored("diss", "Rated dissipation."),
+    maker,
+    part_number,
+    part_type,
+};
+
+constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev"};
+constexpr std::string_view exponential_names[] = {"IS", "N", "RS", "BV"};
+
+/// Boltzmann constant over elementary charge (SI 2019, exact) at 300.15 K.
+constexpr double thermal_voltage = 1.380649e-23 / 1.602176634e-19 * 300.15;
+
+std::string written(const Model& model, std::span<const std::string_view> names) {
+  std::string list;
+  for (std::string_view name : names) {
+    if (!model.values.has(name)) continue;
+    if (!list.empty()) list += ", ";
+    list += name;
+  }
+  return list;
+}
+
+/// v = RS·i + N·Vt·ln(i/IS) by its tangent at i0.
+void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& diagnostics) {
+  Values& values = model.values;
+  const double i0 = settings.tangent_current;
+  const double slope = values.get("N") * thermal_voltage;
+  const double on = values.get("RS") + slope / i0;
+  const double forward = slope * (std::log(i0 / values.get("IS")) - 1.0);
+  const double reverse = values.get("BV");
+  diagnostics.note(
+      "N-diode-tangent", model.span,
+      fmt::format("the exponential diode {} is replaced by its tangent at {} A: Ron = {:.6g} ohm, Vfwd = {:.6g} V, Vrev = {:.6g} V",
+                  model.name, i0, on, forward, reverse));
+  values.set("Ron", on);
+  values.set("Vfwd", forward);
+  values.set("Vrev", reverse);
+}
+
+void check_slopes(const Model& model, Diagnostics& diagnostics) {
+  const Values& v = model.values;
+  const double off = v.get("Roff");
+  if (v.get("Ron") > off) diagnostics.error("E-range", v.span("Ron"), "Ron of a diode must not exceed Roff");
+  if (!std::isinf(v.get("Vrev")) && v.get("Rrev") > off)
+    diagnostics.error("E-range", v.span("Rrev"), "Rrev of a diode must not exceed Roff");
+  if (v.get("Vfwd") + v.get("Vrev") < 0.0) {
+    diagnostics.error("E-range", model.span,
+                      fmt::format("the forward and the reverse branch of {} overlap: Vfwd + Vrev is negative", model.name));
+  } else if (v.get("Vfwd") < 0.0) {
+    diagnostics.warning("W-negative-drop", model.span,
+                        fmt::format("Vfwd of {} is {:.6g} V: with a negative drop the diode delivers power", model.name, v.get("Vfwd")));
+  }
+}
+
+void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) {
+  const std::string ideal = written(model, ideal_names);
+  const std::string exponential = written(model, exponential_names);
+  if (!ideal.empty() && !exponential.empty()) {
+    diagnostics.warning("W-ignored-parameter", model.span,
+                        fmt::format("{} of model {} ignored: {} already gives the ideal characteristic", exponential, model.name, ideal));
+  } else if (!exponential.empty()) {
+    replace_by_tangent(model, settings, diagnostics);
+  }
+  check_slopes(model, diagnostics);
+}
+
+constexpr ModelKind diode_model{"D", "diode", model_parameters, complete};
+constexpr const ModelKind* models[] = {&diode_model};
+
+constexpr Parameter parameters[] = {
+    multiplicity,
+    {"area", "", 1.0, Range::any, false, "Area factor.", Use::ignored},
+    {"off", "", 0.0, Range::any, false, "Start hint of other simulators.", Use::ignored},
+    {"ic", "V", 0.0, Range::any, false, "Start hint of other simulators.", Use::ignored},
+    temperature,
+    temperature_difference,
+};
+
+void add_contact(Emission& emission, std::string_view part, const NodePair& ends, double resistance, double drop, double sign) {
+  if (std::isinf(resistance)) return;
+  const int index = emission.builder().add(model::Diode{emission.label(part), ends.p, ends.n, resistance, drop});
+  emission.result().current.push_back({Quantity::diode_current, index, sign});
+}
+
+void emit(Emission& emission) {
+  const Values& v = emission.model().values;
+  const double m = emission.value("m");
+  const double off = v.get("Roff");
+  const NodePair ends{emission.p(), emission.n()};
+  add_contact(emission, {}, ends, contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), 1.0);
+  if (!std::isinf(v.get("Vrev"))) {
+    add_contact(emission, "reverse", {ends.n, ends.p}, contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), -1.0);
+  }
+  add_leakage(emission, off / m, ends);
+}
+
+}  // namespace
+
+Kind diode() {
+  Kind kind;
+  kind.name = "diode";
+  kind.letter = 'D';
+  kind.usage = "D<name> anode cathode model [m=]";
+  kind.text = "Ideal diode, or the piecewise-linear one of its model.";
+  kind.tail = Tail::model;
+  kind.parameters = parameters;
+  kind.models = models;
+  kind.saved_by_default = true;
+  kind.emit = emit;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

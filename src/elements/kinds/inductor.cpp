@@ -1,0 +1,65 @@
+#include "elements/two_terminal.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr Parameter parameters[] = {
+    {"L", "H", 0.0, Range::any, false, "Inductance; negative values as far as the circuit stays solvable, zero is a short circuit."},
+    {"ic", "A", 0.0, Range::any, false, "Current at the start; counts with uic only."},
+    multiplicity,
+    series_resistance,
+    series_inductance,
+    parallel_resistance,
+    parallel_capacitance,
+    {"Flux", "Wb", 0.0, Range::any, false, "Flux as a function of current.", Use::refused},
+    temperature_linear,
+    temperature_square,
+    temperature,
+    temperature_difference,
+    {"Ipk", "A", 0.0, Range::any, false, "Rated peak current.", Use::ignored},
+    {"Irms", "A", 0.0, Range::any, false, "Rated current.", Use::ignored},
+    maker,
+    part_number,
+    part_type,
+};
+
+void emit_short(Emission& emission, const NodePair& core) {
+  emission.diagnostics().note("N-zero-inductance", emission.span_of("L"),
+                              emission.instance().name + " has no inductance: it is a short circuit");
+  const int index = emission.builder().add(model::Branch{emission.label(), core.p, core.n, {}});
+  emission.result().current = quantity(Quantity::branch_current, index);
+}
+
+void emit_inductor(Emission& emission, const NodePair& core, double inductance) {
+  const int index =
+      emission.builder().add(model::Inductor{emission.label(), core.p, core.n, inductance, emission.has("ic"), emission.value("ic")});
+  emission.result().current = quantity(Quantity::inductor_current, index);
+  emission.result().inductor = index;
+}
+
+void emit(Emission& emission) {
+  const NodePair core = add_series_parts(emission);
+  const double inductance = emission.value("L") / emission.value("m");
+  if (inductance == 0.0) {
+    emit_short(emission, core);
+  } else {
+    emit_inductor(emission, core, inductance);
+  }
+  add_parallel_parts(emission);
+}
+
+}  // namespace
+
+Kind inductor() {
+  Kind kind;
+  kind.name = "inductor";
+  kind.letter = 'L';
+  kind.usage = "L<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.text = "Linear inductor, v = L di/dt.";
+  kind.parameters = parameters;
+  kind.saved_by_default = true;
+  kind.emit = emit;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,45 @@
+#include "elements/two_terminal.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr Parameter parameters[] = {
+    {"R", "ohm", 0.0, Range::any, false, "Resistance; zero and negative values as far as the circuit stays solvable."},
+    multiplicity,
+    series_resistance,
+    series_inductance,
+    parallel_resistance,
+    parallel_capacitance,
+    temperature_linear,
+    temperature_square,
+    temperature,
+    temperature_difference,
+    {"tol", "%", 0.0, Range::any, false, "Tolerance of the part.", Use::ignored},
+    {"pwr", "W", 0.0, Range::any, false, "Rated power.", Use::ignored},
+    maker,
+    part_number,
+    part_type,
+};
+
+void emit(Emission& emission) {
+  const NodePair core = add_series_parts(emission);
+  const double resistance = emission.value("R") / emission.value("m");
+  const int index = emission.builder().add(model::Resistor{emission.label(), core.p, core.n, resistance});
+  emission.result().current = quantity(Quantity::resistor_current, index);
+  add_parallel_parts(emission);
+}
+
+}  // namespace
+
+Kind resistor() {
+  Kind kind;
+  kind.name = "resistor";
+  kind.letter = 'R';
+  kind.usage = "R<name> n+ n- value [m= Rser= Lser= Rpar= Cpar=]";
+  kind.text = "Linear resistor, v = R i.";
+  kind.parameters = parameters;
+  kind.emit = emit;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

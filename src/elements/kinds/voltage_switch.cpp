@@ -1,0 +1,57 @@
+#include "elements/switching.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr Parameter hysteresis_parameters[] = {
+    switch_on_resistance,
+    switch_off_resistance,
+    {"Vt", "V", 0.0, Range::any, false, "Threshold: on above Vt+Vh, off below Vt-Vh."},
+    {"Vh", "V", 0.0, Range::any, false, "Half width of the hysteresis; a negative one counts as zero."},
+    switch_inductance,
+    switch_drop,
+    switch_limit,
+    switch_level,
+    switch_one_way,
+    switch_corner,
+};
+
+constexpr Parameter level_parameters[] = {
+    switch_on_resistance,
+    switch_off_resistance,
+    {"Von", "V", 1.0, Range::any, false, "On above; with Voff above Von: on below."},
+    {"Voff", "V", 0.0, Range::any, false, "Off below; with Voff above Von: off above."},
+    switch_inductance,
+    switch_drop,
+};
+
+void complete(Model& model, const Settings&, Diagnostics& diagnostics) { complete_hysteresis(model, "Vt", "Vh", diagnostics); }
+
+constexpr ModelKind hysteresis_model{"SW", "voltage-controlled switch", hysteresis_parameters, complete};
+constexpr ModelKind level_model{"VSWITCH", "voltage-controlled switch", level_parameters, nullptr};
+constexpr const ModelKind* models[] = {&hysteresis_model, &level_model};
+
+void connect(Emission& emission) {
+  const NodePair& control = emission.instance().control_nodes[0];
+  set_control(emission, model::voltage_between(control.p, control.n));
+}
+
+}  // namespace
+
+Kind voltage_switch() {
+  Kind kind;
+  kind.name = "voltage-controlled switch";
+  kind.letter = 'S';
+  kind.usage = "S<name> n+ n- nc+ nc- model [on|off]";
+  kind.text = "Switch driven by v(nc+,nc-).";
+  kind.control = Control::node_pair;
+  kind.tail = Tail::model;
+  kind.models = models;
+  kind.takes_flag = true;
+  kind.saved_by_default = true;
+  kind.emit = add_switch;
+  kind.connect = connect;
+  return kind;
+}
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,68 @@
+#pragma once
+/// Parameters as data: what an element, a model or a waveform takes, and the values one of them was given.
+
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/source.hpp"
+
+namespace pwlsim::elements {
+
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+
+enum class Range { any, not_negative, positive, whole_positive, minus_one_to_one };
+
+/// honoured: the simulation follows it. ignored: read over with one warning. refused: an error, for it would change the answer.
+enum class Use { honoured, ignored, refused };
+
+struct Parameter {
+  std::string_view name;  ///< as the documentation spells it; compared without case
+  std::string_view unit;
+  double fallback = 0.0;
+  Range range = Range::any;
+  bool infinity_allowed = false;
+  std::string_view text;  ///< one sentence
+  Use use = Use::honoured;
+};
+
+using ParameterTable = std::span<const Parameter>;
+
+[[nodiscard]] const Parameter* find_parameter(ParameterTable table, std::string_view name);
+
+/// Whether `value` may stand for `parameter`; a nan never may.
+[[nodiscard]] bool in_range(const Parameter& parameter, double value);
+
+/// What the range asks for, in words: "must not be negative".
+[[nodiscard]] std::string_view range_words(Range range);
+
+/// Values given for the parameters of one table; the others have their fallback.
+class Values {
+ public:
+  struct Given {
+    const Parameter* parameter = nullptr;
+    double value = 0.0;
+    SourceSpan span;
+  };
+
+  Values() = default;
+  explicit Values(ParameterTable table) : table_(table) {}
+
+  /// `name` must be in the table. A second value for one name replaces the first.
+  void set(std::string_view name, double value, SourceSpan span = {});
+  [[nodiscard]] const Given* find(std::string_view name) const;
+  [[nodiscard]] bool has(std::string_view name) const { return find(name) != nullptr; }
+  /// `name` must be in the table.
+  [[nodiscard]] double get(std::string_view name) const;
+  /// Where the value stands; unknown where the fallback rules.
+  [[nodiscard]] SourceSpan span(std::string_view name) const;
+  [[nodiscard]] const std::vector<Given>& all() const { return given_; }
+  [[nodiscard]] ParameterTable table() const { return table_; }
+
+ private:
+  ParameterTable table_;
+  std::vector<Given> given_;
+};
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,88 @@
+#include "elements/switching.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "elements/conduction.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+Thresholds inverted(const Thresholds& t) { return {-t.off, -t.on, -t.scale}; }
+
+Thresholds around(double threshold, double hysteresis) { return {threshold + hysteresis, threshold - hysteresis, 1.0}; }
+
+Thresholds between(double on, double off) { return on >= off ? Thresholds{on, off, 1.0} : inverted({off, on, 1.0}); }
+
+/// Ron above Roff is a switch that conducts better when off: the contact is then closed in the off state.
+bool closed_when_off(const Model& model) { return model.values.get("Ron") > model.values.get("Roff"); }
+
+NodePair add_series_inductance(Emission& emission, NodePair ends) {
+  const double inductance = emission.model().values.get("Lser");
+  if (inductance == 0.0) return ends;
+  const model::NodeIndex inner = emission.inner_node("Lser");
+  emission.builder().add(model::Inductor{emission.label("Lser"), inner, ends.n, inductance, false, 0.0});
+  return {ends.p, inner};
+}
+
+NodePair add_series_voltage(Emission& emission, NodePair ends, double voltage) {
+  if (voltage == 0.0) return ends;
+  const model::NodeIndex inner = emission.inner_node("Vser");
+  emission.builder().add(model::Branch{emission.label("Vser"), inner, ends.n, {model::constant(voltage)}});
+  return {ends.p, inner};
+}
+
+}  // namespace
+
+void complete_hysteresis(Model& model, std::string_view threshold, std::string_view hysteresis, Diagnostics& diagnostics) {
+  if (model.values.get(hysteresis) >= 0.0) return;
+  diagnostics.note("N-negative-hysteresis", model.values.span(hysteresis),
+                   fmt::format("{} of {} is negative, a smooth transition: it switches at {} = {}", hysteresis, model.name, threshold,
+                               model.values.get(threshold)));
+  model.values.set(hysteresis, 0.0, model.values.span(hysteresis));
+}
+
+Thresholds thresholds(const Model& model) {
+  const Values& v = model.values;
+  const std::string_view type = model.kind->type;
+  if (type == "SW") return around(v.get("Vt"), v.get("Vh"));
+  if (type == "CSW") return around(v.get("It"), v.get("Ih"));
+  if (type == "VSWITCH") return between(v.get("Von"), v.get("Voff"));
+  return between(v.get("Ion"), v.get("Ioff"));
+}
+
+void add_switch(Emission& emission) {
+  const Values& v = emission.model().values;
+  const double on = std::min(v.get("Ron"), v.get("Roff"));
+  const double off = std::max(v.get("Ron"), v.get("Roff"));
+  const double drop = v.get("Vser");
+  NodePair ends = add_series_inductance(emission, {emission.p(), emission.n()});
+  if (!std::isinf(off)) ends = add_series_voltage(emission, ends, drop);
+  const double resistance = contact_resistance(on, off);
+  if (!std::isinf(resistance)) {
+    model::Switch item;
+    item.label = emission.label();
+    item.p = ends.p;
+    item.n = ends.n;
+    item.resistance = resistance;
+    item.drop = std::isinf(off) ? drop : 0.0;
+    item.initially_on = emission.instance().flag.value_or(false) != closed_when_off(emission.model());
+    emission.result().item = emission.builder().add(std::move(item));
+    emission.result().current = quantity(Quantity::switch_current, emission.result().item);
+  }
+  add_leakage(emission, off, ends);
+}
+
+void set_control(Emission& emission, const model::LinearForm& control) {
+  if (emission.result().item < 0) return;
+  Thresholds levels = thresholds(emission.model());
+  if (closed_when_off(emission.model())) levels = inverted(levels);
+  model::Switch& item = emission.builder().network().switches[static_cast<std::size_t>(emission.result().item)];
+  model::accumulate(item.control, control, levels.scale);
+  item.on_level = levels.on;
+  item.off_level = levels.off;
+}
+
+}  // namespace pwlsim::elements

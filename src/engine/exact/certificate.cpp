@@ -1,0 +1,183 @@
+#include "engine/exact/certificate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace pwlsim::engine {
+
+namespace {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+constexpr std::size_t most_samples = 16;
+constexpr std::size_t most_first_visits = 32;
+constexpr int most_panels = 8;          ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
+/// A row whose terms never exceed this fraction of the island's largest carries nothing but rounding and is judged against that.
+constexpr double idle_row = 1e-6;
+constexpr double panel_rate = 0.5;       ///< rate·panel: eight Gauss points are exact to rounding there
+
+/// Gauss–Legendre, 8 points on [−1, 1] (Abramowitz & Stegun, table 25.4).
+constexpr std::array<double, 4> gauss_point{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+constexpr std::array<double, 4> gauss_weight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+
+/// Everything the checks need at one state of one mode.
+struct Point {
+  Vector x, u, y, z;
+};
+
+Point evaluate(const IslandModel& island, const model::Mode& mode, const double* state) {
+  const model::System& s = island.extraction.system;
+  Point p;
+  p.x.resize(s.size());
+  model::from_mode(s, mode, state, p.x.data());
+  p.u = mode.k * p.x;
+  p.y = s.c * p.x + s.d * p.u;
+  p.z = island.extraction.descriptor.z_state * p.x + island.extraction.descriptor.z_input * p.u;
+  return p;
+}
+
+/// Sizes of an island's quantities over all its checked points: at the instant a current is about to start everything is rounding,
+/// and only the run at large says against what.
+struct Scale {
+  double port = 0.0;
+  Vector row, rate;
+
+  void include(const Vector& rows, const Vector& rates, const Point& p) {
+    if (row.size() == 0) row = Vector::Zero(rows.size());
+    if (rate.size() == 0) rate = Vector::Zero(rates.size());
+    row = row.cwiseMax(rows);
+    rate = rate.cwiseMax(rates);
+    if (p.u.size() > 0) port = std::max({port, p.u.cwiseAbs().maxCoeff(), p.y.cwiseAbs().maxCoeff()});
+  }
+};
+
+double complementarity(const model::System& s, const model::Mode& mode, const Point& p) {
+  double worst = 0.0;
+  for (int i = 0; i < s.ports; ++i) {
+    const double forced = mode.active.contains(i) ? p.y[i] : p.u[i];
+    worst = std::max(worst, i < s.diodes ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(forced));
+  }
+  return worst;
+}
+
+/// Residuals of the original rows and of the stores' rates, with the magnitudes of their terms.
+struct Residuals {
+  Vector row, row_size, rate, rate_size;
+};
+
+Residuals kirchhoff(const IslandModel& island, const Point& p) {
+  const model::System& s = island.extraction.system;
+  const model::Descriptor& d = island.extraction.descriptor;
+  const Vector stores = d.store_state * p.x;
+  const Vector zeta = p.x.tail(s.n_zeta);
+  const Vector wave = -(p.u + p.y);
+  Residuals r;
+  r.row = (d.f * stores + d.g * p.z + d.ha * wave + d.hw * zeta).cwiseAbs();
+  r.row_size = d.f.cwiseAbs() * stores.cwiseAbs() + d.g.cwiseAbs() * p.z.cwiseAbs() + d.ha.cwiseAbs() * wave.cwiseAbs() +
+               d.hw.cwiseAbs() * zeta.cwiseAbs();
+  const Vector own = d.sx * p.z;
+  r.rate = (d.store_state * (s.a * p.x + s.b * p.u) - own).cwiseAbs();
+  r.rate_size = d.store_state.cwiseAbs() * (s.a.cwiseAbs() * p.x.cwiseAbs() + s.b.cwiseAbs() * p.u.cwiseAbs()) + own.cwiseAbs();
+  return r;
+}
+
+double worst_relative(const Vector& residual, const Vector& size) {
+  double worst = 0.0;
+  const double floor = size.size() > 0 ? idle_row * size.maxCoeff() : 0.0;
+  for (Eigen::Index i = 0; i < residual.size(); ++i)
+    if (size[i] > 0.0) worst = std::max(worst, residual[i] / std::max(size[i], floor));
+  return worst;
+}
+
+double stored(const model::Descriptor& d, const Vector& x) {
+  const Vector full = d.store_state * x;
+  return 0.5 * (d.store_sign.array() * full.array().square()).sum();
+}
+
+double power(const model::Descriptor& d, const Vector& z) {
+  double sum = 0.0;
+  for (const auto& store : d.store_ports) {
+    const double v = (store.p == model::ground ? 0.0 : z[store.p]) - (store.n == model::ground ? 0.0 : z[store.n]);
+    sum += v * z[store.current];
+  }
+  return sum / d.tau0;
+}
+
+double energy(const IslandModel& island, const model::Mode& mode, const std::vector<double>& y0, double length) {
+  const model::Descriptor& d = island.extraction.descriptor;
+  if (d.store_ports.empty() || !(length > 0.0)) return 0.0;
+  const double rate = std::max(mode.flow.rate(), 1.0 / length);
+  const int panels = std::clamp(static_cast<int>(std::ceil(rate * length / panel_rate)), 1, most_panels);
+  const double panel = std::min(length / panels, panel_rate / rate);
+  std::vector<double> work(2 * y0.size());
+  const auto at = [&](double tau) {
+    std::vector<double> y = y0;
+    mode.flow.apply_once(tau, y.data(), work.data());
+    return evaluate(island, mode, y.data());
+  };
+  double integral = 0.0;
+  double throughput = 0.0;
+  for (int i = 0; i < panels; ++i)
+    for (std::size_t g = 0; g < gauss_point.size(); ++g)
+      for (const double side : {-1.0, 1.0}) {
+        const double value = power(d, at(panel * (i + 0.5 * (1.0 + side * gauss_point[g]))).z);
+        integral += 0.5 * panel * gauss_weight[g] * value;
+        throughput += 0.5 * panel * gauss_weight[g] * std::abs(value);
+      }
+  const double before = stored(d, at(0.0).x);
+  const double after = stored(d, at(panel * panels).x);
+  const double scale = std::max({std::abs(before), std::abs(after), throughput});
+  return scale > 0.0 ? std::abs(after - before - integral) / scale : 0.0;
+}
+
+}  // namespace
+
+void CertificateRecorder::add(const IslandModel& island, const Segment& segment, double length) {
+  const auto keep = [&](std::vector<Sample>& list) {
+    const auto ny = static_cast<std::ptrdiff_t>(segment.mode->ny);
+    list.push_back({&island, segment.mode, {segment.y0.begin(), segment.y0.begin() + ny}, length});
+  };
+  if (segment.mode->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
+  if (seen_++ % stride_ != 0) return;
+  keep(samples_);
+  if (samples_.size() < most_samples) return;
+  for (std::size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
+  samples_.resize(most_samples / 2);
+  stride_ *= 2;
+}
+
+Certificate CertificateRecorder::check() const {
+  Certificate certificate;
+  std::map<const IslandModel*, Scale> scales;
+  std::map<const IslandModel*, double> ports;
+  std::map<const IslandModel*, std::pair<Vector, Vector>> rows;  ///< worst residual of each row and rate
+  for (const auto* list : {&first_visits_, &samples_})
+    for (const Sample& sample : *list) {
+      std::vector<double> work(2 * sample.y0.size());
+      for (const double share : {0.0, 0.5, 1.0}) {
+        std::vector<double> y = sample.y0;
+        if (share > 0.0) sample.mode->flow.apply_once(share * sample.length, y.data(), work.data());
+        const Point point = evaluate(*sample.island, *sample.mode, y.data());
+        const Residuals r = kirchhoff(*sample.island, point);
+        scales[sample.island].include(r.row_size, r.rate_size, point);
+        auto& [row, rate] = rows[sample.island];
+        row = row.size() == 0 ? r.row : Vector(row.cwiseMax(r.row));
+        rate = rate.size() == 0 ? r.rate : Vector(rate.cwiseMax(r.rate));
+        ports[sample.island] = std::max(ports[sample.island], complementarity(sample.island->extraction.system, *sample.mode, point));
+        ++certificate.points_checked;
+      }
+      certificate.energy = std::max(certificate.energy, energy(*sample.island, *sample.mode, sample.y0, sample.length));
+    }
+  for (const auto& [island, scale] : scales) {
+    const auto& [row, rate] = rows[island];
+    certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row), worst_relative(rate, scale.rate)});
+    const double port = std::max(scale.port, scale.row.size() > 0 ? idle_row * scale.row.maxCoeff() : 0.0);
+    if (port > 0.0) certificate.complementarity = std::max(certificate.complementarity, ports[island] / port);
+  }
+  return certificate;
+}
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,34 @@
+#pragma once
+/// The run's certificate: residuals of the original equations, evaluated on samples of what ran.
+
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "engine/exact/locator.hpp"
+
+namespace pwlsim::engine {
+
+/// Keeps the first segment of every mode and an evenly thinning sample of the rest, and checks them after the run:
+///
+///  - complementarity: |min(u_i, y_i)| of diodes (and the variable a switch forces to zero) against the island's largest |u|, |y|;
+///  - KCL/KVL: every row of F x + G z + H_a a + H_w ζ and of x' − S_x z against the largest sum of its terms' magnitudes over the
+///    run (the rows before index reduction and before ports were chosen);
+///  - energy: change of ½|x|² over a stretch against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
+class CertificateRecorder {
+ public:
+  void add(const IslandModel& island, const Segment& segment, double length);
+  [[nodiscard]] Certificate check() const;
+
+ private:
+  struct Sample {
+    const IslandModel* island;
+    const model::Mode* mode;
+    std::vector<double> y0;
+    double length;
+  };
+  std::vector<Sample> samples_;      ///< thinned
+  std::vector<Sample> first_visits_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+};
+
+}  // namespace pwlsim::engine

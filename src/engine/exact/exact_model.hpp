@@ -1,0 +1,35 @@
+#pragma once
+/// What `prepare` makes of a network: its islands, extracted.
+
+#include <string>
+#include <vector>
+
+#include "engine/exact/exact.hpp"
+#include "model/extraction.hpp"
+#include "model/islands.hpp"
+
+namespace pwlsim::engine {
+
+struct IslandModel {
+  model::Island island;
+  model::Extraction extraction;
+};
+
+struct SwitchInfo {
+  std::string name;
+  bool initially_on = false;
+  double on_level = 0.0, off_level = 0.0;
+  int island = -1;  ///< where its port is; −1: left out
+  int port = -1;
+};
+
+class ExactModel {
+ public:
+  std::vector<IslandModel> islands;   ///< needed ones only
+  std::vector<SwitchInfo> switches;   ///< of the whole network
+  std::vector<std::string> signal_names;
+  std::vector<Remark> remarks;
+  double seconds = 0.0;
+};
+
+}  // namespace pwlsim::engine

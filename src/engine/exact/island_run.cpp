@@ -1,0 +1,288 @@
+#include "engine/exact/island_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+/// A row step is taken with the cached matrix when it differs from the grid's step by rounding only.
+constexpr double step_rounding = 1e-9;
+/// A propagator for the row step is built when it has been wanted this often.
+constexpr std::uint64_t worth_building = 4;
+/// Entries of a control's row below this fraction of the largest are rounding.
+constexpr double row_noise = 1e-12;
+/// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
+constexpr double threshold_noise = 3e-14;
+
+}  // namespace
+
+IslandRun::IslandRun(const IslandModel& island_model, bool allow_several)
+    : model_(island_model), system_(island_model.extraction.system), selector_(system_, allow_several) {
+  const auto size = static_cast<std::size_t>(system_.size());
+  x.assign(size, 0.0);
+  scratch_.resize(size);
+  row_y_.resize(size);
+  work_.resize(2 * size);
+  wanted = model::IndexSet(system_.ports);
+  phase_ = system_.exosystem->start();
+  segment_.system = &system_;
+  control_rows_.resize(system_.controls.size());
+  control_departures_.resize(system_.controls.size());
+  for (const auto& control : system_.controls) {
+    const double largest = std::max(control.value.state.cwiseAbs().maxCoeff(), 1e-300);
+    const double ports = control.value.input.size() ? control.value.input.cwiseAbs().maxCoeff() : 0.0;
+    const double state = system_.n > 0 ? control.value.state.head(system_.n).cwiseAbs().maxCoeff() : 0.0;
+    control_reads_.push_back(ports > row_noise * largest ? Reads::ports : state > row_noise * largest ? Reads::state : Reads::sources);
+  }
+}
+
+void IslandRun::set_switch(int port, bool closed) {
+  const auto index = static_cast<std::size_t>(port - system_.diodes);
+  if (system_.switch_inverted[index] != 0) closed = !closed;
+  // Closed means zero voltage; whether that is u = 0 (inactive) or y = 0 (active) is the port's causality.
+  wanted.set(port, closed == system_.port[static_cast<std::size_t>(port)].input_is_current);
+}
+
+double IslandRun::certify(double end) {
+  if (event_.found && event_time_ <= end) return event_time_;
+  if (event_.found) return end;
+  if (segment_.anchor + segment_.certified >= end) return end;
+  event_ = locator_.locate(segment_, end - segment_.anchor);
+  if (!event_.found) return end;
+  event_time_ = std::min(end, segment_.anchor + event_.tau);
+  return event_time_;
+}
+
+void IslandRun::open(double time) {
+  if (open_) return;
+  open_ = true;
+  trigger = -1;
+  const model::Mode& m = *mode;
+  auto& y = segment_.y;
+  wanted = m.active;
+  if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
+  if (event_.found && event_time_ == time) {
+    std::copy(event_.y, event_.y + m.ny, y.begin());
+    if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
+  } else {
+    const double tau = time - segment_.anchor;
+    // The march may have stepped past this instant; then the anchor is the place to start from.
+    if (tau < segment_.tau) std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), y.begin());
+    m.flow.apply(tau < segment_.tau ? tau : tau - segment_.tau, y.data(), work_.data());
+  }
+  model::from_mode(system_, m, y.data(), x.data());
+}
+
+bool IslandRun::take_breakpoints(double time, double tolerance) {
+  // Between breakpoints ζ has come along with the state, and a located guard is zero at it; evaluating it anew at the rounded time
+  // would move a steep ramp off its threshold.
+  if (phase_.next > time + tolerance) return false;
+  const bool jumped = system_.exosystem->advance(phase_, time, tolerance);
+  system_.exosystem->evaluate(phase_, time, x.data() + system_.n);
+  return jumped;
+}
+
+model::Selected IslandRun::select() {
+  if (system_.ports == 0 && mode) {
+    model::Selected same;
+    same.mode = mode;
+    return same;
+  }
+  const model::Selected result = selector_.select(x.data(), wanted, trigger);
+  trigger = -1;
+  verifier_.relax(result.relaxation);
+  if (result.mode) {
+    mode = result.mode;
+    wanted = mode->active;
+  }
+  return result;
+}
+
+int IslandRun::control_row(std::size_t i, const std::vector<char>& on) const {
+  const bool is_on = on[static_cast<std::size_t>(system_.controls[i].driven)] != 0;
+  return system_.diodes + 2 * static_cast<int>(i) + (is_on ? 0 : 1);
+}
+
+const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on) {
+  violated_.clear();
+  if (system_.controls.empty()) return violated_;
+  control_rows_.clear();
+  control_numbers_.clear();
+  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
+    if (control_reads_[i] == Reads::sources) continue;
+    control_rows_.push_back(control_row(i, on));
+    control_numbers_.push_back(static_cast<int>(i));
+  }
+  if (control_rows_.empty()) return violated_;
+  model::to_mode(system_, *mode, x.data(), scratch_.data());
+  verifier_.departures(*mode, scratch_.data(), control_rows_, control_departures_.data());
+  for (std::size_t i = 0; i < control_rows_.size(); ++i)
+    if (control_departures_[i].value < 0.0) violated_.push_back(control_numbers_[i]);
+  return violated_;
+}
+
+double IslandRun::source_departure(const model::Control& control, bool is_on) {
+  const auto nz = static_cast<std::size_t>(system_.n_zeta);
+  const double level = is_on ? control.off_level : control.on_level;
+  const double sign = is_on ? 1.0 : -1.0;
+  const double* row = control.value.state.data() + system_.n;
+  double* z = scratch_.data();
+  std::copy_n(x.begin() + system_.n, nz, z);
+  double offset = level;
+  for (std::size_t order = 0; order <= nz; ++order) {
+    double value = -offset;
+    double size = std::abs(offset);
+    for (std::size_t i = 0; i < nz; ++i) {
+      value += row[i] * z[i];
+      size += std::abs(row[i] * z[i]);
+    }
+    if (std::abs(value) > threshold_noise * size) return sign * value;
+    linalg::multiply(system_.exosystem->a(), z, work_.data());
+    std::copy_n(work_.begin(), nz, z);
+    offset = 0.0;
+  }
+  return 0.0;
+}
+
+const std::vector<int>& IslandRun::violated_without_mode(const std::vector<char>& on, bool at_start) {
+  violated_.clear();
+  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
+    const model::Control& control = system_.controls[i];
+    const bool is_on = on[static_cast<std::size_t>(control.driven)] != 0;
+    double departure = 0.0;
+    if (control_reads_[i] == Reads::sources) departure = source_departure(control, is_on);
+    if (control_reads_[i] == Reads::state && at_start) {
+      const double value = control.value.state.dot(Eigen::Map<const model::Vector>(x.data(), system_.size()));
+      departure = is_on ? value - control.off_level : control.on_level - value;
+    }
+    if (departure < 0.0) violated_.push_back(static_cast<int>(i));
+  }
+  return violated_;
+}
+
+/// Guards that can fire in this segment. A constant one cannot, nor one whose row is zero (an indeterminate port).
+void IslandRun::choose_guards(const std::vector<char>& on) {
+  auto& rows = segment_.rows;
+  auto& departures = segment_.departures;
+  rows.clear();
+  departures.clear();
+  const bool diodes_known = selector_.departures_hold_for(*mode);
+  control_rows_.clear();
+  for (int i = 0; i < system_.diodes; ++i) {
+    if (mode->guard_constant[static_cast<std::size_t>(i)] != 0) continue;
+    if (!diodes_known) {
+      control_rows_.push_back(i);
+      continue;
+    }
+    const model::Departure& d = selector_.departures()[static_cast<std::size_t>(i)];
+    if (d.order < 0 && mode->guard_norm[i] == 0.0) continue;
+    rows.push_back(i);
+    departures.push_back(d);
+  }
+  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
+    const auto row = static_cast<std::size_t>(control_row(i, on));
+    if (mode->guard_constant[row] != 0) continue;
+    // Switches that watch the same voltage (a bridge's diagonal) are one guard.
+    const int twin = mode->guard_twin[row];
+    if (std::find(control_rows_.begin(), control_rows_.end(), twin) == control_rows_.end()) control_rows_.push_back(twin);
+  }
+  if (control_rows_.empty()) return;
+  departures_.resize(control_rows_.size());
+  verifier_.departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
+  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
+    if (departures_[i].order < 0 && mode->guard_norm[control_rows_[i]] == 0.0) continue;
+    rows.push_back(control_rows_[i]);
+    departures.push_back(departures_[i]);
+  }
+}
+
+void IslandRun::close(double time, const std::vector<char>& on) {
+  open_ = false;
+  event_ = {};
+  const auto ny = static_cast<std::size_t>(mode->ny);
+  segment_.mode = mode;
+  segment_.anchor = time;
+  if (segment_.y0.size() < x.size()) {
+    segment_.y0.resize(x.size());
+    segment_.y.resize(x.size());
+  }
+  model::to_mode(system_, *mode, x.data(), segment_.y0.data());
+  std::copy_n(segment_.y0.begin(), ny, segment_.y.begin());
+  segment_.tau = segment_.certified = segment_.step = 0.0;
+  segment_.intervals = 0;
+  segment_.sampled = false;
+  choose_guards(on);
+  selector_.mark_visited(*mode);
+  row_valid_ = false;
+}
+
+void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out) const {
+  const auto rows = m.outputs.rows();
+  for (Eigen::Index i = 0; i < rows; ++i)
+    out[system_.output_signal[static_cast<std::size_t>(i)]] += linalg::row_times(m.outputs, i, y);
+}
+
+void IslandRun::add_signals_now(double* out) {
+  model::to_mode(system_, *mode, x.data(), scratch_.data());
+  outputs_from(*mode, scratch_.data(), out);
+}
+
+void IslandRun::add_signals(double time, double* out) {
+  if (system_.outputs.empty()) return;
+  const model::Mode& m = *mode;
+  if (!row_valid_) {
+    std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), row_y_.begin());
+    row_time_ = segment_.anchor;
+    row_valid_ = true;
+  }
+  const double step = time - row_time_;
+  if (std::abs(step - row_step_) <= step_rounding * row_step_) {
+    RowPropagator& propagator = row_propagators_[&m];
+    if (++propagator.uses == worth_building) propagator.matrix = m.flow.minus_identity(row_step_);
+    if (propagator.uses >= worth_building) {
+      linalg::multiply(propagator.matrix, row_y_.data(), work_.data());
+      for (int i = 0; i < m.ny; ++i) row_y_[static_cast<std::size_t>(i)] += work_[static_cast<std::size_t>(i)];
+      const double rest = step - row_step_;
+      if (rest != 0.0) {
+        linalg::multiply(m.flow.a(), row_y_.data(), work_.data());
+        for (int i = 0; i < m.ny; ++i) row_y_[static_cast<std::size_t>(i)] += rest * work_[static_cast<std::size_t>(i)];
+      }
+      row_time_ = time;
+      outputs_from(m, row_y_.data(), out);
+      return;
+    }
+  }
+  if (step > 0.0) m.flow.apply(step, row_y_.data(), work_.data());
+  row_time_ = time;
+  outputs_from(m, row_y_.data(), out);
+}
+
+bool IslandRun::changes_visibly(const model::Mode& before) {
+  control_rows_.clear();
+  bool undetermined = false;
+  for (int i = 0; i < system_.ports; ++i) {
+    if (mode->active.contains(i) == before.active.contains(i)) continue;
+    const auto port = static_cast<std::size_t>(i);
+    if (i >= system_.diodes) return true;
+    const bool unique = mode->input_unique[port] != 0 && before.input_unique[port] != 0;
+    undetermined |= !unique;
+    if (unique) control_rows_.push_back(i);
+  }
+  if (!control_rows_.empty()) {
+    departures_.resize(control_rows_.size());
+    model::to_mode(system_, *mode, x.data(), scratch_.data());
+    verifier_.departures(*mode, scratch_.data(), control_rows_, departures_.data());
+    if (std::any_of(departures_.begin(), departures_.end(), [](const auto& d) { return d.order >= 0; })) return true;
+  }
+  if (!undetermined) return false;
+  // A change between two modes that once went on differently is taken to be one again.
+  const std::pair<const model::Mode*, const model::Mode*> change{&before, mode};
+  if (std::find(visible_changes_.begin(), visible_changes_.end(), change) != visible_changes_.end()) return true;
+  if (selector_.continues_alike(before, *mode, x.data())) return false;
+  visible_changes_.push_back(change);
+  return true;
+}
+
+}  // namespace pwlsim::engine

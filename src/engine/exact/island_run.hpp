@@ -1,0 +1,100 @@
+#pragma once
+/// One island on its way through time: mode, segment, sources, rows.
+
+#include <unordered_map>
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "engine/exact/locator.hpp"
+#include "model/selection.hpp"
+
+namespace pwlsim::engine {
+
+class IslandRun {
+ public:
+  IslandRun(const IslandModel& model, bool allow_several);
+
+  [[nodiscard]] const model::System& system() const { return system_; }
+  [[nodiscard]] model::Selector& selector() { return selector_; }
+  [[nodiscard]] const model::Selector& selector() const { return selector_; }
+  [[nodiscard]] const Locator& locator() const { return locator_; }
+  [[nodiscard]] const Segment& segment() const { return segment_; }
+  [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
+
+  /// Time of the next source breakpoint.
+  [[nodiscard]] double next_break() const { return phase_.next; }
+  /// Certifies the segment up to absolute time `end`, or finds the first event before it; returns its time, else `end`.
+  double certify(double end);
+  [[nodiscard]] bool has_event() const { return event_.found; }
+  [[nodiscard]] double event_time() const { return event_time_; }
+
+  /// Opens the instant `time`: the state just before it goes to x, sources still at their left limit.
+  void open(double time);
+  [[nodiscard]] bool is_open() const { return open_; }
+  /// Takes the breakpoints at `time`; true if a source value jumped.
+  bool take_breakpoints(double time, double tolerance);
+  /// ζ at `time` from the sources themselves.
+  void evaluate_sources(double time) { system_.exosystem->evaluate(phase_, time, x.data() + system_.n); }
+  /// Selects the mode that follows at x; `set` is the wanted active set.
+  model::Selected select();
+  void set_switch(int port, bool closed);
+  /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
+  const std::vector<int>& violated_controls(const std::vector<char>& on);
+  /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
+  /// derivatives; at the start also those that read the state directly, by value.
+  const std::vector<int>& violated_without_mode(const std::vector<char>& on, bool at_start);
+  /// Begins the new segment at `time`.
+  void close(double time, const std::vector<char>& on);
+
+  /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
+  void add_signals(double time, double* out);
+  /// The same at the open instant, from x as it stands.
+  void add_signals_now(double* out);
+  /// Cached propagators serve rows that lie `step` apart.
+  void set_row_step(double step) { row_step_ = step; }
+
+  std::vector<double> x;           ///< full state (ξ, ζ) while open
+  const model::Mode* mode = nullptr;
+  model::IndexSet wanted;          ///< active set with the switches as they stand
+  int trigger = -1;                ///< diode port whose guard reached zero
+  /// Whether the mode goes on otherwise than `before` would have: a port determined in both modes, and not identically zero, lies on
+  /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
+  bool changes_visibly(const model::Mode& before);
+  /// t = 0: x and `wanted` are set by the caller, no segment precedes.
+  void open_at_start() { open_ = true; }
+  [[nodiscard]] const IslandModel& model() const { return model_; }
+
+ private:
+  [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
+  [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
+  void choose_guards(const std::vector<char>& on);
+  void outputs_from(const model::Mode& m, const double* y, double* out) const;
+
+  const IslandModel& model_;
+  const model::System& system_;
+  model::Selector selector_;
+  Locator locator_;
+  model::Verifier verifier_;
+  model::Exosystem::Phase phase_;
+  Segment segment_;
+  Located event_;
+  double event_time_ = 0.0;
+  bool open_ = false;
+
+  std::vector<double> row_y_, work_, scratch_;
+  double row_time_ = 0.0;
+  bool row_valid_ = false;
+  double row_step_ = 0.0;
+  struct RowPropagator {
+    std::uint64_t uses = 0;
+    model::Matrix matrix;
+  };
+  std::unordered_map<const model::Mode*, RowPropagator> row_propagators_;
+  std::vector<std::pair<const model::Mode*, const model::Mode*>> visible_changes_;
+  enum class Reads { sources, state, ports };
+  std::vector<Reads> control_reads_;
+  std::vector<int> control_rows_, control_numbers_, violated_;
+  std::vector<model::Departure> control_departures_, departures_;
+};
+
+}  // namespace pwlsim::engine

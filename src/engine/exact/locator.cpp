@@ -1,0 +1,393 @@
+#include "engine/exact/locator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+using model::Mode;
+
+constexpr double epsilon = 2.220446049250313e-16;
+/// A minimum of a guard within this fraction of the terms it is made of touches zero.
+constexpr double graze_noise = 1e-13;
+constexpr double share_of_norm = 0.1;
+/// A root is found when the guard is this small against the sum of its terms' magnitudes.
+constexpr double root_noise = 4.0 * epsilon;
+constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
+constexpr int most_iterations = 80;
+constexpr int most_series_intervals = 40;
+/// Intervals a segment may take before its guards are sampled instead (and the run says so), and how finely.
+constexpr std::uint64_t most_intervals = 20000;
+constexpr double sampled_intervals = 1024.0;
+
+}  // namespace
+
+/// What rounding leaves of a guard at the interval's start: from the terms of its own sum, and from a share of the state's norm.
+double Locator::noise_of(const Segment& s, int row) const {
+  double size = 0.0;
+  for (int k = 0; k < s.mode->ny; ++k) size += std::abs(s.mode->guards(row, k) * s.y[static_cast<std::size_t>(k)]);
+  size = std::max(size, share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
+  return std::max(graze_noise, s.mode->noise) * size;
+}
+
+void Locator::prepare(Segment& s) {
+  const auto ny = static_cast<std::size_t>(s.mode->ny);
+  const std::size_t rows = s.rows.size();
+  if (ny > size_) {
+    size_ = ny;
+    for (auto* v : {&ye_, &de_, &at_, &a1_, &a2_, &event_}) v->resize(ny);
+    work_.resize(2 * ny);
+    derivatives_.resize((series_order + 2) * ny);
+  }
+  if (rows <= g_.size()) return;
+  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_}) v->resize(rows);
+  guard_derivatives_.resize(rows * (series_order + 1));
+}
+
+/// ‖c^{(order)}‖ and the blocks' part of the bound K_order, for an interval of length h.
+Locator::Bound Locator::bound_of(const Segment& s, int order, const double* derivative, double h) {
+  const Mode& m = *s.mode;
+  const auto& blocks = s.system->exosystem->blocks();
+  Bound b;
+  block_bound_.resize(blocks.size());
+  double inputs = 0.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const double value = blocks[i].derivative_bound(s.y.data() + m.n1, order, h);
+    block_bound_[i] = value;
+    b.sources |= value != 0.0;
+    inputs += value * m.input_block_norm[static_cast<Eigen::Index>(i)];
+  }
+  const double growth = m.growth > 0.0 ? std::exp(std::min(m.growth * h, 500.0)) : 1.0;
+  b.state = growth * (linalg::norm(derivative, m.n1) + h * inputs);
+  return b;
+}
+
+double Locator::bound_at(const Segment& s, const Bound& b, int row) const {
+  const Mode& m = *s.mode;
+  double value = m.guard_c_norm[row] * b.state;
+  if (b.sources)
+    for (std::size_t i = 0; i < block_bound_.size(); ++i) value += m.guard_block_norm(row, static_cast<Eigen::Index>(i)) * block_bound_[i];
+  return value;
+}
+
+/// First and second derivatives at the interval's start.
+void Locator::derive(const Segment& s) {
+  const Mode& m = *s.mode;
+  const auto ny = static_cast<std::size_t>(m.ny);
+  double* d = derivatives_.data();
+  std::copy_n(s.y.begin(), ny, d);
+  linalg::multiply(m.flow.a(), d, d + ny);
+  linalg::multiply(m.flow.a(), d + ny, d + 2 * ny);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    g_[i] = linalg::row_times(m.guards, s.rows[i], d);
+    gd_[i] = linalg::row_times(m.guards, s.rows[i], d + ny);
+    g2_[i] = linalg::row_times(m.guards, s.rows[i], d + 2 * ny);
+  }
+}
+
+/// K_2 of every guard for length h.
+void Locator::bound_second(const Segment& s, double h) {
+  const Bound b = bound_of(s, 2, derivatives_.data() + 2 * s.mode->ny, h);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) k2_[i] = bound_at(s, b, s.rows[i]);
+}
+
+bool Locator::excluded_by_start(std::size_t i, double h) const {
+  return g_[i] > 0.0 && g_[i] + std::min(gd_[i], 0.0) * h - 0.5 * k2_[i] * h * h > 0.0;
+}
+
+bool Locator::all_excluded_by_start(const Segment& s, double h) {
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    if (s.departures[i].order < 0) return false;
+    if (s.tau == 0.0 && s.departures[i].order != 0) {
+      if (examine(s, i, h).verdict != Verdict::excluded) return false;
+      continue;
+    }
+    if (!excluded_by_start(i, h)) return false;
+  }
+  return true;
+}
+
+void Locator::state_at(const Segment& s, double step, double* out) {
+  std::copy(s.y.begin(), s.y.begin() + s.mode->ny, out);
+  s.mode->flow.apply_once(step, out, work_.data());
+}
+
+void Locator::end_values(const Segment& s, double h) {
+  const Mode& m = *s.mode;
+  state_at(s, h, ye_.data());
+  linalg::multiply(m.flow.a(), ye_.data(), de_.data());
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    ge_[i] = linalg::row_times(m.guards, s.rows[i], ye_.data());
+    gde_[i] = linalg::row_times(m.guards, s.rows[i], de_.data());
+  }
+}
+
+Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
+  const model::Departure& start = s.departures[i];
+  if (start.order < 0) {
+    // Zero at the start to every order that rounding lets through: it counts from where it is visibly negative.
+    const double noise = noise_of(s, s.rows[i]);
+    return {ge_[i] >= -noise ? Verdict::excluded : Verdict::one_root, h};
+  }
+  if (s.tau == 0.0 && start.order != 0) {
+    // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
+    const Mode& m = *s.mode;
+    std::copy(s.y.begin(), s.y.begin() + m.ny, a1_.begin());
+    for (int order = 0; order <= start.order; ++order) {
+      linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
+      std::swap(a1_, a2_);
+    }
+    const double k = bound_at(s, bound_of(s, start.order + 1, a1_.data(), h), s.rows[i]);
+    return {start.value - k * h / (start.order + 1) > 0.0 ? Verdict::excluded : Verdict::undecided, 0.0};
+  }
+  const double k2 = k2_[i];
+  const double g = g_[i];
+  const double ge = ge_[i];
+  if (g > 0.0 && g + std::min(gd_[i], 0.0) * h - 0.5 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
+  if (g > 0.0 && ge > 0.0 && std::min(g, ge) - 0.125 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
+  if (g > 0.0 && ge <= 0.0 && gd_[i] < -k2 * h) return {Verdict::one_root, h};
+  linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
+  const double k3 = bound_at(s, bound_of(s, 3, a1_.data(), h), s.rows[i]);
+  const double noise = noise_of(s, s.rows[i]);
+  if (std::abs(g2_[i]) > k3 * h) {
+    if (g2_[i] >= 0.0) return convex(s, i, h, noise);
+    if (g >= 0.0 && ge >= 0.0) return {Verdict::excluded, 0.0};
+    if (g > 0.0 && ge < 0.0) return {Verdict::one_root, h};
+  }
+  return {Verdict::undecided, 0.0};
+}
+
+Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double noise) {
+  const double g = g_[i];
+  if (g >= -noise && gd_[i] >= 0.0) return {Verdict::excluded, 0.0};
+  if (!(g > 0.0)) return {Verdict::undecided, 0.0};
+  if (gde_[i] <= 0.0) {
+    if (ge_[i] > 0.0) return {Verdict::excluded, 0.0};
+    if (ge_[i] < 0.0) return {Verdict::one_root, h};
+    return {Verdict::undecided, 0.0};
+  }
+  // The minimum lies inside: Newton on g' between the bracketing ends.
+  const Mode& m = *s.mode;
+  const int row = s.rows[i];
+  double low = 0.0;
+  double high = h;
+  double at = h * gd_[i] / (gd_[i] - gde_[i]);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    state_at(s, at, at_.data());
+    linalg::multiply(m.flow.a(), at_.data(), a1_.data());
+    linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
+    const double slope = linalg::row_times(m.guards, row, a1_.data());
+    const double curvature = linalg::row_times(m.guards, row, a2_.data());
+    (slope < 0.0 ? low : high) = at;
+    double next = curvature > 0.0 ? at - slope / curvature : 0.5 * (low + high);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const bool done = std::abs(next - at) <= 1e-12 * h || std::abs(slope) <= 1e-15 * m.guard_norm[row] * m.norm_a * linalg::norm(s.y.data(), m.ny);
+    if (done) break;
+    at = next;
+  }
+  const double minimum = linalg::row_times(m.guards, row, at_.data());
+  if (minimum > noise) return {Verdict::excluded, 0.0};
+  if (minimum >= -noise) {
+    ++grazes_;
+    return {Verdict::excluded, 0.0};
+  }
+  return {Verdict::one_root, at};
+}
+
+/// Root of the parabola through the interval's first derivatives; −1: none.
+double Locator::parabola_root(std::size_t i) const {
+  const double discriminant = gd_[i] * gd_[i] - 2.0 * g2_[i] * g_[i];
+  return discriminant >= 0.0 ? 2.0 * g_[i] / (-gd_[i] + std::sqrt(discriminant)) : -1.0;
+}
+
+/// The one root of guard i in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
+double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess) {
+  const Mode& m = *s.mode;
+  const int row = s.rows[i];
+  double low = lower;
+  double high = upper;
+  double at = guess;
+  if (!(at > low && at < high)) at = 0.5 * (low + high);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    state_at(s, at, at_.data());
+    linalg::multiply(m.flow.a(), at_.data(), a1_.data());
+    const double value = linalg::row_times(m.guards, row, at_.data());
+    const double slope = linalg::row_times(m.guards, row, a1_.data());
+    (value > 0.0 ? low : high) = at;
+    // Against the terms of this very sum: a large part of the state that the row does not read says nothing here.
+    double size = 0.0;
+    for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(row, k) * at_[static_cast<std::size_t>(k)]);
+    if (std::abs(value) <= root_noise * size) break;
+    double next = slope < 0.0 ? at - value / slope : 0.5 * (low + high);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - at) <= epsilon * (s.tau + at)) break;
+    at = next;
+  }
+  return at;
+}
+
+/// Moves the event's time, and the state with it along its own flow, until the guard is rounding: re-evaluating e^{Aτ} would leave more.
+void Locator::polish(const Segment& s, int row, double& tau) {
+  const Mode& m = *s.mode;
+  for (int round = 0; round < 3; ++round) {
+    const double value = linalg::row_times(m.guards, row, event_.data());
+    linalg::multiply(m.flow.a(), event_.data(), a1_.data());
+    const double slope = linalg::row_times(m.guards, row, a1_.data());
+    if (value == 0.0 || slope == 0.0) return;
+    const double shift = -value / slope;
+    if (std::abs(shift) * m.norm_a > 1e-6) return;
+    linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
+    for (int i = 0; i < m.ny; ++i) event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
+    tau += shift;
+  }
+}
+
+/// Decides [tau, tau+h]: `decided` false asks for a shorter one. True when an event was found before `end`.
+bool Locator::try_interval(Segment& s, double h, double end, Located& located, bool& decided) {
+  ++intervals_;
+  ++s.intervals;
+  end_values(s, h);
+  decided = true;
+  double first = INFINITY;
+  std::size_t first_index = 0;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const Root root = examine(s, i, h);
+    if (root.verdict == Verdict::undecided) {
+      decided = false;
+      return false;
+    }
+    if (root.verdict == Verdict::excluded) continue;
+    // Still positive at the earliest root so far: its only root lies behind that.
+    if (first < root.upper && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
+    const double at = find_root(s, i, 0.0, std::min(root.upper, first), parabola_root(i));
+    if (at < first) {
+      first = at;
+      first_index = i;
+      std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
+    }
+  }
+  if (!(first < INFINITY)) return false;
+  double tau = s.tau + first;
+  polish(s, s.rows[first_index], tau);
+  if (tau > end) {
+    s.certified = end;
+    return true;
+  }
+  located = {true, tau, s.rows[first_index], event_.data()};
+  s.certified = tau;
+  return true;
+}
+
+/// One interval by the tests of low order; true when it ended at an event (or at `end`, or undecided at the shortest interval).
+bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& located) {
+  const double rest = end - s.tau;
+  // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
+  double h = s.step > 0.0 ? std::min(2.0 * s.step, rest) : rest;
+  if (s.intervals > most_intervals) h = std::max(h, rest / sampled_intervals);
+  if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
+  for (bool decided = false; !decided;) {
+    bound_second(s, h);
+    if (try_interval(s, h, end, located, decided)) return true;
+    if (decided) break;
+    if (s.intervals > most_intervals) {
+      if (sample_interval(s, h, end, located)) return true;
+      break;
+    }
+    h *= 0.5;
+    if (h >= shortest) continue;
+    // Cannot be decided: let the selection look at the state a hair further on.
+    state_at(s, h, event_.data());
+    located = {true, std::min(s.tau + h, end), -1, event_.data()};
+    s.certified = located.tau;
+    return true;
+  }
+  accept(s, h, end);
+  return false;
+}
+
+/// The last resort where fast parts at rounding level keep the bounds from closing: signs at the interval's end decide.
+bool Locator::sample_interval(Segment& s, double h, double end, Located& located) {
+  if (!s.sampled) ++sampled_;
+  s.sampled = true;
+  end_values(s, h);
+  double first = INFINITY;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    if (ge_[i] >= -noise_of(s, s.rows[i]) || gde_[i] > 0.0) continue;
+    const double at = g_[i] > 0.0 ? find_root(s, i, 0.0, h, parabola_root(i)) : 0.5 * h;
+    if (at >= first) continue;
+    first = at;
+    state_at(s, at, event_.data());
+    located = {true, s.tau + at, s.rows[i], event_.data()};
+  }
+  if (!(first < INFINITY) || located.tau > end) {
+    located = {};
+    return false;
+  }
+  s.certified = located.tau;
+  return true;
+}
+
+void Locator::accept(Segment& s, double h, double end) {
+  s.tau += h;
+  s.step = h;
+  std::copy(ye_.begin(), ye_.begin() + s.mode->ny, s.y.begin());
+  s.certified = std::min(s.tau, end);
+}
+
+/// Gate drives: g(τ) = g + g'τ, so the crossing is at −g/g' and nothing needs to be searched.
+Located Locator::straight_lines(Segment& s, double end) {
+  const Mode& m = *s.mode;
+  linalg::multiply(m.flow.a(), s.y.data(), a1_.data());
+  double first = INFINITY;
+  int row = -1;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const double slope = linalg::row_times(m.guards, s.rows[i], a1_.data());
+    if (!(slope < 0.0)) continue;
+    const double at = -linalg::row_times(m.guards, s.rows[i], s.y.data()) / slope;
+    if (at < 0.0 || at >= first) continue;
+    first = at;
+    row = s.rows[i];
+  }
+  if (!(s.tau + first <= end)) {
+    s.certified = end;
+    return {};
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.ny); ++i) event_[i] = s.y[i] + first * a1_[i];
+  s.certified = s.tau + first;
+  return {true, s.certified, row, event_.data()};
+}
+
+Located Locator::locate(Segment& s, double end) {
+  Located located;
+  if (s.certified >= end) return located;
+  if (s.rows.empty()) {
+    s.certified = end;
+    return located;
+  }
+  prepare(s);
+  if (s.mode->piecewise_linear) return straight_lines(s, end);
+  const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
+  int series_intervals = 0;
+  const bool undecided_start = std::any_of(s.departures.begin(), s.departures.end(), [](const auto& d) { return d.order < 0; });
+  while (s.certified < end) {
+    const double rest = end - s.tau;
+    derive(s);
+    bound_second(s, rest);
+    if (all_excluded_by_start(s, rest)) {
+      s.certified = end;
+      return located;
+    }
+    if (!s.mode->stiff && !undecided_start && march_by_series(s, end, located)) {
+      // A segment that long in the mode's own time means fast parts that do not matter: low orders step over those.
+      if (++series_intervals > most_series_intervals) s.mode->stiff = true;
+      if (located.found) return located;
+      continue;
+    }
+    if (march_by_bounds(s, end, shortest, located)) return located;
+  }
+  return located;
+}
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,104 @@
+#pragma once
+/// Guaranteed event location: the first time at which a guard g(τ) = row·y(τ) of a mode falls below zero.
+///
+/// On an interval [τ, τ+h] every guard is excluded, shown to have exactly one root, shown to touch zero without crossing (a graze:
+/// no event), or the interval is halved. The tests use the bound, valid for every τ ≥ 0 in the segment,
+///
+///     |g^{(j)}| ≤ K_j = ‖row_c‖·e^{μ⁺h}(‖c^{(j)}‖ + h·max‖E₁ζ^{(j)}‖) + max|row_ζ ζ^{(j)}|,
+///
+/// which is insensitive to stiffness because energy coordinates make e^{A₁τ} a contraction for passive circuits. Guards that
+/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m.
+
+#include <vector>
+
+#include "model/mode.hpp"
+#include "model/verify.hpp"
+
+namespace pwlsim::engine {
+
+/// A segment: one mode from its anchor on. `tau` counts from the anchor.
+struct Segment {
+  const model::System* system = nullptr;
+  const model::Mode* mode = nullptr;
+  double anchor = 0.0;               ///< absolute time, s
+  std::vector<double> y0;            ///< state at the anchor
+  std::vector<int> rows;             ///< guard rows in force
+  std::vector<model::Departure> departures;  ///< of each at the anchor
+
+  double tau = 0.0;                  ///< marched so far; y is the state there
+  std::vector<double> y;
+  double certified = 0.0;            ///< no guard falls below zero before
+  std::uint64_t intervals = 0;       ///< examined so far
+  bool sampled = false;              ///< some of it by signs at the ends only
+  double step = 0.0;                 ///< length of the last interval decided, 0: none yet
+};
+
+struct Located {
+  bool found = false;
+  double tau = 0.0;
+  int row = -1;   ///< guard row that crosses; −1: the interval could not be decided, let the selection do it
+  const double* y = nullptr;  ///< state at tau, valid until the next call
+};
+
+class Locator {
+ public:
+  /// First crossing in (certified, end], end counted from the anchor; without one the segment is certified up to `end`.
+  Located locate(Segment& segment, double end);
+
+  [[nodiscard]] std::uint64_t intervals() const { return intervals_; }
+  /// Segments whose guards were sampled because the bounds would not close.
+  [[nodiscard]] std::uint64_t sampled() const { return sampled_; }
+  [[nodiscard]] std::uint64_t grazes() const { return grazes_; }
+
+ private:
+  enum class Verdict { excluded, one_root, undecided };
+  struct Root {
+    Verdict verdict = Verdict::excluded;
+    double upper = 0.0;  ///< one root in (0, upper), g(upper) < 0
+  };
+
+  void prepare(Segment& segment);
+  void derive(const Segment& segment);
+  struct Bound {
+    double state = 0.0;    ///< times ‖row_c‖
+    bool sources = false;  ///< block_bound_ holds something
+  };
+  Bound bound_of(const Segment& segment, int order, const double* derivative, double h);
+  [[nodiscard]] double bound_at(const Segment& segment, const Bound& bound, int row) const;
+  void bound_second(const Segment& segment, double h);
+  [[nodiscard]] bool excluded_by_start(std::size_t i, double h) const;
+  bool all_excluded_by_start(const Segment& segment, double h);
+  void end_values(const Segment& segment, double h);
+  Root examine(const Segment& segment, std::size_t i, double h);
+  Root convex(const Segment& segment, std::size_t i, double h, double noise);
+  [[nodiscard]] double parabola_root(std::size_t i) const;
+  double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess);
+  bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
+  bool march_by_series(Segment& segment, double end, Located& located);
+  Located straight_lines(Segment& segment, double end);
+  void accept(Segment& segment, double h, double end);
+  void differentiate(const Segment& segment);
+  void series_state(const Segment& segment, double step, double* out);
+  struct Isolated {
+    Verdict verdict = Verdict::excluded;
+    double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
+  };
+  Isolated isolate_root(const Segment& segment, std::size_t i, double h, double remainder);
+  void state_at(const Segment& segment, double step, double* out);
+  bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
+  void polish(const Segment& segment, int row, double& tau);
+  [[nodiscard]] double noise_of(const Segment& segment, int row) const;
+  bool sample_interval(Segment& segment, double h, double end, Located& located);
+
+  static constexpr int series_order = 10;   ///< of the Taylor models
+
+  std::size_t size_ = 0;                    ///< states the buffers are made for
+  std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
+  std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
+  std::vector<double> derivatives_;        ///< A^j y at the interval's start, j = 0 … order + 1
+  std::vector<double> guard_derivatives_;  ///< rows × (order + 1)
+  std::vector<double> block_bound_;
+  std::uint64_t intervals_ = 0, grazes_ = 0, sampled_ = 0;
+};
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,210 @@
+/// Event location by Taylor models: over an interval a guard is a polynomial of fixed order plus a remainder that is bounded for the
+/// whole interval; the polynomial's Bernstein coefficients enclose it, and subdividing it costs no evaluation of the state
+/// (Farouki & Rajan, Computer Aided Geometric Design 4 (1987) 191–216, for the basis and its subdivision).
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/exact/locator.hpp"
+
+namespace pwlsim::engine {
+
+namespace {
+
+using model::Mode;
+
+constexpr int order = 10;
+constexpr double exact_reach = 0.14;  ///< rate·step up to which the series of this order is exact to rounding
+constexpr double longest_reach = 12.0;  ///< rate·h beyond which the remainder never passes
+constexpr int most_halvings = 8;      ///< of it, before the tests of low order take over
+constexpr int most_depth = 6;         ///< of subdivision
+constexpr double factorial_next = 39916800.0;  ///< (order + 1)!
+
+using Coefficients = std::array<double, order + 1>;
+
+constexpr double binomial(int n, int k) {
+  double value = 1.0;
+  for (int i = 1; i <= k; ++i) value = value * (n - k + i) / i;
+  return value;
+}
+
+/// b_k = Σ_{j≤k} C(k,j)/C(n,j) c_j.
+constexpr std::array<Coefficients, order + 1> to_bernstein = [] {
+  std::array<Coefficients, order + 1> table{};
+  for (int k = 0; k <= order; ++k)
+    for (int j = 0; j <= k; ++j) table[static_cast<std::size_t>(k)][static_cast<std::size_t>(j)] = binomial(k, j) / binomial(order, j);
+  return table;
+}();
+
+Coefficients bernstein(const Coefficients& c) {
+  Coefficients b{};
+  for (std::size_t k = 0; k < b.size(); ++k)
+    for (std::size_t j = 0; j <= k; ++j) b[k] += to_bernstein[k][j] * c[j];
+  return b;
+}
+
+void split(const Coefficients& b, Coefficients& left, Coefficients& right) {
+  Coefficients work = b;
+  for (std::size_t r = 0; r <= order; ++r) {
+    left[r] = work[0];
+    right[order - r] = work[order - r];
+    for (std::size_t k = 0; k + r < order; ++k) work[k] = 0.5 * (work[k] + work[k + 1]);
+  }
+}
+
+enum class Shape { positive, one_root, unclear };
+struct Piece {
+  Shape shape = Shape::unclear;
+  double low = 0.0, high = 1.0;
+};
+
+/// Walks from left to right; positive everywhere, or the first place where it is not. `rest` bounds the remainder, `rest_slope` its
+/// derivative over the whole unit interval.
+Piece walk(const Coefficients& b, double rest, double rest_slope, double low, double high, int depth) {
+  double least = b[0], steepest = INFINITY, flattest = -INFINITY;
+  for (std::size_t k = 1; k < b.size(); ++k) {
+    least = std::min(least, b[k]);
+    steepest = std::min(steepest, b[k] - b[k - 1]);
+    flattest = std::max(flattest, b[k] - b[k - 1]);
+  }
+  if (least > rest) return {Shape::positive, low, high};
+  const double slope = rest_slope * (high - low) / order;
+  if (flattest < -slope && b[0] > rest && b[order] < -rest) return {Shape::one_root, low, high};
+  if (steepest > slope && b[0] > rest) return {Shape::positive, low, high};
+  if (depth == most_depth) return {Shape::unclear, low, high};
+  Coefficients left{}, right{};
+  split(b, left, right);
+  const double middle = 0.5 * (low + high);
+  const Piece first = walk(left, rest, rest_slope, low, middle, depth + 1);
+  if (first.shape != Shape::positive) return first;
+  return walk(right, rest, rest_slope, middle, high, depth + 1);
+}
+
+/// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket.
+double polynomial_root(const Coefficients& c, double low, double high) {
+  double at = 0.5 * (low + high);
+  for (int i = 0; i < 100; ++i) {
+    double value = 0.0, slope = 0.0;
+    for (std::size_t k = c.size(); k-- > 0;) {
+      slope = slope * at + value;
+      value = value * at + c[k];
+    }
+    if (value == 0.0) return at;
+    (value > 0.0 ? low : high) = at;
+    double next = slope < 0.0 ? at - value / slope : 0.5 * (low + high);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - at) <= 1e-16 * std::abs(at) || next == at) return next;
+    at = next;
+  }
+  return at;
+}
+
+}  // namespace
+
+/// The derivatives beyond the second.
+void Locator::differentiate(const Segment& s) {
+  static_assert(order == series_order);
+  const Mode& m = *s.mode;
+  const auto ny = static_cast<std::size_t>(m.ny);
+  for (std::size_t j = 2; j <= order; ++j) linalg::multiply(m.flow.a(), &derivatives_[j * ny], &derivatives_[(j + 1) * ny]);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    double* g = &guard_derivatives_[i * (order + 1)];
+    g[0] = g_[i];
+    g[1] = gd_[i];
+    g[2] = g2_[i];
+    for (std::size_t j = 3; j <= order; ++j) g[j] = linalg::row_times(m.guards, s.rows[i], &derivatives_[j * ny]);
+  }
+}
+
+/// State at `step` from the derivatives at hand where they suffice.
+void Locator::series_state(const Segment& s, double step, double* out) {
+  if (s.mode->flow.rate() * step > exact_reach) return state_at(s, step, out);
+  const auto ny = static_cast<std::size_t>(s.mode->ny);
+  std::fill(out, out + ny, 0.0);
+  for (std::size_t j = order + 1; j-- > 0;) {
+    const double* d = &derivatives_[j * ny];
+    const double factor = step / static_cast<double>(j + 1);
+    for (std::size_t i = 0; i < ny; ++i) out[i] = d[i] + factor * out[i];
+  }
+}
+
+Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, double remainder) {
+  Coefficients c{};
+  double power = 1.0;
+  double others = 0.0;
+  const double* g = &guard_derivatives_[i * (order + 1)];
+  for (std::size_t j = 0; j <= order; ++j) {
+    c[j] = g[j] * power;
+    power *= h / static_cast<double>(j + 1);
+    if (j > 0) others += std::abs(c[j]);
+  }
+  double rest = remainder;
+  double rest_slope = (order + 1) * rest;
+  const int start = s.tau == 0.0 ? s.departures[i].order : 0;
+  if (start > order - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
+  if (start > 0) {
+    // Zero at the start up to this order: g/s^start has the same sign and roots on (0, 1].
+    std::copy(c.begin() + start, c.end(), c.begin());
+    std::fill(c.end() - start, c.end(), 0.0);
+    rest_slope = (order + 1 + start) * rest;
+  }
+  if (start == 0 && c[0] - others > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
+  // What a value of this guard is worth, against which its own rounding counts.
+  rest += noise_of(s, s.rows[i]) * (start > 0 ? 0.0 : 0.1);
+  const Piece piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
+  if (piece.shape == Shape::positive) return {Verdict::excluded, 0.0, 0.0, 0.0};
+  if (piece.shape == Shape::unclear) return {Verdict::undecided, 0.0, 0.0, 0.0};
+  return {Verdict::one_root, piece.low * h, piece.high * h, polynomial_root(c, piece.low, piece.high) * h};
+}
+
+/// One interval; false when the series cannot decide even a short one.
+bool Locator::march_by_series(Segment& s, double end, Located& located) {
+  const double rest = end - s.tau;
+  const double rate = s.mode->flow.rate();
+  double h = rate > 0.0 ? std::min(rest, s.mode->reach / rate) : rest;
+  differentiate(s);
+  for (int halving = 0; halving <= most_halvings; ++halving, h *= 0.5) {
+    ++intervals_;
+    double first = INFINITY;
+    Isolated root;
+    std::size_t which = 0;
+    bool clear = true;
+    const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
+    const Bound bound = bound_of(s, order + 1, last, h);
+    const double power = std::pow(h, order + 1) / factorial_next;
+    for (std::size_t i = 0; clear && i < s.rows.size(); ++i) {
+      const Isolated found = isolate_root(s, i, h, bound_at(s, bound, s.rows[i]) * power);
+      clear = found.verdict != Verdict::undecided;
+      if (found.verdict != Verdict::one_root || found.guess >= first) continue;
+      first = found.guess;
+      root = found;
+      which = i;
+    }
+    if (!clear) continue;
+    // The next interval of this mode begins with what served here, and a little more where it served at once.
+    if (halving > 0) s.mode->reach = rate * h;
+    else if (h < rest) s.mode->reach = std::min(1.5 * s.mode->reach, longest_reach);
+    if (!(first < INFINITY)) {
+      series_state(s, h, ye_.data());
+      accept(s, h, end);
+      return true;
+    }
+    // Within the series' exact reach the polynomial's root is the root; elsewhere it starts a Newton iteration on the state.
+    double at = root.guess;
+    if (s.mode->flow.rate() * at <= exact_reach) {
+      series_state(s, at, event_.data());
+    } else {
+      at = find_root(s, which, root.lower, root.upper, root.guess);
+      std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
+    }
+    double tau = s.tau + at;
+    polish(s, s.rows[which], tau);
+    s.certified = std::min(tau, end);
+    if (tau <= end) located = {true, tau, s.rows[which], event_.data()};
+    return true;
+  }
+  return false;
+}
+
+}  // namespace pwlsim::engine

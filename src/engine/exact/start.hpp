@@ -1,0 +1,24 @@
+#pragma once
+/// Where a run starts: the DC operating point, or the initial values of the deck.
+
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "engine/run.hpp"
+
+namespace pwlsim::engine {
+
+struct Start {
+  Answer answer;                      ///< outcome and remarks
+  std::vector<linalg::Vector> xi;     ///< energy coordinates of each island
+  std::vector<char> on;               ///< switches
+  std::vector<std::vector<double>> signals;  ///< operating point only: each island's share of its signals
+};
+
+/// Sources at their value just before t = 0, capacitors open, inductors short, complementarity satisfied, `.ic` values forced.
+[[nodiscard]] Start start_from_operating_point(const ExactModel& model);
+
+/// `ic=` and `.ic` values, zero elsewhere.
+[[nodiscard]] Start start_from_initial_values(const ExactModel& model);
+
+}  // namespace pwlsim::engine

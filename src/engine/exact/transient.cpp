@@ -1,0 +1,358 @@
+#include "engine/exact/transient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace pwlsim::engine {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Breakpoints and crossings closer than this fraction of the run are one instant.
+constexpr double merge_fraction = 1e-14;
+constexpr int most_rounds = 12;          ///< of switches answering switches at one instant
+constexpr std::size_t rows_per_block = 1024;
+/// So many events within crowd_fraction of the run are an accumulation.
+/// A run whose certificate is worse than this says so.
+constexpr double doubtful_residual = 1e-6;
+constexpr std::uint64_t crowd_limit = 400;
+constexpr double crowd_fraction = 1e-9;
+constexpr std::uint64_t instants_between_checks = 256;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+}  // namespace
+
+Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
+    : model_(exact_model), request_(request), sink_(sink) {
+  islands_.reserve(model_.islands.size());
+  for (const auto& island : model_.islands) islands_.emplace_back(island, request.non_unique != NonUnique::error);
+  for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
+  sets_before_.resize(islands_.size());
+  modes_before_.assign(islands_.size(), nullptr);
+  width_ = 1 + model_.signal_names.size();
+  rows_.resize(rows_per_block * width_);
+  row_before_.resize(width_);
+  tolerance_ = merge_fraction * request.stop;
+  if (request.grid.rows > 0) row_time_ = request.grid.time(0);
+  if (request.grid.rows > 2)
+    for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
+}
+
+Answer Transient::run(const Start& start) {
+  const auto clock = Clock::now();
+  answer_.outcome = Outcome::completed;
+  bool going = begin(start);
+  while (going) {
+    const double time = next_instant();
+    if (!rows_before(time, false)) break;
+    now_ = time;
+    going = handle(time) && time < request_.stop;
+    if (++instants_ % instants_between_checks == 0) {
+      if (request_.progress) request_.progress(time);
+      if (request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0) {
+        fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", time), {});
+        break;
+      }
+    }
+  }
+  if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
+  flush();
+  answer_.time = now_;
+  for (const auto& island : islands_)
+    if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), now_ - island.segment().anchor);
+  answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
+  finish();
+  return std::move(answer_);
+}
+
+/// t = 0: states as given, switches where the start has them, then the instant itself.
+bool Transient::begin(const Start& start) {
+  on_ = start.on;
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    std::copy(start.xi[i].begin(), start.xi[i].end(), islands_[i].x.begin());
+    islands_[i].open_at_start();
+  }
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const SwitchInfo& info = model_.switches[i];
+    if (info.island >= 0) islands_[static_cast<std::size_t>(info.island)].set_switch(info.port, on_[i] != 0);
+  }
+  Instant instant;
+  for (auto& island : islands_) {
+    island.evaluate_sources(0.0);
+    island.take_breakpoints(0.0, tolerance_);
+  }
+  if (!settle(instant, true)) return false;
+  if (instant.jumps > 0 && request_.use_initial_conditions)
+    answer_.remarks.push_back({"W-start-projected", "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"});
+  return true;
+}
+
+double Transient::next_instant() {
+  double horizon = request_.stop;
+  for (const auto& island : islands_) horizon = std::min(horizon, island.next_break());
+  for (const std::size_t i : order_) horizon = islands_[i].certify(horizon);
+  return std::min(horizon, request_.stop);
+}
+
+void Transient::open_island(IslandRun& island, Instant& instant) {
+  if (!island.is_open()) recorder_.add(island.model(), island.segment(), instant.time - island.segment().anchor);
+  island.open(instant.time);
+  if (island.take_breakpoints(instant.time, tolerance_)) instant.source_edge = true;
+}
+
+void Transient::open_event_islands(double time, Instant& instant) {
+  for (auto& island : islands_) {
+    const bool breaks = island.next_break() <= time + tolerance_;
+    const bool crosses = island.has_event() && island.event_time() <= time;
+    if (breaks || crosses) open_island(island, instant);
+  }
+}
+
+bool Transient::handle(double time) {
+  Instant instant;
+  instant.time = time;
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    modes_before_[i] = islands_[i].mode;
+    sets_before_[i] = islands_[i].mode->active;
+  }
+  bool any = false;
+  for (const auto& island : islands_)
+    any |= island.next_break() <= time + tolerance_ || (island.has_event() && island.event_time() <= time);
+  if (!any) return true;
+  if (request_.events) fill_row(time, row_before_.data());
+  open_event_islands(time, instant);
+  if (!settle(instant, false)) return false;
+  const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
+  if (!happened) return watch_accumulation(instant);  // nothing but a corner of a source
+  ++answer_.statistics.events;
+  answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
+  if (request_.events) {
+    // On the grid the row's own time is written.
+    const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
+    row_before_[0] = last_event_row_ = on_grid ? row_time_ : time;
+    std::copy(row_before_.begin(), row_before_.end(), rows_.begin() + static_cast<std::ptrdiff_t>(buffered_ * width_));
+    if (!push_row()) return false;
+    double* row = &rows_[buffered_ * width_];
+    fill_row(time, row);
+    row[0] = last_event_row_;
+    if (!push_row()) return false;
+  }
+  return watch_accumulation(instant);
+}
+
+/// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes,
+/// and what those do to the other switches, until nothing moves.
+bool Transient::settle(Instant& instant, bool at_start) {
+  for (int round = 0; round < most_rounds; ++round) {
+    if (flip_without_mode(instant, at_start && round == 0)) continue;
+    if (!select_open(instant)) return false;
+    if (flip_violated(instant)) continue;
+    note_mode_changes(instant);
+    for (auto& island : islands_) {
+      if (!island.is_open()) continue;
+      island.close(instant.time, on_);
+    }
+    return true;
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    if (islands_[i].is_open())
+      for (const int c : islands_[i].violated_controls(on_))
+        names.push_back(model_.switches[static_cast<std::size_t>(islands_[i].system().controls[static_cast<std::size_t>(c)].driven)].name);
+  fail(Outcome::no_solution, "E-no-settle",
+       fmt::format("the switches {} find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh",
+                   fmt::join(names, ", "), instant.time),
+       names);
+  return false;
+}
+
+bool Transient::select_open(Instant& instant) {
+  for (auto& island : islands_) {
+    if (!island.is_open()) continue;
+    const model::Selected selected = island.select();
+    instant.jumps += selected.jumps;
+    if (selected.choice == model::Choice::found) continue;
+    fail_selection(island, selected, instant.time);
+    return false;
+  }
+  return true;
+}
+
+bool Transient::flip_without_mode(Instant& instant, bool at_start) {
+  flips_.clear();
+  for (auto& island : islands_) {
+    if (!island.is_open()) continue;
+    for (const int c : island.violated_without_mode(on_, at_start))
+      flips_.push_back(island.system().controls[static_cast<std::size_t>(c)].driven);
+  }
+  flip(flips_, instant);
+  return !flips_.empty();
+}
+
+/// All switches whose control has passed at this instant change together.
+bool Transient::flip_violated(Instant& instant) {
+  flips_.clear();
+  for (auto& island : islands_) {
+    if (!island.is_open()) continue;
+    for (const int c : island.violated_controls(on_)) flips_.push_back(island.system().controls[static_cast<std::size_t>(c)].driven);
+  }
+  flip(flips_, instant);
+  return !flips_.empty();
+}
+
+void Transient::flip(const std::vector<int>& switches, Instant& instant) {
+  for (const int s : switches) {
+    const auto index = static_cast<std::size_t>(s);
+    on_[index] = on_[index] == 0;
+    const SwitchInfo& info = model_.switches[index];
+    if (info.island < 0) continue;
+    IslandRun& island = islands_[static_cast<std::size_t>(info.island)];
+    if (!island.is_open()) open_island(island, instant);
+    island.set_switch(info.port, on_[index] != 0);
+  }
+}
+
+/// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.
+void Transient::note_mode_changes(Instant& instant) {
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    IslandRun& island = islands_[i];
+    if (!island.is_open() || !modes_before_[i] || island.mode == modes_before_[i]) continue;
+    if (island.changes_visibly(*modes_before_[i])) instant.mode_change = true;
+  }
+}
+
+bool Transient::watch_accumulation(const Instant& instant) {
+  if (instant.time - crowd_start_ > crowd_fraction * request_.stop) {
+    crowd_start_ = instant.time;
+    crowd_ = 0;
+  }
+  if (++crowd_ < crowd_limit) return true;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    if (islands_[i].mode != modes_before_[i] && modes_before_[i])
+      for (auto& name : differing(islands_[i], sets_before_[i], islands_[i].mode->active)) names.push_back(std::move(name));
+  fail(Outcome::accumulation, "E-accumulation",
+       fmt::format("events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
+                   instant.time, crowd_, instant.time - crowd_start_, fmt::join(names, ", ")),
+       names);
+  return false;
+}
+
+std::vector<std::string> Transient::differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const {
+  std::vector<std::string> names;
+  for (int i = 0; i < island.system().ports; ++i)
+    if (a.contains(i) != b.contains(i)) names.push_back(island.system().port[static_cast<std::size_t>(i)].name);
+  return names;
+}
+
+void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
+  std::vector<std::string> names;
+  if (selected.choice == model::Choice::several) {
+    names = differing(island, selected.mode->active, selected.alternative->active);
+    fail(Outcome::not_unique, "E-not-unique",
+         fmt::format("the solution is not unique at t = {} s: {} may go on in more than one way; try .options nonunique=first", time,
+                     fmt::join(names, ", ")),
+         names);
+    return;
+  }
+  for (const auto& port : island.system().port) names.push_back(port.name);
+  const bool jumps = selected.choice == model::Choice::too_many_jumps;
+  fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
+       fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
+                   jumps ? "the state jumps without end" : "no solution continues", time, fmt::join(names, ", ")),
+       names);
+}
+
+void Transient::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
+  answer_.outcome = outcome;
+  answer_.id = std::move(id);
+  answer_.message = std::move(text);
+  answer_.elements = std::move(elements);
+}
+
+/// Rows with a time before `time` (or at it, when inclusive).
+bool Transient::rows_before(double time, bool inclusive) {
+  // A row within rounding of an instant holds the values after it.
+  const double limit = inclusive ? time : time - tolerance_;
+  while (next_row_ < request_.grid.rows && (row_time_ < limit || (inclusive && row_time_ <= limit))) {
+    const bool written = std::abs(last_event_row_ - row_time_) <= tolerance_;  // by --events
+    if (!written && !emit_row(row_time_)) return false;
+    ++next_row_;
+    if (next_row_ < request_.grid.rows) row_time_ = request_.grid.time(next_row_);
+  }
+  return true;
+}
+
+void Transient::fill_row(double time, double* row) {
+  std::fill(row, row + width_, 0.0);
+  row[0] = time;
+  for (auto& island : islands_) island.add_signals(time, row + 1);
+}
+
+bool Transient::emit_row(double time) {
+  fill_row(time, &rows_[buffered_ * width_]);
+  return push_row();
+}
+
+bool Transient::push_row() {
+  ++answer_.statistics.rows;
+  if (++buffered_ < rows_per_block) return true;
+  if (request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0) {
+    fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {});
+    flush();
+    return false;
+  }
+  if (request_.progress) request_.progress(row_time_);
+  return flush();
+}
+
+bool Transient::flush() {
+  if (buffered_ == 0) return true;
+  const auto clock = Clock::now();
+  const bool accepted = sink_.write({rows_.data(), buffered_ * width_}, buffered_);
+  sink_seconds_ += seconds_since(clock);
+  buffered_ = 0;
+  if (!accepted && answer_.outcome == Outcome::completed) fail(Outcome::sink_stopped, "", "", {});
+  return accepted;
+}
+
+void Transient::finish() {
+  Statistics& s = answer_.statistics;
+  std::set<int> parts;
+  for (const auto& island : islands_) parts.insert(island.model().island.part);
+  s.islands = parts.size();
+  bool passive = true;
+  for (const auto& island : islands_) {
+    s.states += static_cast<std::uint64_t>(island.system().n);
+    s.ports += static_cast<std::uint64_t>(island.system().diodes);
+    s.switches += static_cast<std::uint64_t>(island.system().ports - island.system().diodes);
+    s.modes_visited += island.selector().modes_visited();
+    s.lcp_pivots += island.selector().pivots();
+    s.steps += island.locator().intervals();
+    passive &= island.system().passive;
+    if (island.locator().sampled() > 0)
+      answer_.remarks.push_back({"W-events-sampled", fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
+                                                                 "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
+                                                                 island.locator().sampled(), island.system().name, 1024)});
+  }
+  s.seconds_model = model_.seconds;
+  const auto clock = Clock::now();
+  answer_.certificate = recorder_.check();
+  const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
+  if (worst > doubtful_residual)
+    answer_.remarks.push_back({"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit are too fast, or "
+                                                            "too far apart in size, for double precision", worst)});
+  answer_.certificate.has_passivity = true;
+  answer_.certificate.passive = passive;
+  s.seconds_certificate = seconds_since(clock);
+  answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());
+}
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,74 @@
+#pragma once
+/// The run: islands side by side, instants in order, rows in between.
+
+#include <chrono>
+#include <vector>
+
+#include "engine/exact/certificate.hpp"
+#include "engine/exact/island_run.hpp"
+#include "engine/exact/start.hpp"
+
+namespace pwlsim::engine {
+
+class Transient {
+ public:
+  Transient(const ExactModel& model, const Request& request, RowSink& sink);
+  Answer run(const Start& start);
+
+ private:
+  /// What happened at one instant.
+  struct Instant {
+    double time = 0.0;
+    bool source_edge = false;
+    bool mode_change = false;
+    int jumps = 0;
+  };
+
+  bool begin(const Start& start);
+  double next_instant();
+  bool handle(double time);
+  bool settle(Instant& instant, bool at_start);
+  bool select_open(Instant& instant);
+  bool flip_without_mode(Instant& instant, bool at_start);
+  bool flip_violated(Instant& instant);
+  void flip(const std::vector<int>& switches, Instant& instant);
+  void open_event_islands(double time, Instant& instant);
+  void note_mode_changes(Instant& instant);
+  bool rows_before(double time, bool inclusive);
+  bool emit_row(double time);
+  bool push_row();
+  bool flush();
+  bool watch_accumulation(const Instant& instant);
+  void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
+  void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
+  void open_island(IslandRun& island, Instant& instant);
+  void fill_row(double time, double* row);
+  [[nodiscard]] std::vector<std::string> differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const;
+  void finish();
+
+  const ExactModel& model_;
+  const Request& request_;
+  RowSink& sink_;
+  Answer answer_;
+  std::vector<IslandRun> islands_;
+  std::vector<std::size_t> order_;          ///< islands, those without states first
+  std::vector<char> on_;                    ///< switches
+  std::vector<int> flips_;
+  std::vector<model::IndexSet> sets_before_;
+  std::vector<const model::Mode*> modes_before_;
+  CertificateRecorder recorder_;
+  double tolerance_ = 0.0;                  ///< instants closer than this are one
+  double now_ = 0.0;
+  std::size_t width_ = 1;
+  std::vector<double> rows_, row_before_;
+  std::size_t buffered_ = 0;
+  std::uint64_t next_row_ = 0;
+  double row_time_ = 0.0;
+  double last_event_row_ = -1.0;            ///< time of the last row written after an event
+  double crowd_start_ = 0.0;
+  std::uint64_t crowd_ = 0;
+  double sink_seconds_ = 0.0;
+  std::uint64_t instants_ = 0;
+};
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,74 @@
+#pragma once
+/// What an engine is asked and what it answers; the same for every engine.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pwlsim::engine {
+
+/// Times of the output rows. time(k) for k < rows is exact from the deck's decimal text; the last row stands at `stop`.
+struct RowGrid {
+  std::function<double(std::uint64_t)> time;
+  std::uint64_t rows = 0;
+};
+
+/// Receives rows in order. Blocks are formatted and written by the receiver; the engine's clock stops meanwhile.
+class RowSink {
+ public:
+  virtual ~RowSink() = default;
+  /// `count` rows, each `1 + signals` values: time, then the signals. Returns false to stop the run (closed pipe, full disk).
+  virtual bool write(std::span<const double> values, std::size_t count) = 0;
+};
+
+enum class NonUnique { error, first, stay };
+
+struct Request {
+  double stop = 0.0;  ///< seconds
+  RowGrid grid;
+  bool events = false;          ///< a row before and after every event
+  bool use_initial_conditions = false;  ///< uic
+  NonUnique non_unique = NonUnique::error;
+  std::function<void(double)> progress;                 ///< called now and then with the time reached; may be empty
+  const std::atomic<int>* interrupt = nullptr;          ///< nonzero: stop at once
+};
+
+enum class Outcome { completed, no_solution, not_unique, accumulation, interrupted, sink_stopped };
+
+struct Certificate {
+  double complementarity = 0.0;  ///< worst relative residual over the points checked
+  double kcl_kvl = 0.0;
+  double energy = 0.0;
+  bool has_passivity = false;    ///< whether `passive` is known
+  bool passive = false;
+  std::uint64_t points_checked = 0;
+};
+
+/// A remark of the run, already a stable id and a sentence ("N-left-out", "W-start-projected").
+struct Remark {
+  std::string id;
+  std::string text;
+};
+
+struct Statistics {
+  std::uint64_t islands = 0, states = 0, ports = 0, switches = 0;
+  std::uint64_t modes_visited = 0, events = 0, jumps = 0, lcp_pivots = 0;
+  std::uint64_t klu_factorizations = 0, klu_solves = 0, steps = 0, rows = 0;
+  double seconds_model = 0.0, seconds_simulate = 0.0, seconds_certificate = 0.0;
+};
+
+struct Answer {
+  Outcome outcome = Outcome::completed;
+  double time = 0.0;                   ///< reached, seconds
+  std::string message;                 ///< why it stopped, with time and element names; empty when completed
+  std::string id;                      ///< "E-no-solution", …
+  std::vector<std::string> elements;
+  Statistics statistics;
+  Certificate certificate;
+  std::vector<Remark> remarks;
+};
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,68 @@
+#include "linalg/dense.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+namespace pwlsim::linalg {
+
+namespace {
+
+using FullSvd = Eigen::JacobiSVD<Matrix, Eigen::FullPivHouseholderQRPreconditioner>;
+
+Eigen::Index numerical_rank(const Vector& singular_values, double tolerance, double scale) {
+  if (singular_values.size() == 0) return 0;
+  const double threshold = tolerance * (scale > 0.0 ? scale : singular_values[0]);
+  Eigen::Index rank = 0;
+  while (rank < singular_values.size() && singular_values[rank] > threshold) ++rank;
+  return rank;
+}
+
+}  // namespace
+
+Matrix cleaned(Matrix m, const Matrix& bound) {
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      if (std::abs(m(i, j)) <= clean_tolerance * bound(i, j)) m(i, j) = 0.0;
+  return m;
+}
+
+Matrix clean_product(const Matrix& x, const Matrix& y) {
+  return cleaned(x * y, x.cwiseAbs() * y.cwiseAbs());
+}
+
+Matrix null_space(const Matrix& m, double tolerance, double scale) {
+  if (m.cols() == 0) return Matrix(0, 0);
+  if (m.rows() == 0) return Matrix::Identity(m.cols(), m.cols());
+  const FullSvd svd(m, Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, scale);
+  return svd.matrixV().rightCols(m.cols() - rank);
+}
+
+Matrix range_space(const Matrix& m, double tolerance, double scale) {
+  if (m.cols() == 0 || m.rows() == 0) return Matrix(m.rows(), 0);
+  const FullSvd svd(m, Eigen::ComputeFullU);
+  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
+}
+
+Matrix pseudo_inverse(const Matrix& m, double tolerance) {
+  if (m.cols() == 0 || m.rows() == 0) return Matrix::Zero(m.cols(), m.rows());
+  const FullSvd svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
+  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
+         svd.matrixU().leftCols(rank).transpose();
+}
+
+double spectral_norm(const Matrix& m) {
+  if (m.size() == 0) return 0.0;
+  const Matrix gram = m.rows() < m.cols() ? Matrix(m * m.transpose()) : Matrix(m.transpose() * m);
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[gram.rows() - 1]));
+}
+
+double logarithmic_norm(const Matrix& m) {
+  if (m.size() == 0) return 0.0;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[m.rows() - 1];
+}
+
+}  // namespace pwlsim::linalg

@@ -1,0 +1,61 @@
+#pragma once
+/// Dense vectors and matrices, and the few operations that the small systems of a mode need in inner loops.
+
+#include <Eigen/Core>
+
+namespace pwlsim::linalg {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// y = M x for column-major M (rows × columns), without allocation and without the dispatch cost that Eigen
+/// has for the sizes at hand (2 to 10). y must not alias x.
+inline void multiply(const Matrix& m, const double* x, double* y) {
+  const Eigen::Index rows = m.rows();
+  const Eigen::Index columns = m.cols();
+  const double* a = m.data();
+  for (Eigen::Index i = 0; i < rows; ++i) y[i] = 0.0;
+  for (Eigen::Index j = 0; j < columns; ++j, a += rows) {
+    const double xj = x[j];
+    for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * xj;
+  }
+}
+
+/// Row `i` of M times x.
+inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
+  const Eigen::Index rows = m.rows();
+  const double* a = m.data() + i;
+  double sum = 0.0;
+  for (Eigen::Index j = 0; j < m.cols(); ++j, a += rows) sum += *a * x[j];
+  return sum;
+}
+
+[[nodiscard]] inline double norm(const double* x, Eigen::Index n) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) sum += x[i] * x[i];
+  return std::sqrt(sum);
+}
+
+/// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
+inline constexpr double clean_tolerance = 1e-14;
+[[nodiscard]] Matrix clean_product(const Matrix& x, const Matrix& y);
+
+/// M with entries below clean_tolerance·bound set to zero, entry by entry.
+[[nodiscard]] Matrix cleaned(Matrix m, const Matrix& bound);
+
+/// Orthonormal basis of {x : M x = 0}; singular values below `tolerance`·scale count as zero (scale ≤ 0: the largest one).
+[[nodiscard]] Matrix null_space(const Matrix& m, double tolerance, double scale = 0.0);
+
+/// Orthonormal basis of the column space, same rule.
+[[nodiscard]] Matrix range_space(const Matrix& m, double tolerance, double scale = 0.0);
+
+/// Moore–Penrose pseudoinverse, same rule with the largest singular value as scale.
+[[nodiscard]] Matrix pseudo_inverse(const Matrix& m, double tolerance);
+
+/// Largest singular value; 0 for an empty matrix.
+[[nodiscard]] double spectral_norm(const Matrix& m);
+
+/// Largest eigenvalue of (M + Mᵀ)/2; 0 for an empty matrix.
+[[nodiscard]] double logarithmic_norm(const Matrix& m);
+
+}  // namespace pwlsim::linalg

@@ -1,0 +1,128 @@
+#include "linalg/exponential.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::linalg {
+
+namespace {
+
+constexpr double radius = 1.0;             ///< rate·τ up to which the series is summed directly
+constexpr double negligible = 1e-18;       ///< of the largest term: one that cannot change the sum
+constexpr int most_terms = 60;
+constexpr double same_interval = 1e-8;     ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
+constexpr std::uint32_t worth_a_matrix = 4;
+
+double largest(const double* x, Eigen::Index n) {
+  double value = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) value = std::max(value, std::abs(x[i]));
+  return value;
+}
+
+}  // namespace
+
+double norm_bound(const Matrix& m) {
+  if (m.size() == 0) return 0.0;
+  const Matrix size = m.cwiseAbs();
+  return std::min({size.rowwise().sum().maxCoeff(), size.colwise().sum().maxCoeff(), m.norm()});
+}
+
+Exponential::Exponential(Matrix a, double rate) : a_(std::move(a)), rate_(rate) {
+  base_ = rate > 0.0 ? static_cast<int>(std::floor(std::log2(0.5 * radius / rate))) : 1023;
+}
+
+void Exponential::taylor(double tau, double* y, double* work) const {
+  const Eigen::Index n = a_.rows();
+  double* term = work;
+  double* next = work + n;
+  std::copy(y, y + n, term);
+  double size = largest(y, n);
+  for (int k = 1; k <= most_terms; ++k) {
+    multiply(a_, term, next);
+    const double factor = tau / k;
+    double change = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      next[i] *= factor;
+      y[i] += next[i];
+      change = std::max(change, std::abs(next[i]));
+    }
+    size = std::max(size, change);
+    if (change <= negligible * size) return;
+    std::swap(term, next);
+  }
+}
+
+bool Exponential::apply_recurring(double tau, double* y, double* work) const {
+  for (auto& entry : recurring_) {
+    const double rest = tau - entry.tau;
+    if (entry.uses == 0 || std::abs(rest) * rate_ > same_interval || std::abs(rest) > same_interval * tau) continue;
+    if (++entry.uses < worth_a_matrix) return false;
+    if (entry.uses == worth_a_matrix) entry.x = minus_identity(entry.tau);
+    const Eigen::Index n = a_.rows();
+    multiply(entry.x, y, work);
+    for (Eigen::Index i = 0; i < n; ++i) y[i] += work[i];
+    if (rest == 0.0) return true;
+    multiply(a_, y, work);
+    for (Eigen::Index i = 0; i < n; ++i) y[i] += rest * work[i];
+    return true;
+  }
+  // Not seen lately: it takes the place of the least used of the others, in turn.
+  Recurring& entry = recurring_[victim_++ % recurring_.size()];
+  if (entry.uses > worth_a_matrix) {
+    entry.uses -= entry.uses / 8 + 1;
+  } else {
+    entry.tau = tau;
+    entry.uses = 1;
+  }
+  return false;
+}
+
+void Exponential::apply(double tau, double* y, double* work) const {
+  if (a_.rows() == 0 || tau == 0.0 || apply_recurring(tau, y, work)) return;
+  apply_once(tau, y, work);
+}
+
+void Exponential::apply_once(double tau, double* y, double* work) const {
+  const Eigen::Index n = a_.rows();
+  if (rate_ * tau > radius) {
+    int p = std::ilogb(tau);
+    for (; p > base_ && rate_ * tau > radius; --p) {
+      const double step = std::ldexp(1.0, p);
+      if (tau < step) continue;
+      multiply(power(p), y, work);
+      for (Eigen::Index i = 0; i < n; ++i) y[i] += work[i];
+      tau -= step;
+    }
+  }
+  if (tau > 0.0) taylor(tau, y, work);
+}
+
+Matrix Exponential::taylor_minus_identity(double tau) const {
+  Matrix term = a_ * tau;
+  Matrix sum = term;
+  for (int k = 2; k <= most_terms; ++k) {
+    term = (a_ * term) * (tau / k);
+    sum += term;
+    if (term.cwiseAbs().maxCoeff() <= negligible * sum.cwiseAbs().maxCoeff()) break;
+  }
+  return sum;
+}
+
+const Matrix& Exponential::power(int p) const {
+  const auto found = powers_.find(p);
+  if (found != powers_.end()) return found->second;
+  if (p <= base_) return powers_[p] = taylor_minus_identity(std::ldexp(1.0, p));
+  const Matrix& half = power(p - 1);
+  return powers_[p] = 2.0 * half + half * half;
+}
+
+Matrix Exponential::minus_identity(double tau) const {
+  const Eigen::Index n = a_.rows();
+  if (n == 0 || tau == 0.0) return Matrix::Zero(n, n);
+  const int halvings = rate_ * tau > 0.5 * radius ? static_cast<int>(std::ceil(std::log2(rate_ * tau / (0.5 * radius)))) : 0;
+  Matrix x = taylor_minus_identity(std::ldexp(tau, -halvings));
+  for (int i = 0; i < halvings; ++i) x = 2.0 * x + x * x;
+  return x;
+}
+
+}  // namespace pwlsim::linalg

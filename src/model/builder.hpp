@@ -1,0 +1,57 @@
+#pragma once
+/// Fills a Network item by item: nodes by name, every word of the vocabulary by its own `add`.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "model/network.hpp"
+
+namespace pwlsim::model {
+
+[[nodiscard]] LinearForm voltage_between(NodeIndex p, NodeIndex n, double coefficient = 1.0);
+[[nodiscard]] Term constant(double value);
+/// sum += factor·form
+void accumulate(LinearForm& sum, const LinearForm& form, double factor = 1.0);
+
+/// Names are compared without case; they are kept as first given. Every `add` returns the index of the item within its list.
+class Builder {
+ public:
+  /// The node of that name, created at its first use. "0" and "gnd" are ground.
+  NodeIndex node(std::string_view name, SourceSpan where = {});
+  [[nodiscard]] std::optional<NodeIndex> find_node(std::string_view name) const;
+  /// A node inside an element: not found by name.
+  NodeIndex inner_node(Label label);
+
+  int add(Resistor item) { return append(network_.resistors, std::move(item)); }
+  int add(Capacitor item) { return append(network_.capacitors, std::move(item)); }
+  int add(Inductor item) { return append(network_.inductors, std::move(item)); }
+  int add(Coupling item) { return append(network_.couplings, std::move(item)); }
+  int add(Branch item) { return append(network_.branches, std::move(item)); }
+  int add(Injection item) { return append(network_.injections, std::move(item)); }
+  int add(Diode item) { return append(network_.diodes, std::move(item)); }
+  int add(Switch item) { return append(network_.switches, std::move(item)); }
+  int add(Source item) { return append(network_.sources, std::move(item)); }
+  int add(Signal item) { return append(network_.signals, std::move(item)); }
+  int add(NodeCondition item) { return append(network_.node_conditions, std::move(item)); }
+  int add(CurrentCondition item) { return append(network_.current_conditions, std::move(item)); }
+
+  /// Items whose forms need currents of elements added later are completed in place.
+  [[nodiscard]] Network& network() { return network_; }
+  [[nodiscard]] const Network& network() const { return network_; }
+  [[nodiscard]] Network take() { return std::move(network_); }
+
+ private:
+  template <class Item>
+  static int append(std::vector<Item>& list, Item item) {
+    list.push_back(std::move(item));
+    return static_cast<int>(list.size()) - 1;
+  }
+
+  Network network_;
+  std::unordered_map<std::string, NodeIndex> node_by_name_;
+};
+
+}  // namespace pwlsim::model

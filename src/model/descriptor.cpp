@@ -1,0 +1,296 @@
+#include "model/descriptor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::model {
+
+namespace {
+
+/// Resistors below this fraction of R0 carry their current as an unknown: as conductances they would drown their node's row.
+constexpr double low_resistance = 1e-3;
+/// Pivots of the unit-diagonal inductance matrix below this are zero: |k| = 1.
+constexpr double coupling_rank_tolerance = 1e-12;
+
+class LogMean {
+ public:
+  void add(double value) {
+    if (!(value > 0.0)) return;
+    sum_ += std::log(value);
+    ++count_;
+  }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] double value() const { return count_ == 0 ? 1.0 : std::exp(sum_ / count_); }
+
+ private:
+  double sum_ = 0.0;
+  int count_ = 0;
+};
+
+bool needs_constant(const Network& network) {
+  const auto has_one = [](const LinearForm& form) {
+    return std::any_of(form.begin(), form.end(), [](const Term& t) { return t.kind == Term::Kind::one && t.coefficient != 0.0; });
+  };
+  for (const auto& d : network.diodes)
+    if (d.drop != 0.0) return true;
+  for (const auto& s : network.switches)
+    if (s.drop != 0.0) return true;
+  for (const auto& b : network.branches)
+    if (has_one(b.voltage)) return true;
+  for (const auto& i : network.injections)
+    if (has_one(i.current)) return true;
+  for (const auto& s : network.signals)
+    if (has_one(s.form)) return true;
+  return false;
+}
+
+std::vector<SourceFunction> functions_of(const Network& network) {
+  std::vector<SourceFunction> functions;
+  for (const auto& source : network.sources) functions.push_back(source.function);
+  return functions;
+}
+
+}  // namespace
+
+Assembly::Assembly(const Network& net, bool constant_wanted) : network(net) {
+  exosystem = std::make_shared<Exosystem>(functions_of(network), constant_wanted || needs_constant(network));
+  choose_scales();
+  factor_inductances();
+  number_unknowns();
+  const int m = unknowns_;
+  g = Matrix::Zero(m, m);
+  f = Matrix::Zero(m, stores());
+  ha = Matrix::Zero(m, ports());
+  hw = Matrix::Zero(m, exosystem->size());
+  sx = Matrix::Zero(stores(), m);
+  add_resistors();
+  add_stores();
+  add_branches_and_injections();
+  add_ports();
+}
+
+bool Assembly::is_low(double resistance) const { return std::abs(resistance) < low_resistance * r0; }
+
+void Assembly::choose_scales() {
+  LogMean capacitance, inductance, resistance, time;
+  for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
+  for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
+  for (const auto& r : network.resistors) resistance.add(std::abs(r.resistance));
+  if (!capacitance.empty() && !inductance.empty()) resistance.add(std::sqrt(inductance.value() / capacitance.value()));
+  r0 = resistance.value();
+  for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);
+  for (const auto& l : network.inductors) time.add(std::abs(l.inductance) / r0);
+  tau0 = time.value();
+}
+
+void Assembly::factor_inductances() {
+  const auto n = static_cast<int>(network.inductors.size());
+  Vector root(n);
+  Matrix rest = Matrix::Identity(n, n);
+  for (int i = 0; i < n; ++i) root[i] = std::sqrt(std::abs(network.inductors[i].inductance));
+  for (const auto& k : network.couplings) {
+    rest(k.inductor_a, k.inductor_b) += k.coefficient;
+    rest(k.inductor_b, k.inductor_a) += k.coefficient;
+  }
+  Matrix factor(n, n);
+  int rank = 0;
+  for (; rank < n; ++rank) {
+    Eigen::Index pivot = 0;
+    const double largest = rest.diagonal().maxCoeff(&pivot);
+    if (largest < coupling_rank_tolerance) break;
+    factor.col(rank) = rest.col(pivot) / std::sqrt(largest);
+    rest.noalias() -= factor.col(rank) * factor.col(rank).transpose();
+    rest.row(pivot).setZero();
+    rest.col(pivot).setZero();
+  }
+  if (n > 0 && rest.cwiseAbs().maxCoeff() > 1e3 * coupling_rank_tolerance) coupling_possible = false;
+  inductor_factor = root.asDiagonal() * factor.leftCols(rank) / std::sqrt(r0 * tau0);
+}
+
+void Assembly::number_unknowns() {
+  int next = static_cast<int>(network.nodes.size());
+  first_low_ = next;
+  for (const auto& r : network.resistors) low_resistor_.push_back(is_low(r.resistance) ? next++ : -1);
+  const auto take = [&next](std::size_t count) {
+    const int first = next;
+    next += static_cast<int>(count);
+    return first;
+  };
+  first_capacitor_ = take(network.capacitors.size());
+  first_inductor_ = take(network.inductors.size());
+  first_rate_ = take(static_cast<std::size_t>(inductor_factor.cols()));
+  first_branch_ = take(network.branches.size());
+  first_port_ = take(static_cast<std::size_t>(ports()));
+  unknowns_ = next;
+}
+
+void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, double value) {
+  if (p != ground) g(p, column) += value;
+  if (n != ground) g(n, column) -= value;
+}
+
+void Assembly::add_voltage(int row, NodeIndex p, NodeIndex n) {
+  if (p != ground) g(row, p) += 1.0;
+  if (n != ground) g(row, n) -= 1.0;
+}
+
+void Assembly::add_resistors() {
+  for (std::size_t i = 0; i < network.resistors.size(); ++i) {
+    const auto& r = network.resistors[i];
+    const int low = low_resistor_[i];
+    if (low >= 0) {
+      add_kcl(r.p, r.n, low, 1.0);
+      add_voltage(low, r.p, r.n);
+      g(low, low) -= r.resistance / r0;
+      continue;
+    }
+    const double conductance = r0 / r.resistance;
+    if (r.p != ground) add_kcl(r.p, r.n, r.p, conductance);
+    if (r.n != ground) add_kcl(r.p, r.n, r.n, -conductance);
+  }
+}
+
+void Assembly::add_stores() {
+  const auto capacitors = static_cast<int>(network.capacitors.size());
+  for (int i = 0; i < capacitors; ++i) {
+    const auto& c = network.capacitors[i];
+    const int column = first_capacitor_ + i;
+    const double s = std::sqrt(std::abs(c.capacitance) * r0 / tau0);
+    add_kcl(c.p, c.n, column, 1.0);
+    add_voltage(column, c.p, c.n);
+    f(column, i) = -1.0 / s;
+    sx(i, column) = std::copysign(1.0 / (s * tau0), c.capacitance);
+  }
+  const auto rates = static_cast<int>(inductor_factor.cols());
+  for (int j = 0; j < rates; ++j) {
+    const double scale = inductor_factor.col(j).cwiseAbs().maxCoeff();
+    const int row = first_rate_ + j;
+    for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
+      const double sign = network.inductors[i].inductance < 0.0 ? -1.0 : 1.0;
+      g(first_inductor_ + i, row) -= sign * inductor_factor(i, j) / scale;
+      g(row, first_inductor_ + i) += inductor_factor(i, j) / scale;
+    }
+    f(row, capacitors + j) = -1.0 / scale;
+    sx(capacitors + j, row) = 1.0 / (scale * tau0);
+  }
+  for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
+    const auto& l = network.inductors[i];
+    add_kcl(l.p, l.n, first_inductor_ + i, 1.0);
+    add_voltage(first_inductor_ + i, l.p, l.n);
+  }
+}
+
+void Assembly::add_branches_and_injections() {
+  for (std::size_t i = 0; i < network.branches.size(); ++i) {
+    const auto& b = network.branches[i];
+    const int column = first_branch_ + static_cast<int>(i);
+    add_kcl(b.p, b.n, column, 1.0);
+    add_voltage(column, b.p, b.n);
+    const FormRow row = row_of(b.voltage);
+    g.row(column) -= row.z_part.transpose();
+    hw.row(column) -= row.zeta_part.transpose();
+  }
+  for (const auto& injection : network.injections) {
+    const FormRow row = row_of(injection.current);
+    for (const auto& [node, sign] : {std::pair{injection.p, r0}, std::pair{injection.n, -r0}}) {
+      if (node == ground) continue;
+      g.row(node) += sign * row.z_part.transpose();
+      hw.row(node) += sign * row.zeta_part.transpose();
+    }
+  }
+}
+
+void Assembly::add_port(int port, NodeIndex p, NodeIndex n, double resistance, double drop) {
+  const int column = port_column(port);
+  add_kcl(p, n, column, 1.0);
+  add_voltage(column, p, n);
+  g(column, column) -= 1.0 + resistance / r0;
+  ha(column, port) = -1.0;
+  if (drop != 0.0) hw(column, exosystem->constant()) -= drop;
+}
+
+void Assembly::add_ports() {
+  int port = 0;
+  for (const auto& d : network.diodes) add_port(port++, d.p, d.n, d.resistance, d.drop);
+  for (const auto& s : network.switches) add_port(port++, s.p, s.n, s.resistance, s.drop);
+}
+
+Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
+  FormRow row{Vector::Zero(unknowns_), Vector::Zero(exosystem->size())};
+  for (const auto& term : form) {
+    const double c = term.coefficient;
+    const int i = term.index;
+    switch (term.kind) {
+      case Term::Kind::one: row.zeta_part[exosystem->constant()] += c; break;
+      case Term::Kind::source: row.zeta_part += c * exosystem->rows().row(i).transpose(); break;
+      case Term::Kind::node_voltage:
+        if (i != ground) row.z_part[i] += c;
+        break;
+      case Term::Kind::resistor_current: {
+        const auto& r = network.resistors[i];
+        if (low_resistor_[i] >= 0) {
+          row.z_part[low_resistor_[i]] += c / r0;
+          break;
+        }
+        if (r.p != ground) row.z_part[r.p] += c / r.resistance;
+        if (r.n != ground) row.z_part[r.n] -= c / r.resistance;
+        break;
+      }
+      case Term::Kind::capacitor_current: row.z_part[first_capacitor_ + i] += c / r0; break;
+      case Term::Kind::inductor_current: row.z_part[first_inductor_ + i] += c / r0; break;
+      case Term::Kind::branch_current: row.z_part[first_branch_ + i] += c / r0; break;
+      case Term::Kind::diode_current: row.z_part[port_column(i)] += c / r0; break;
+      case Term::Kind::switch_current: row.z_part[port_column(static_cast<int>(network.diodes.size()) + i)] += c / r0; break;
+    }
+  }
+  return row;
+}
+
+Vector Assembly::initial_state() const {
+  Vector x = Vector::Zero(stores());
+  const auto capacitors = static_cast<int>(network.capacitors.size());
+  for (int i = 0; i < capacitors; ++i)
+    x[i] = network.capacitors[i].initial_voltage * std::sqrt(std::abs(network.capacitors[i].capacitance) * r0 / tau0);
+  Vector current(static_cast<int>(network.inductors.size()));
+  for (int i = 0; i < current.size(); ++i) current[i] = network.inductors[i].initial_current * r0;
+  x.tail(inductor_factor.cols()) = inductor_factor.transpose() * current;
+  return x;
+}
+
+std::vector<Descriptor::StorePort> Assembly::store_ports() const {
+  std::vector<Descriptor::StorePort> ports;
+  for (std::size_t i = 0; i < network.capacitors.size(); ++i)
+    ports.push_back({network.capacitors[i].p, network.capacitors[i].n, first_capacitor_ + static_cast<int>(i)});
+  for (std::size_t i = 0; i < network.inductors.size(); ++i)
+    ports.push_back({network.inductors[i].p, network.inductors[i].n, first_inductor_ + static_cast<int>(i)});
+  return ports;
+}
+
+Vector Assembly::store_sign() const {
+  Vector sign = Vector::Ones(stores());
+  const auto capacitors = static_cast<Eigen::Index>(network.capacitors.size());
+  for (Eigen::Index i = 0; i < capacitors; ++i)
+    if (network.capacitors[static_cast<std::size_t>(i)].capacitance < 0.0) sign[i] = -1.0;
+  for (Eigen::Index j = 0; j < inductor_factor.cols(); ++j) {
+    Eigen::Index owner = 0;
+    inductor_factor.col(j).cwiseAbs().maxCoeff(&owner);
+    if (network.inductors[static_cast<std::size_t>(owner)].inductance < 0.0) sign[capacitors + j] = -1.0;
+  }
+  return sign;
+}
+
+std::string Assembly::current_owner(int index) const {
+  if (index < first_low_) return {};
+  for (std::size_t i = 0; i < low_resistor_.size(); ++i)
+    if (low_resistor_[i] == index) return network.resistors[i].label.name;
+  if (index < first_capacitor_) return {};
+  if (index < first_inductor_) return network.capacitors[index - first_capacitor_].label.name;
+  if (index < first_rate_) return network.inductors[index - first_inductor_].label.name;
+  if (index < first_branch_) return {};
+  if (index < first_port_) return network.branches[index - first_branch_].label.name;
+  const int port = index - first_port_;
+  const auto diodes = static_cast<int>(network.diodes.size());
+  return port < diodes ? network.diodes[port].label.name : network.switches[port - diodes].label.name;
+}
+
+}  // namespace pwlsim::model

@@ -1,0 +1,55 @@
+#pragma once
+/// Rows of a network before any reduction:  x' = S_x z,  0 = F x + G z + H_a a + H_w ζ.
+/// z holds, in this order: node voltages; then currents times R0 of low resistors, capacitors, inductors; inductor rates
+/// (τ0·x̂', scaled); currents times R0 of branches, diodes, switches. All of it in volts.
+
+#include <vector>
+
+#include "model/extraction.hpp"
+
+namespace pwlsim::model {
+
+struct Assembly {
+  Assembly(const Network& network, bool needs_constant);
+
+  /// value = z_part·z + zeta_part·ζ of a linear form, in SI units.
+  struct FormRow {
+    Vector z_part, zeta_part;
+  };
+  [[nodiscard]] FormRow row_of(const LinearForm& form) const;
+  /// Energy coordinates of the `ic=` values.
+  [[nodiscard]] Vector initial_state() const;
+  [[nodiscard]] std::vector<Descriptor::StorePort> store_ports() const;
+  [[nodiscard]] Vector store_sign() const;
+  /// Name of the element whose current is unknown `index` of z ("" for the rest).
+  [[nodiscard]] std::string current_owner(int index) const;
+  [[nodiscard]] int port_column(int port) const { return first_port_ + port; }
+  [[nodiscard]] int stores() const { return static_cast<int>(network.capacitors.size()) + inductor_factor.cols(); }
+  [[nodiscard]] int ports() const { return static_cast<int>(network.diodes.size() + network.switches.size()); }
+  [[nodiscard]] int unknowns() const { return unknowns_; }
+
+  const Network& network;
+  std::shared_ptr<const Exosystem> exosystem;
+  double r0 = 1.0, tau0 = 1.0;
+  Matrix inductor_factor;    ///< Λ/√(R0·τ0), inductors × rank
+  bool coupling_possible = true;  ///< false where the inductance matrix is indefinite
+  Matrix g, f, ha, hw, sx;
+
+ private:
+  void choose_scales();
+  void factor_inductances();
+  void number_unknowns();
+  void add_kcl(NodeIndex p, NodeIndex n, int column, double value);
+  void add_voltage(int row, NodeIndex p, NodeIndex n);
+  void add_resistors();
+  void add_stores();
+  void add_branches_and_injections();
+  void add_ports();
+  void add_port(int port, NodeIndex p, NodeIndex n, double resistance, double drop);
+  [[nodiscard]] bool is_low(double resistance) const;
+
+  std::vector<int> low_resistor_;  ///< resistor -> its unknown, −1: a conductance
+  int first_low_ = 0, first_capacitor_ = 0, first_inductor_ = 0, first_rate_ = 0, first_branch_ = 0, first_port_ = 0, unknowns_ = 0;
+};
+
+}  // namespace pwlsim::model

@@ -1,0 +1,122 @@
+#pragma once
+/// Sources as an autonomous linear system: between breakpoints  ζ' = A_w ζ,  w = C_w ζ  (van der Schaft & Schumacher 1996
+/// take the input as given; putting it into the state makes every solution a matrix exponential).
+///
+/// Blocks of ζ: the constant 1; sin/cos pairs (shared by all undelayed sources of one frequency); levels (piecewise constant);
+/// ramps (value and slope, the slope divided by its largest magnitude); decays e^{−t/τ}. A breakpoint sets its block anew.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "linalg/dense.hpp"
+#include "model/source_function.hpp"
+
+namespace pwlsim::model {
+
+/// A piecewise linear function of time as a list of segments, then a list that repeats.
+class Track {
+ public:
+  struct Segment {
+    double start = 0.0;  ///< prefix: absolute time; loop: offset in the period
+    double value = 0.0;  ///< at the start
+    double slope = 0.0;
+  };
+  double initial = 0.0;  ///< before the first segment
+  std::vector<Segment> prefix;
+  std::vector<Segment> loop;
+  double loop_start = 0.0, loop_period = forever, loop_count = 0.0;
+  double after_loop = 0.0;  ///< value after the last repetition
+
+  [[nodiscard]] double largest_slope() const;
+
+  /// A place on the track: the segment in force and the time of the next one.
+  struct Cursor {
+    double start = 0.0, value = 0.0, slope = 0.0;
+    double next = forever;
+    double period_index = 0.0;
+    std::size_t item = 0;  ///< of the next segment; counts through prefix, then loop
+    [[nodiscard]] double at(double time) const { return slope == 0.0 ? value : value + slope * (time - start); }
+  };
+  /// Left limit at `time`: breakpoints at `time` itself are still to come.
+  [[nodiscard]] Cursor before(double time) const;
+  void advance(Cursor& cursor) const;
+
+ private:
+  void set_next(Cursor& cursor) const;
+};
+
+[[nodiscard]] Track make_track(const Pulse& pulse);
+[[nodiscard]] Track make_track(const Pwl& pwl);
+
+class Exosystem {
+ public:
+  struct Block {
+    enum class Kind { constant, oscillation, level, ramp, decay };
+    Kind kind = Kind::constant;
+    int first = 0;          ///< index of its first state
+    int source = -1;        ///< −1 where sources share it
+    double rate = 0.0;      ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
+    double omega = 0.0, damping = 0.0, phase = 0.0;
+    double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
+    int partner = -1;                   ///< oscillation: its level state, −1: none
+    [[nodiscard]] int size() const { return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1; }
+    /// Bound of |ζ_block^{(order)}(t + s)|₂ for 0 ≤ s ≤ h from the block's state now; for a ramp only its value counts.
+    [[nodiscard]] double derivative_bound(const double* zeta, int order, double h) const;
+  };
+
+  /// `functions[i]` becomes source i. The constant state is present when `needs_constant` or a source has a constant part.
+  Exosystem(const std::vector<SourceFunction>& functions, bool needs_constant);
+
+  [[nodiscard]] int size() const { return static_cast<int>(a_.rows()); }
+  [[nodiscard]] const linalg::Matrix& a() const { return a_; }
+  [[nodiscard]] int constant() const { return constant_; }  ///< index of the state 1, −1: none
+  [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  /// w_source = row · ζ.
+  [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
+
+  /// Where every piecewise source stands.
+  struct Phase {
+    std::vector<Track::Cursor> cursors;   ///< one a track
+    std::vector<std::pair<double, int>> pending;  ///< (time, block) of starts and ends of oscillations and decays to come, ascending
+    std::vector<signed char> stage;               ///< a block: 0 not started, 1 alive, 2 ended
+    double next = forever;                ///< time of the next breakpoint
+  };
+  /// Left limit at time 0.
+  [[nodiscard]] Phase start() const;
+  /// Takes every breakpoint up to time + tolerance; true if some source value jumped there.
+  bool advance(Phase& phase, double time, double tolerance) const;
+  /// ζ at `time` within the segments where the phase stands.
+  void evaluate(const Phase& phase, double time, double* zeta) const;
+
+ private:
+  int add_block(Block block);
+  int find_oscillation(double omega) const;
+  void add(int source, const Dc& f);
+  void add(int source, const Sin& f);
+  void add(int source, const Pulse& f);
+  void add(int source, const Pwl& f);
+  void add(int source, const Exp& f);
+  void add_track(int source, Track track, bool may_jump);
+  void use_constant(int source, double value);
+  void fill_matrices(int sources);
+  void refresh_next(Phase& phase) const;
+
+  struct Coefficient {
+    int source, state;
+    double value;
+  };
+  struct TrackBlock {
+    Track track;
+    int block;
+    bool may_jump;  ///< false where a decay makes up for the track's jump
+  };
+  linalg::Matrix a_, rows_;
+  std::vector<Block> blocks_;
+  std::vector<TrackBlock> tracks_;
+  std::vector<Coefficient> coefficients_;
+  int states_ = 0;
+  int constant_ = -1;
+};
+
+}  // namespace pwlsim::model

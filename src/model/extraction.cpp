@@ -1,0 +1,414 @@
+#include "model/extraction.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "model/certificate.hpp"
+#include "model/descriptor.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+using linalg::clean_product;
+using linalg::cleaned;
+
+/// The rank decision sees incidence numbers and R0/R after row equilibration, never a capacitance or an inductance.
+constexpr double rank_tolerance = 1e-9;
+/// An entry of a hidden constraint below this fraction of its parts is rounding.
+constexpr double constraint_tolerance = 1e-12;
+constexpr int largest_index = 6;
+
+/// Left null vectors of g by full pivoting: exact for incidence numbers; column j has its 1 at row pivot_rows[j].
+struct LeftNull {
+  Matrix vectors;
+  std::vector<int> pivot_rows;
+};
+
+LeftNull left_null(const Matrix& g) {
+  Eigen::ColPivHouseholderQR<Matrix> quick(g);
+  const Vector diagonal = quick.matrixR().diagonal().cwiseAbs();
+  if (diagonal.size() == 0 || diagonal.minCoeff() > rank_tolerance * diagonal.maxCoeff()) return {};
+  Eigen::FullPivLU<Matrix> lu(g.transpose());
+  lu.setThreshold(rank_tolerance);
+  const auto rank = static_cast<int>(lu.rank());
+  const auto m = static_cast<int>(g.rows());
+  if (rank == m) return {};
+  LeftNull result{lu.kernel(), {}};
+  for (Eigen::Index j = 0; j < result.vectors.cols(); ++j) {
+    auto column = result.vectors.col(j);
+    const double noise = constraint_tolerance * column.cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < column.size(); ++i)
+      if (std::abs(column[i]) <= noise) column[i] = 0.0;
+  }
+  for (int j = rank; j < m; ++j) result.pivot_rows.push_back(static_cast<int>(lu.permutationQ().indices()[j]));
+  return result;
+}
+
+class Extractor {
+ public:
+  Extractor(const Island& island, const Assembly& assembly, Diagnostics& diagnostics)
+      : island_(island), network_(island.network), assembly_(assembly), diagnostics_(diagnostics),
+        g_(assembly.g), f_(assembly.f), ha_(assembly.ha), hw_(assembly.hw) {}
+
+  std::optional<Extraction> run() {
+    if (!assembly_.coupling_possible) {
+      diagnostics_.error("E-coupling", network_.couplings.front().label.span,
+                         "the couplings of these inductors contradict each other: their inductance matrix is indefinite; "
+                         "try smaller coefficients");
+      return std::nullopt;
+    }
+    if (!reduce_index()) return std::nullopt;
+    solve_constraints();
+    solve_unknowns();
+    choose_causality();
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  void equilibrate();
+  bool reduce_index();
+  bool take_constraints(const LeftNull& null);
+  void report_singular(const LeftNull& null, const Matrix& nf, const Matrix& nw);
+  void report_improper(const Matrix& na);
+  void solve_constraints();
+  void solve_unknowns();
+  void choose_causality();
+  void finish();
+  void add_ports();
+  [[nodiscard]] OutputRow output(const LinearForm& form) const;
+
+  const Island& island_;
+  const Network& network_;
+  const Assembly& assembly_;
+  Diagnostics& diagnostics_;
+  Matrix g_, f_, ha_, hw_;
+  Matrix h_, s_zeta_;          ///< H x + S_ζ ζ = 0
+  Matrix basis_, offset_;      ///< x = basis·ξ + offset·ζ
+  Matrix z_xi_, z_a_, z_zeta_; ///< z = …·ξ, …·a, …·ζ
+  Matrix a_, b_, e_;           ///< ξ' = a ξ + b a_wave + e ζ
+  Vector theta_;
+  Matrix c_, d_, f1_;          ///< y = c ξ + d u + f1 ζ
+  Extraction result_;
+};
+
+void Extractor::equilibrate() {
+  for (Eigen::Index i = 0; i < g_.rows(); ++i) {
+    const double largest = g_.row(i).cwiseAbs().maxCoeff();
+    if (largest == 0.0) continue;
+    g_.row(i) /= largest;
+    f_.row(i) /= largest;
+    ha_.row(i) /= largest;
+    hw_.row(i) /= largest;
+  }
+}
+
+bool Extractor::reduce_index() {
+  h_ = Matrix(0, assembly_.stores());
+  s_zeta_ = Matrix(0, assembly_.exosystem->size());
+  if (g_.rows() == 0) return true;
+  for (int round = 0; round < largest_index; ++round) {
+    equilibrate();
+    const LeftNull null = left_null(g_);
+    if (null.pivot_rows.empty()) return true;
+    if (!take_constraints(null)) return false;
+  }
+  diagnostics_.error("E-index", network_.nodes.empty() ? SourceSpan{} : network_.nodes.front().span,
+                     "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its loops of controlled sources");
+  return false;
+}
+
+bool Extractor::take_constraints(const LeftNull& null) {
+  const Matrix nt = null.vectors.transpose();
+  const auto clean = [&](const Matrix& m) {
+    Matrix product = nt * m;
+    const Matrix bound = nt.cwiseAbs() * m.cwiseAbs();
+    for (Eigen::Index j = 0; j < product.cols(); ++j)
+      for (Eigen::Index i = 0; i < product.rows(); ++i)
+        if (std::abs(product(i, j)) <= constraint_tolerance * bound(i, j)) product(i, j) = 0.0;
+    return product;
+  };
+  const Matrix nf = clean(f_);
+  const Matrix na = clean(ha_);
+  const Matrix nw = clean(hw_);
+  // Scale every constraint to a largest coefficient of one, so that a picofarad weighs as much as a farad.
+  Matrix scaled = nf;
+  for (Eigen::Index i = 0; i < nf.rows(); ++i) {
+    const double largest = nf.cols() == 0 ? 0.0 : nf.row(i).cwiseAbs().maxCoeff();
+    if (largest > 0.0) scaled.row(i) /= largest;
+  }
+  const auto rank_of = [](const Matrix& m) {
+    Eigen::FullPivLU<Matrix> lu(m);
+    lu.setThreshold(rank_tolerance);
+    return lu.rank();
+  };
+  if (nf.cols() == 0 || rank_of(scaled) < nf.rows()) {
+    report_singular(null, nf, nw);
+    return false;
+  }
+  if (na.size() > 0 && na.cwiseAbs().maxCoeff() > 0.0) {
+    report_improper(na);
+    return false;
+  }
+  const auto old = h_.rows();
+  h_.conservativeResize(old + nf.rows(), Eigen::NoChange);
+  s_zeta_.conservativeResize(old + nf.rows(), Eigen::NoChange);
+  h_.bottomRows(nf.rows()) = nf;
+  s_zeta_.bottomRows(nf.rows()) = nw;
+  // The row a null vector was pivoted on depends on the others: the differentiated constraint takes its place.
+  for (std::size_t i = 0; i < null.pivot_rows.size(); ++i) {
+    const auto row = null.pivot_rows[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    g_.row(row) = nf.row(k) * assembly_.sx;
+    f_.row(row).setZero();
+    ha_.row(row).setZero();
+    hw_.row(row) = nw.row(k) * assembly_.exosystem->a();
+  }
+  return true;
+}
+
+void Extractor::report_improper(const Matrix& na) {
+  std::string names;
+  SourceSpan span;
+  for (Eigen::Index j = 0; j < na.cols(); ++j) {
+    if (na.col(j).cwiseAbs().maxCoeff() == 0.0) continue;
+    const auto i = static_cast<std::size_t>(j);
+    const bool diode = i < network_.diodes.size();
+    const Label& label = diode ? network_.diodes[i].label : network_.switches[i - network_.diodes.size()].label;
+    if (!span.known()) span = label.span;
+    names += (names.empty() ? "" : ", ") + label.name;
+  }
+  diagnostics_.error("E-improper", span, fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
+                                                      "try a resistor or capacitor beside it", names));
+}
+
+void Extractor::report_singular(const LeftNull& null, const Matrix& nf, const Matrix& nw) {
+  // Directions of z that nothing determines: right null vectors of G on top of those already used up.
+  Eigen::FullPivLU<Matrix> lu(g_);
+  lu.setThreshold(rank_tolerance);
+  const Matrix kernel = lu.kernel();
+  const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
+  // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
+  Eigen::FullPivLU<Matrix> combination(nf.cols() == 0 ? Matrix(Matrix::Zero(nf.rows(), 1)).transpose() : Matrix(nf.transpose()));
+  combination.setThreshold(rank_tolerance);
+  const Matrix free_rows = null.vectors * combination.kernel();
+  std::string node_names, element_names;
+  SourceSpan node_span, element_span;
+  bool has_source = false;
+  for (Eigen::Index i = 0; i < g_.rows(); ++i) {
+    const double weight = free_rows.row(i).cwiseAbs().maxCoeff();
+    const double freedom = kernel.row(i).cwiseAbs().maxCoeff();
+    if (i < nodes && (weight > 1e-6 || freedom > 1e-6)) {
+      const Label& label = network_.nodes[static_cast<std::size_t>(i)];
+      if (!node_span.known()) node_span = label.span;
+      node_names += (node_names.empty() ? "" : ", ") + label.name;
+    }
+    const std::string owner = assembly_.current_owner(static_cast<int>(i));
+    if (!owner.empty() && freedom > 1e-6) {
+      for (const auto& b : network_.branches) {
+        if (b.label.name != owner) continue;
+        has_source = true;
+        if (!element_span.known()) element_span = b.label.span;
+      }
+      element_names += (element_names.empty() ? "" : ", ") + owner;
+    }
+  }
+  const Matrix said = combination.kernel().transpose() * nw;
+  const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
+  if (has_source) {
+    diagnostics_.error("E-source-loop", element_span,
+                       fmt::format("{} form a loop of voltage sources without resistance{}; try a small resistor in series", element_names,
+                                   contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
+    return;
+  }
+  diagnostics_.error(contradiction ? "E-source-cutset" : "E-floating", node_span,
+                     contradiction
+                         ? fmt::format("current sources force a current into node {} that has no way out; try a resistor to ground", node_names)
+                         : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+}
+
+void Extractor::solve_constraints() {
+  const auto stores = assembly_.stores();
+  const auto fixed = h_.rows();
+  if (fixed == 0) {
+    basis_ = Matrix::Identity(stores, stores);
+    offset_ = Matrix::Zero(stores, s_zeta_.cols());
+    return;
+  }
+  for (Eigen::Index i = 0; i < fixed; ++i) {
+    const double scale = h_.row(i).norm();
+    h_.row(i) /= scale;
+    s_zeta_.row(i) /= scale;
+  }
+  Eigen::HouseholderQR<Matrix> qr(h_.transpose());
+  const Matrix q = qr.householderQ();
+  basis_ = q.rightCols(stores - fixed);
+  // x = −H⁺ S ζ with H = Rᵀ Q1ᵀ:  H⁺ = Q1 R⁻ᵀ.
+  const Matrix r = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
+  offset_ = -q.leftCols(fixed) * r.transpose().triangularView<Eigen::Lower>().solve(s_zeta_);
+  basis_ = cleaned(basis_, Matrix::Ones(stores, stores - fixed));
+  offset_ = cleaned(offset_, Matrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
+}
+
+void Extractor::solve_unknowns() {
+  const auto m = g_.rows();
+  const auto stores = assembly_.stores();
+  const auto k = assembly_.ports();
+  const auto nz = hw_.cols();
+  Matrix right(m, stores + k + nz);
+  right << f_, ha_, hw_;
+  Matrix solution = Matrix::Zero(m, right.cols());
+  if (m > 0) {
+    const Matrix inverse = Eigen::PartialPivLU<Matrix>(g_).inverse();
+    const Matrix size = inverse.cwiseAbs();
+    solution = -inverse * right;
+    // One step of refinement: the inverse of a stiff network leaves more than the last digit.
+    solution -= inverse * (g_ * solution + right);
+    solution = cleaned(solution, size * (g_.cwiseAbs() * (size * right.cwiseAbs())));
+  }
+  const Matrix z_full = solution.leftCols(stores);
+  z_a_ = solution.middleCols(stores, k);
+  z_zeta_ = solution.rightCols(nz);
+  z_zeta_ = cleaned(z_zeta_ + z_full * offset_, z_zeta_.cwiseAbs() + z_full.cwiseAbs() * offset_.cwiseAbs());
+  z_xi_ = clean_product(z_full, basis_);
+  const Matrix rates = basis_.transpose() * assembly_.sx;
+  a_ = clean_product(rates, z_xi_);
+  b_ = clean_product(rates, z_a_);
+  e_ = clean_product(rates, z_zeta_);
+}
+
+/// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
+/// Θ = diag(±1) with S + Θ nonsingular, found greedily with every pivot at least one in magnitude.
+void Extractor::choose_causality() {
+  const auto k = assembly_.ports();
+  const auto first = assembly_.port_column(0);
+  const Matrix cw = 2.0 * z_xi_.middleRows(first, k);
+  const Matrix s = Matrix::Identity(k, k) + 2.0 * z_a_.middleRows(first, k);
+  const Matrix fw = 2.0 * z_zeta_.middleRows(first, k);
+  Matrix work = s;
+  theta_ = Vector::Zero(k);
+  for (int round = 0; round < k; ++round) {
+    int best = -1;
+    for (int j = 0; j < k; ++j)
+      if (theta_[j] == 0.0 && (best < 0 || std::abs(work(j, j)) > std::abs(work(best, best)) * (1.0 + 1e-9))) best = j;
+    theta_[best] = work(best, best) >= 0.0 ? 1.0 : -1.0;
+    work(best, best) += theta_[best];
+    for (int i = 0; i < k; ++i) {
+      if (theta_[i] != 0.0) continue;
+      const double factor = work(i, best) / work(best, best);
+      for (int j = 0; j < k; ++j)
+        if (theta_[j] == 0.0) work(i, j) -= factor * work(best, j);
+    }
+  }
+  const Matrix theta = theta_.asDiagonal();
+  const Matrix inverse = k > 0 ? Matrix(Eigen::PartialPivLU<Matrix>(s + theta).inverse()) : Matrix(0, 0);
+  d_ = clean_product(inverse, theta - s);
+  for (Eigen::Index i = 0; i < d_.size(); ++i)
+    if (std::abs(d_.data()[i]) < 1e-13) d_.data()[i] = 0.0;
+  c_ = clean_product(inverse, cw);
+  f1_ = clean_product(inverse, fw);
+}
+
+void Extractor::add_ports() {
+  System& system = result_.system;
+  system.diodes = static_cast<int>(network_.diodes.size());
+  system.ports = assembly_.ports();
+  for (const auto& d : network_.diodes) system.port.push_back({d.label.name, d.label.span, false});
+  for (const auto& s : network_.switches) {
+    system.port.push_back({s.label.name, s.label.span, false});
+    system.switch_inverted.push_back(s.inverted);
+  }
+  for (int j = 0; j < system.ports; ++j) system.port[static_cast<std::size_t>(j)].input_is_current = theta_[j] < 0.0;
+  system.switch_number = island_.switch_number;
+}
+
+/// a = −(u + y) turns the wave model into x' = A x + B u, y = C x + D u, and z with it.
+void Extractor::finish() {
+  System& system = result_.system;
+  Descriptor& descriptor = result_.descriptor;
+  const auto n = static_cast<int>(basis_.cols());
+  const auto nz = assembly_.exosystem->size();
+  const auto k = assembly_.ports();
+  const auto size = n + nz;
+  system.name = island_.name;
+  system.n = n;
+  system.n_zeta = nz;
+  system.exosystem = assembly_.exosystem;
+  add_ports();
+
+  const Matrix one_plus_d = Matrix::Identity(k, k) + d_;
+  system.a = Matrix::Zero(size, size);
+  system.a.topLeftCorner(n, n) = cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs());
+  system.a.topRightCorner(n, nz) = cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs());
+  system.a.bottomRightCorner(nz, nz) = assembly_.exosystem->a();
+  system.b = Matrix::Zero(size, k);
+  system.b.topRows(n) = -clean_product(b_, one_plus_d);
+  system.c.resize(k, size);
+  system.c << c_, f1_;
+  system.d = d_;
+
+  const auto m = assembly_.unknowns();
+  descriptor.g = assembly_.g;
+  descriptor.f = assembly_.f;
+  descriptor.ha = assembly_.ha;
+  descriptor.hw = assembly_.hw;
+  descriptor.sx = assembly_.sx;
+  descriptor.r0 = assembly_.r0;
+  descriptor.tau0 = assembly_.tau0;
+  descriptor.store_ports = assembly_.store_ports();
+  descriptor.store_sign = assembly_.store_sign();
+  descriptor.z_state.resize(m, size);
+  descriptor.z_state << cleaned(z_xi_ - z_a_ * c_, z_xi_.cwiseAbs() + z_a_.cwiseAbs() * c_.cwiseAbs()),
+      cleaned(z_zeta_ - z_a_ * f1_, z_zeta_.cwiseAbs() + z_a_.cwiseAbs() * f1_.cwiseAbs());
+  descriptor.z_input = -clean_product(z_a_, one_plus_d);
+  descriptor.store_state.resize(assembly_.stores(), size);
+  descriptor.store_state << basis_, offset_;
+  descriptor.reduce = basis_.transpose();
+  system.x0 = descriptor.reduce * assembly_.initial_state();
+
+  for (std::size_t i = 0; i < network_.signals.size(); ++i) {
+    system.outputs.push_back(output(network_.signals[i].form));
+    system.output_signal.push_back(island_.signal_number[i]);
+  }
+  for (const auto& control : island_.controls)
+    system.controls.push_back({output(control.value), control.driven, control.on_level, control.off_level});
+  system.time_scale = assembly_.tau0;
+  system.kyp_residual = kyp_residual(system);
+  system.passive = system.kyp_residual <= passivity_tolerance;
+}
+
+OutputRow Extractor::output(const LinearForm& form) const {
+  const Assembly::FormRow row = assembly_.row_of(form);
+  const Descriptor& d = result_.descriptor;
+  OutputRow result{d.z_state.transpose() * row.z_part, d.z_input.transpose() * row.z_part};
+  const Vector state_bound = d.z_state.cwiseAbs().transpose() * row.z_part.cwiseAbs();
+  const Vector input_bound = d.z_input.cwiseAbs().transpose() * row.z_part.cwiseAbs();
+  result.state.tail(row.zeta_part.size()) += row.zeta_part;
+  for (Eigen::Index i = 0; i < result.state.size(); ++i)
+    if (std::abs(result.state[i]) <= linalg::clean_tolerance * state_bound[i]) result.state[i] = 0.0;
+  for (Eigen::Index i = 0; i < result.input.size(); ++i)
+    if (std::abs(result.input[i]) <= linalg::clean_tolerance * input_bound[i]) result.input[i] = 0.0;
+  return result;
+}
+
+}  // namespace
+
+Vector initial_state(const Island& island) {
+  const Assembly assembly(island.network, true);
+  return assembly.initial_state();
+}
+
+std::optional<Extraction> extract(const Island& island, Diagnostics& diagnostics) {
+  bool needs_constant = false;
+  for (const auto& control : island.controls) needs_constant |= control.on_level != 0.0 || control.off_level != 0.0;
+  for (const auto& control : island.controls)
+    for (const auto& term : control.value) needs_constant |= term.kind == Term::Kind::one;
+  const Assembly assembly(island.network, needs_constant);
+  return Extractor(island, assembly, diagnostics).run();
+}
+
+}  // namespace pwlsim::model

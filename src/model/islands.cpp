@@ -1,0 +1,369 @@
+#include "model/islands.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace pwlsim::model {
+
+namespace {
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(int size) : parent_(static_cast<std::size_t>(size)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int find(int i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      auto& parent = parent_[static_cast<std::size_t>(i)];
+      parent = parent_[static_cast<std::size_t>(parent)];
+      i = parent;
+    }
+    return i;
+  }
+  void join(int a, int b) { parent_[static_cast<std::size_t>(std::max(find(a), find(b)))] = std::min(find(a), find(b)); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Every node and element of the network as one numbered thing.
+class Things {
+ public:
+  explicit Things(const Network& n) {
+    int next = 0;
+    const auto take = [&next](std::size_t many) {
+      const int first = next;
+      next += static_cast<int>(many);
+      return first;
+    };
+    node = take(n.nodes.size());
+    resistor = take(n.resistors.size());
+    capacitor = take(n.capacitors.size());
+    inductor = take(n.inductors.size());
+    branch = take(n.branches.size());
+    injection = take(n.injections.size());
+    diode = take(n.diodes.size());
+    switch_ = take(n.switches.size());
+    source = take(n.sources.size());
+    count = next;
+  }
+  /// The thing a term reads; −1 for constants, sources (they belong to whoever uses them) and ground.
+  [[nodiscard]] int of(const Term& term) const {
+    switch (term.kind) {
+      case Term::Kind::one:
+      case Term::Kind::source: return -1;
+      case Term::Kind::node_voltage: return term.index == ground ? -1 : node + term.index;
+      case Term::Kind::resistor_current: return resistor + term.index;
+      case Term::Kind::capacitor_current: return capacitor + term.index;
+      case Term::Kind::inductor_current: return inductor + term.index;
+      case Term::Kind::branch_current: return branch + term.index;
+      case Term::Kind::diode_current: return diode + term.index;
+      case Term::Kind::switch_current: return switch_ + term.index;
+    }
+    return -1;
+  }
+  int node, resistor, capacitor, inductor, branch, injection, diode, switch_, source, count;
+};
+
+/// A node held at a voltage of time alone by a source to ground. What hangs on a rail from different sides shares nothing: every part
+/// gets its own copy of the source, and the source's current is the sum over the copies.
+struct Rails {
+  explicit Rails(const Network& n) : branch_of(n.nodes.size(), -1) {
+    std::vector<char> current_read(n.branches.size(), 0);
+    const auto read = [&](const LinearForm& form) {
+      for (const auto& term : form)
+        if (term.kind == Term::Kind::branch_current) current_read[static_cast<std::size_t>(term.index)] = 1;
+    };
+    for (const auto& b : n.branches) read(b.voltage);
+    for (const auto& i : n.injections) read(i.current);
+    for (const auto& s : n.switches) read(s.control);
+    for (std::size_t i = 0; i < n.branches.size(); ++i) {
+      const Branch& b = n.branches[i];
+      if ((b.p == ground) == (b.n == ground) || current_read[i] != 0) continue;
+      const bool free = std::all_of(b.voltage.begin(), b.voltage.end(),
+                                    [](const Term& t) { return t.kind == Term::Kind::one || t.kind == Term::Kind::source; });
+      auto& holder = branch_of[static_cast<std::size_t>(b.p == ground ? b.n : b.p)];
+      if (free && holder < 0) holder = static_cast<int>(i);
+    }
+    for (const auto& c : n.node_conditions)  // a forced voltage speaks of the one node as it stands
+      if (c.node != ground) branch_of[static_cast<std::size_t>(c.node)] = -1;
+  }
+  [[nodiscard]] bool holds(NodeIndex node) const { return node != ground && branch_of[static_cast<std::size_t>(node)] >= 0; }
+  [[nodiscard]] bool reads(const Term& term) const { return term.kind == Term::Kind::node_voltage && holds(term.index); }
+
+  std::vector<int> branch_of;  ///< node -> the branch that holds it, −1: none
+};
+
+/// Joins what is connected; with `rails`, not across them.
+class Connector {
+ public:
+  Connector(const Network& network, const Things& things, const Rails* rails) : things_(things), rails_(rails), sets_(things.count) {
+    terminals(network.resistors, things.resistor);
+    terminals(network.capacitors, things.capacitor);
+    terminals(network.inductors, things.inductor);
+    terminals(network.branches, things.branch);
+    terminals(network.injections, things.injection);
+    terminals(network.diodes, things.diode);
+    terminals(network.switches, things.switch_);
+    if (rails)
+      for (std::size_t i = 0; i < rails->branch_of.size(); ++i)
+        if (rails->branch_of[i] >= 0) sets_.join(things.node + static_cast<int>(i), things.branch + rails->branch_of[i]);
+    for (const auto& k : network.couplings) sets_.join(things.inductor + k.inductor_a, things.inductor + k.inductor_b);
+    for (std::size_t i = 0; i < network.branches.size(); ++i) form(network.branches[i].voltage, things.branch + static_cast<int>(i));
+    for (std::size_t i = 0; i < network.injections.size(); ++i) form(network.injections[i].current, things.injection + static_cast<int>(i));
+    for (const auto& s : network.switches) control(s.control);
+  }
+  [[nodiscard]] DisjointSets take() { return std::move(sets_); }
+
+ private:
+  [[nodiscard]] bool is_rail(NodeIndex node) const { return rails_ && rails_->holds(node); }
+
+  template <class Element>
+  void terminals(const std::vector<Element>& elements, int first) {
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      for (const NodeIndex node : {elements[i].p, elements[i].n})
+        if (node != ground && !is_rail(node)) sets_.join(first + static_cast<int>(i), things_.node + node);
+  }
+
+  void form(const LinearForm& terms, int with) {
+    for (const auto& term : terms) {
+      const int thing = things_.of(term);
+      if (thing < 0 || (rails_ && rails_->reads(term))) continue;
+      if (with < 0) with = thing;
+      sets_.join(with, thing);
+    }
+  }
+
+  /// A control that reads nothing but rails lives where they do.
+  void control(const LinearForm& terms) {
+    const bool only_rails = std::all_of(terms.begin(), terms.end(), [&](const Term& t) { return things_.of(t) < 0 || (rails_ && rails_->reads(t)); });
+    if (!only_rails) return form(terms, -1);
+    int with = -1;
+    for (const auto& term : terms) {
+      const int thing = things_.of(term);
+      if (thing < 0) continue;
+      if (with >= 0) sets_.join(with, thing);
+      with = thing;
+    }
+  }
+
+  const Things& things_;
+  const Rails* rails_;
+  DisjointSets sets_;
+};
+
+/// Copies elements into their island and remembers their new numbers.
+class Distributor {
+ public:
+  Distributor(const Network& network, const Things& things, const Rails& rails, DisjointSets& sets, DisjointSets& parts)
+      : network_(network), things_(things), rails_(rails), sets_(sets), parts_(parts), local_(static_cast<std::size_t>(things.count), -1) {}
+
+  std::vector<Island> run() {
+    for (std::size_t i = 0; i < network_.nodes.size(); ++i) {
+      Island& island = island_of(things_.node + static_cast<int>(i));
+      local_[static_cast<std::size_t>(things_.node) + i] = static_cast<int>(island.network.nodes.size());
+      island.network.nodes.push_back(network_.nodes[i]);
+    }
+    copy(network_.resistors, things_.resistor, &Network::resistors);
+    copy(network_.capacitors, things_.capacitor, &Network::capacitors);
+    copy(network_.inductors, things_.inductor, &Network::inductors);
+    copy(network_.branches, things_.branch, &Network::branches);
+    copy(network_.injections, things_.injection, &Network::injections);
+    copy(network_.diodes, things_.diode, &Network::diodes);
+    copy(network_.switches, things_.switch_, &Network::switches);
+    for (const auto& k : network_.couplings) {
+      const int a = things_.inductor + k.inductor_a;
+      island_of(a).network.couplings.push_back({k.label, local(a), local(things_.inductor + k.inductor_b), k.coefficient});
+    }
+    for (auto& island : islands_) translate_forms(island);
+    add_conditions();
+    add_switches();
+    add_signals();
+    name_islands();
+    mark_needed();
+    return std::move(islands_);
+  }
+
+ private:
+  [[nodiscard]] int local(int thing) const { return local_[static_cast<std::size_t>(thing)]; }
+
+  std::size_t island_index(int thing) {
+    const int root = sets_.find(thing);
+    const auto [it, is_new] = index_.try_emplace(root, islands_.size());
+    if (is_new) {
+      islands_.emplace_back();
+      islands_.back().part = parts_.find(thing);
+    }
+    return it->second;
+  }
+  Island& island_of(int thing) { return islands_[island_index(thing)]; }
+
+  template <class Element>
+  void copy(const std::vector<Element>& elements, int first, std::vector<Element> Network::*list) {
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const int thing = first + static_cast<int>(i);
+      const std::size_t which = island_index(thing);
+      Element element = elements[i];
+      // A rail's copy may join the same list on the way.
+      for (NodeIndex* node : {&element.p, &element.n})
+        if (*node != ground) *node = node_in(which, *node);
+      auto& target = islands_[which].network.*list;
+      local_[static_cast<std::size_t>(thing)] = static_cast<int>(target.size());
+      target.push_back(std::move(element));
+    }
+  }
+
+  /// The island's own number of a node; a rail that it does not hold yet is copied in, with its source.
+  int node_in(std::size_t which, NodeIndex node) {
+    const int thing = things_.node + node;
+    if (!rails_.holds(node) || island_index(thing) == which) return local(thing);
+    const auto [it, is_new] = copies_.try_emplace({which, node}, static_cast<int>(islands_[which].network.nodes.size()));
+    if (!is_new) return it->second;
+    const int copy = it->second;
+    const int branch = rails_.branch_of[static_cast<std::size_t>(node)];
+    Network& network = islands_[which].network;
+    network.nodes.push_back(network_.nodes[static_cast<std::size_t>(node)]);
+    Branch source = network_.branches[static_cast<std::size_t>(branch)];
+    (source.p == ground ? source.n : source.p) = copy;
+    for (auto& term : source.voltage) term = translated(term, islands_[which]);
+    branch_copies_[branch].emplace_back(which, static_cast<int>(network.branches.size()));
+    islands_[which].copied_branches.push_back(static_cast<int>(network.branches.size()));
+    network.branches.push_back(std::move(source));
+    return copy;
+  }
+
+  [[nodiscard]] Term translated(const Term& term, Island& island) {
+    Term result = term;
+    if (term.kind == Term::Kind::source) result.index = source_in(island, term.index);
+    const int thing = things_.of(term);
+    if (thing >= 0) result.index = rails_.reads(term) ? node_in(static_cast<std::size_t>(&island - islands_.data()), term.index) : local(thing);
+    return result;
+  }
+
+  /// A source lives in every island that uses it.
+  int source_in(Island& island, int source) {
+    const std::size_t which = static_cast<std::size_t>(&island - islands_.data());
+    const auto [it, is_new] = sources_.try_emplace({which, source}, static_cast<int>(island.network.sources.size()));
+    if (is_new) island.network.sources.push_back(network_.sources[static_cast<std::size_t>(source)]);
+    return it->second;
+  }
+
+  void translate_forms(Island& island) {
+    // Copies of rail sources, some of which join the list on the way, are translated already.
+    for (std::size_t i = 0; i < island.network.branches.size(); ++i) {
+      const auto& copied = island.copied_branches;
+      if (std::find(copied.begin(), copied.end(), static_cast<int>(i)) != copied.end()) continue;
+      LinearForm form = island.network.branches[i].voltage;
+      for (auto& term : form) term = translated(term, island);
+      island.network.branches[i].voltage = std::move(form);
+    }
+    for (auto& i : island.network.injections)
+      for (auto& term : i.current) term = translated(term, island);
+  }
+
+  void add_conditions() {
+    for (const auto& c : network_.node_conditions)
+      if (c.node != ground) {
+        const int thing = things_.node + c.node;
+        island_of(thing).network.node_conditions.push_back({c.label, local(thing), c.voltage});
+      }
+    for (const auto& c : network_.current_conditions) {
+      const int thing = things_.inductor + c.inductor;
+      island_of(thing).network.current_conditions.push_back({c.label, local(thing), c.current});
+    }
+  }
+
+  /// The island a form reads (rails do not count beside other things); one of its own where it reads constants and sources only.
+  std::size_t home_of(const LinearForm& form) {
+    for (const bool rails_too : {false, true})
+      for (const auto& term : form)
+        if (const int thing = things_.of(term); thing >= 0 && (rails_too || !rails_.reads(term))) return island_index(thing);
+    islands_.emplace_back();
+    return islands_.size() - 1;
+  }
+
+  void add_switches() {
+    for (std::size_t i = 0; i < network_.switches.size(); ++i)
+      island_of(things_.switch_ + static_cast<int>(i)).switch_number.push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < network_.switches.size(); ++i) {
+      const auto& s = network_.switches[i];
+      Island& home = islands_[home_of(s.control)];
+      Island::Control control{{}, static_cast<int>(i), s.on_level, s.off_level};
+      for (const auto& term : s.control) control.value.push_back(translated(term, home));
+      home.controls.push_back(std::move(control));
+    }
+  }
+
+  void add_signals() {
+    for (std::size_t i = 0; i < network_.signals.size(); ++i) {
+      const auto& signal = network_.signals[i];
+      std::map<std::size_t, LinearForm> shares;
+      std::size_t first = islands_.size();
+      for (const auto& term : signal.form)
+        if (const int thing = things_.of(term); thing >= 0 && first == islands_.size()) first = island_index(thing);
+      if (first == islands_.size()) first = home_of(signal.form);
+      for (const auto& term : signal.form) {
+        const int thing = things_.of(term);
+        const std::size_t home = thing >= 0 ? island_index(thing) : first;
+        shares[home].push_back(translated(term, islands_[home]));
+        if (term.kind != Term::Kind::branch_current) continue;
+        for (const auto& [which, branch] : branch_copies_[term.index]) shares[which].push_back({term.kind, branch, term.coefficient});
+      }
+      for (auto& [home, form] : shares) {
+        islands_[home].network.signals.push_back({signal.name, std::move(form)});
+        islands_[home].signal_number.push_back(static_cast<int>(i));
+      }
+    }
+  }
+
+  void name_islands() {
+    for (auto& island : islands_) {
+      const Network& n = island.network;
+      if (!n.nodes.empty()) island.name = "node " + n.nodes.front().name;
+      else if (!n.branches.empty()) island.name = n.branches.front().label.name;
+      else island.name = "the sources";
+    }
+  }
+
+  void mark_needed() {
+    std::vector<char> switch_needed(network_.switches.size(), 0);
+    for (auto& island : islands_) island.needed = !island.network.signals.empty();
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (auto& island : islands_) {
+        if (island.needed)
+          for (const int s : island.switch_number) switch_needed[static_cast<std::size_t>(s)] = 1;
+      }
+      for (auto& island : islands_) {
+        if (island.needed) continue;
+        for (const auto& control : island.controls)
+          if (switch_needed[static_cast<std::size_t>(control.driven)] != 0) island.needed = changed = true;
+      }
+    }
+    for (auto& island : islands_)
+      std::erase_if(island.controls, [&](const auto& c) { return switch_needed[static_cast<std::size_t>(c.driven)] == 0; });
+  }
+
+  const Network& network_;
+  const Things& things_;
+  const Rails& rails_;
+  DisjointSets& sets_;
+  DisjointSets& parts_;
+  std::vector<int> local_;
+  std::vector<Island> islands_;
+  std::map<int, std::size_t> index_;
+  std::map<std::pair<std::size_t, int>, int> sources_;
+  std::map<std::pair<std::size_t, NodeIndex>, int> copies_;                       ///< (island, rail) -> local node
+  std::map<int, std::vector<std::pair<std::size_t, int>>> branch_copies_;         ///< rail source -> (island, local branch)
+};
+
+}  // namespace
+
+std::vector<Island> split_islands(const Network& network) {
+  const Things things(network);
+  const Rails rails(network);
+  DisjointSets sets = Connector(network, things, &rails).take();
+  DisjointSets parts = Connector(network, things, nullptr).take();
+  return Distributor(network, things, rails, sets, parts).run();
+}
+
+}  // namespace pwlsim::model

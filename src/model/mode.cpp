@@ -1,0 +1,343 @@
+#include "model/mode.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "model/subspaces.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+using linalg::clean_product;
+using linalg::cleaned;
+
+/// Pivots of D_JJ (order one by construction) below this are zero.
+constexpr double feedthrough_tolerance = 1e-10;
+/// Rank of the normalised matrix of first Markov parameters on the kernel of D_JJ.
+constexpr double jump_rank_tolerance = 1e-9;
+/// Relative rounding of a guard: the floor, and what a condition number κ adds (30 ulp each).
+constexpr double noise_floor = 3e-14;
+constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
+/// Diode rows below this fraction of the largest are its rounding.
+constexpr double row_noise = 1e-15;
+/// A logarithmic norm below this fraction of ‖A‖ is rounding.
+constexpr double growth_tolerance = 1e-10;
+
+struct Restricted {
+  std::vector<int> j;
+  Matrix b, c, d;
+};
+
+Restricted restrict_to(const System& s, const IndexSet& active) {
+  Restricted r;
+  for (int i = 0; i < s.ports; ++i)
+    if (active.contains(i)) r.j.push_back(i);
+  const auto q = static_cast<Eigen::Index>(r.j.size());
+  r.b.resize(s.size(), q);
+  r.c.resize(q, s.size());
+  r.d.resize(q, q);
+  for (Eigen::Index a = 0; a < q; ++a) {
+    r.b.col(a) = s.b.col(r.j[static_cast<std::size_t>(a)]);
+    r.c.row(a) = s.c.row(r.j[static_cast<std::size_t>(a)]);
+    for (Eigen::Index b = 0; b < q; ++b) r.d(a, b) = s.d(r.j[static_cast<std::size_t>(a)], r.j[static_cast<std::size_t>(b)]);
+  }
+  return r;
+}
+
+class Builder {
+ public:
+  Builder(const System& system, const IndexSet& active) : s_(system), r_(restrict_to(system, active)) {
+    mode_ = std::make_unique<Mode>();
+    mode_->active = active;
+    mode_->input_unique.assign(static_cast<std::size_t>(system.ports), 1);
+  }
+
+  std::unique_ptr<Mode> run() {
+    mode_->regular = solve_inputs();
+    if (!mode_->regular) return std::move(mode_);
+    mode_->noise = std::max(noise_floor, noise_per_condition * condition_);
+    spread_inputs();
+    reduce_coordinates();
+    build_flow();
+    build_rows();
+    return std::move(mode_);
+  }
+
+ private:
+  bool solve_inputs();
+  bool solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank);
+  bool solve_generally();
+  void take_least_norm(const Matrix& free_directions);
+  void spread_inputs();
+  void reduce_coordinates();
+  void build_flow();
+  void build_rows();
+  void finish_rows();
+  [[nodiscard]] Vector in_mode(const Vector& state_row) const;
+  [[nodiscard]] Vector output_in_mode(const OutputRow& row) const;
+
+  const System& s_;
+  Restricted r_;
+  std::unique_ptr<Mode> mode_;
+  Matrix kj_;           ///< u_J = kj·x
+  Matrix constraints_;  ///< rows spanning the complement of V
+  double condition_ = 1.0;
+};
+
+bool Builder::solve_inputs() {
+  const auto q = r_.d.rows();
+  kj_ = Matrix::Zero(q, s_.size());
+  constraints_ = Matrix(0, s_.size());
+  if (q == 0) return true;
+  Eigen::FullPivLU<Matrix> lu(r_.d);
+  int rank = 0;
+  if (lu.maxPivot() > feedthrough_tolerance) {
+    lu.setThreshold(feedthrough_tolerance / lu.maxPivot());
+    rank = static_cast<int>(lu.rank());
+  }
+  if (rank == q) {
+    const Matrix inverse = lu.inverse();
+    kj_ = -inverse * r_.c;
+    // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
+    condition_ = (inverse.cwiseAbs() * r_.d.cwiseAbs()).rowwise().sum().maxCoeff();
+    return true;
+  }
+  return solve_with_kernel(lu, rank) || solve_generally();
+}
+
+/// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
+bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
+  const auto q = r_.d.rows();
+  const bool zero = rank == 0;
+  Matrix right = zero ? Matrix(Matrix::Identity(q, q)) : Matrix(lu.kernel());
+  Matrix left = right;
+  if (!zero) {
+    Eigen::FullPivLU<Matrix> transposed(r_.d.transpose());
+    transposed.setThreshold(feedthrough_tolerance / transposed.maxPivot());
+    left = transposed.kernel();
+    if (left.cols() != right.cols()) return false;
+    kj_ = -lu.solve(r_.c);
+  }
+  Matrix constraint = clean_product(left.transpose(), r_.c);
+  Matrix jump = clean_product(r_.b, right);
+  const auto count = right.cols();
+  Vector row_norm(count), column_norm(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    row_norm[i] = constraint.row(i).head(s_.n).norm();
+    column_norm[i] = jump.col(i).norm();
+  }
+  if (s_.n == 0 || row_norm.minCoeff() == 0.0 || column_norm.minCoeff() == 0.0) return false;
+  constraint.array().colwise() /= row_norm.array();
+  jump.array().rowwise() /= column_norm.transpose().array();
+  right.array().rowwise() /= column_norm.transpose().array();
+  const Matrix gain = constraint * jump;
+  Eigen::FullPivLU<Matrix> gain_lu(gain);
+  const double smallest = std::abs(gain_lu.matrixLU()(count - 1, count - 1));
+  if (smallest < jump_rank_tolerance) return false;
+  condition_ = std::max(condition_, gain_lu.maxPivot() / smallest);
+  const Matrix drift = constraint * (s_.a + r_.b * kj_);
+  kj_ -= right * gain_lu.solve(drift);
+  mode_->projector = Matrix::Identity(s_.size(), s_.size()) - jump * gain_lu.solve(constraint);
+  constraints_ = constraint;
+  return true;
+}
+
+bool Builder::solve_generally() {
+  const Subspaces subspaces = find_subspaces(s_, r_.b, r_.c, r_.d);
+  if (!subspaces.regular) return false;
+  mode_->projector = subspaces.projector;
+  kj_ = subspaces.feedback;
+  constraints_ = subspaces.constraints;
+  condition_ = subspaces.condition;
+  if (subspaces.free_inputs.cols() > 0) take_least_norm(subspaces.free_inputs);
+  return true;
+}
+
+/// Inputs are free along Y = ker [B_J; D_JJ]; what they move is (u_J, D·u_J), and the least norm of all of it is taken:
+/// parallel diodes share their current.
+void Builder::take_least_norm(const Matrix& free_directions) {
+  mode_->unique_inputs = false;
+  Matrix d_columns(s_.ports, static_cast<Eigen::Index>(r_.j.size()));
+  for (std::size_t a = 0; a < r_.j.size(); ++a) d_columns.col(static_cast<Eigen::Index>(a)) = s_.d.col(r_.j[a]);
+  const auto q = kj_.rows();
+  Matrix moved(q + s_.ports, free_directions.cols());
+  moved << free_directions, clean_product(d_columns, free_directions);
+  Matrix base(q + s_.ports, s_.size());
+  base << kj_, s_.c + d_columns * kj_;
+  kj_ -= free_directions * (linalg::pseudo_inverse(moved, 1e-10) * base);
+  for (std::size_t a = 0; a < r_.j.size(); ++a)
+    if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > 1e-9) mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
+  for (int i = 0; i < s_.ports; ++i)
+    if (moved.row(q + i).cwiseAbs().maxCoeff() > 1e-9) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
+}
+
+void Builder::spread_inputs() {
+  mode_->k = Matrix::Zero(s_.ports, s_.size());
+  for (std::size_t a = 0; a < r_.j.size(); ++a) mode_->k.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a));
+}
+
+void Builder::reduce_coordinates() {
+  Mode& m = *mode_;
+  const auto fixed = static_cast<int>(constraints_.rows());
+  m.constrained = fixed > 0;
+  m.n1 = s_.n - fixed;
+  m.ny = m.n1 + s_.n_zeta;
+  if (!m.constrained) return;
+  const Matrix on_state = constraints_.leftCols(s_.n);
+  Eigen::HouseholderQR<Matrix> qr(on_state.transpose());
+  const Matrix q = qr.householderQ();
+  m.basis = cleaned(q.rightCols(m.n1), Matrix::Ones(s_.n, m.n1));
+  const Matrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
+  m.lift = -q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
+}
+
+void Builder::build_flow() {
+  Mode& m = *mode_;
+  const Matrix bk = s_.b * m.k;
+  const Matrix full = cleaned(s_.a + bk, s_.a.cwiseAbs() + s_.b.cwiseAbs() * m.k.cwiseAbs());
+  Matrix a = full;
+  if (m.constrained) {
+    const int n = s_.n;
+    a = Matrix::Zero(m.ny, m.ny);
+    a.topLeftCorner(m.n1, m.n1) = clean_product(clean_product(m.basis.transpose(), full.topLeftCorner(n, n)), m.basis);
+    const Matrix forced = clean_product(full.topLeftCorner(n, n), m.lift) + full.topRightCorner(n, s_.n_zeta) -
+                          clean_product(m.lift, s_.exosystem->a());
+    a.topRightCorner(m.n1, s_.n_zeta) = clean_product(m.basis.transpose(), forced);
+    a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
+  }
+  const Matrix a1 = a.topLeftCorner(m.n1, m.n1);
+  double rate = linalg::norm_bound(a1);
+  const double own_rate = rate;
+  for (const auto& block : s_.exosystem->blocks())
+    if (block.kind == Exosystem::Block::Kind::oscillation || block.kind == Exosystem::Block::Kind::decay) rate = std::max(rate, block.rate);
+  if (!s_.passive) {
+    m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
+    if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
+  }
+  m.piecewise_linear = m.n1 == 0;
+  for (const auto& block : s_.exosystem->blocks())
+    m.piecewise_linear &= block.kind != Exosystem::Block::Kind::oscillation && block.kind != Exosystem::Block::Kind::decay;
+  m.absolute_a = a.cwiseAbs();
+  m.norm_a = a.norm();
+  m.flow = linalg::Exponential(std::move(a), rate);
+}
+
+Vector Builder::in_mode(const Vector& row) const {
+  const Mode& m = *mode_;
+  if (!m.constrained) return row;
+  Vector result(m.ny);
+  const Matrix on_state = row.head(s_.n).transpose();
+  result.head(m.n1) = clean_product(on_state, m.basis).transpose();
+  const Matrix lifted = on_state * m.lift;
+  const Matrix bound = on_state.cwiseAbs() * m.lift.cwiseAbs() + row.tail(s_.n_zeta).cwiseAbs().transpose();
+  result.tail(s_.n_zeta) = cleaned(lifted + Matrix(row.tail(s_.n_zeta).transpose()), bound).transpose();
+  return result;
+}
+
+Vector Builder::output_in_mode(const OutputRow& row) const {
+  Vector full = row.state + mode_->k.transpose() * row.input;
+  const Vector bound = row.state.cwiseAbs() + mode_->k.cwiseAbs().transpose() * row.input.cwiseAbs();
+  for (Eigen::Index i = 0; i < full.size(); ++i)
+    if (std::abs(full[i]) <= linalg::clean_tolerance * bound[i]) full[i] = 0.0;
+  return in_mode(full);
+}
+
+void Builder::build_rows() {
+  Mode& m = *mode_;
+  const auto controls = static_cast<int>(s_.controls.size());
+  m.guards.resize(s_.diodes + 2 * controls, m.ny);
+  for (int i = 0; i < s_.diodes; ++i) {
+    const Vector row = m.active.contains(i)
+                           ? in_mode(m.k.row(i).transpose())
+                           : output_in_mode({s_.c.row(i).transpose(), s_.d.row(i).transpose()});
+    m.guards.row(i) = row.transpose();
+  }
+  for (int i = 0; i < controls; ++i) {
+    const Control& control = s_.controls[static_cast<std::size_t>(i)];
+    const Vector value = output_in_mode(control.value);
+    const int constant = s_.exosystem->constant();
+    const int on_row = s_.diodes + 2 * i;
+    m.guards.row(on_row) = value.transpose();
+    m.guards.row(on_row + 1) = -value.transpose();
+    if (constant >= 0) {
+      m.guards(on_row, m.n1 + constant) -= control.off_level;
+      m.guards(on_row + 1, m.n1 + constant) += control.on_level;
+    }
+  }
+  m.outputs.resize(static_cast<Eigen::Index>(s_.outputs.size()), m.ny);
+  for (std::size_t i = 0; i < s_.outputs.size(); ++i) m.outputs.row(static_cast<Eigen::Index>(i)) = output_in_mode(s_.outputs[i]).transpose();
+  finish_rows();
+}
+
+void Builder::finish_rows() {
+  Mode& m = *mode_;
+  const auto& blocks = s_.exosystem->blocks();
+  const auto count = m.guards.rows();
+  m.guard_norm = m.guards.rowwise().norm();
+  const double largest = s_.diodes > 0 ? m.guard_norm.head(s_.diodes).maxCoeff() : 0.0;
+  // A diode row that is nothing but rounding of the largest: an indeterminate port.
+  for (int i = 0; i < s_.diodes; ++i)
+    if (m.guard_norm[i] <= row_noise * largest) {
+      m.guards.row(i).setZero();
+      m.guard_norm[i] = 0.0;
+    }
+  const Matrix slope = m.guards * m.flow.a();
+  for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
+  m.guard_twin.resize(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Eigen::Index twin = i < s_.diodes ? i : s_.diodes;
+    while (twin < i && m.guards.row(twin) != m.guards.row(i)) ++twin;
+    m.guard_twin[static_cast<std::size_t>(i)] = static_cast<int>(twin);
+  }
+  m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
+  m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
+  m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    // Of a ramp only the value's column carries a derivative beyond the first slope.
+    const int width = blocks[b].kind == Exosystem::Block::Kind::ramp ? 1 : blocks[b].size();
+    const int first = m.n1 + blocks[b].first;
+    const auto column = static_cast<Eigen::Index>(b);
+    m.guard_block_norm.col(column) = m.guards.middleCols(first, width).rowwise().norm();
+    m.input_block_norm[column] = m.flow.a().block(0, first, m.n1, width).norm();
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
+
+void to_mode(const System& system, const Mode& mode, const double* x, double* y) {
+  const int n = system.n;
+  const int nz = system.n_zeta;
+  if (!mode.constrained) {
+    std::copy(x, x + n + nz, y);
+    return;
+  }
+  std::copy(x + n, x + n + nz, y + mode.n1);
+  // Nᵀ R = 0, so that c = Nᵀ ξ.
+  for (int j = 0; j < mode.n1; ++j) {
+    const double* column = mode.basis.data() + static_cast<Eigen::Index>(j) * n;
+    double sum = 0.0;
+    for (int i = 0; i < n; ++i) sum += column[i] * x[i];
+    y[j] = sum;
+  }
+}
+
+void from_mode(const System& system, const Mode& mode, const double* y, double* x) {
+  const int n = system.n;
+  const int nz = system.n_zeta;
+  if (!mode.constrained) {
+    std::copy(y, y + n + nz, x);
+    return;
+  }
+  for (int i = 0; i < n; ++i) x[i] = 0.0;
+  for (int j = 0; j < mode.n1; ++j)
+    for (int i = 0; i < n; ++i) x[i] += mode.basis(i, j) * y[j];
+  for (int j = 0; j < nz; ++j)
+    for (int i = 0; i < n; ++i) x[i] += mode.lift(i, j) * y[mode.n1 + j];
+  std::copy(y + mode.n1, y + mode.ny, x + n);
+}
+
+}  // namespace pwlsim::model

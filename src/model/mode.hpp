@@ -1,0 +1,59 @@
+#pragma once
+/// One mode of a linear complementarity system: y_J = 0 and u_J free on the active set J, u = 0 elsewhere.
+///
+/// With V the consistent subspace and T the jump subspace of (A, B_J, C_J, D_JJ) (van der Schaft & Schumacher 1996, §4;
+/// Hautus & Silverman 1983), the mode is regular when V ⊕ T is the whole space; then x⁺ = P x⁻ (projection on V along T)
+/// and u = K x on V. Where u is not unique (parallel diodes, a floating part) K gives the least norm; x is unique all the same.
+///
+/// In the mode the state is c = Nᵀ(ξ − R ζ), N orthonormal in V ∩ {ζ = 0}; y = (c, ζ) obeys y' = A y.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "linalg/exponential.hpp"
+#include "model/index_set.hpp"
+#include "model/system.hpp"
+
+namespace pwlsim::model {
+
+struct Mode {
+  IndexSet active;
+  bool regular = false;
+  bool unique_inputs = true;   ///< false: some u of the mode is not unique
+  std::vector<char> input_unique;  ///< a port: its u and y are unique in this mode
+  bool constrained = false;    ///< V is smaller than the whole space
+  int n1 = 0;                  ///< dim of c
+  int ny = 0;                  ///< n1 + n_ζ
+  Matrix projector;            ///< P (size × size); empty when not constrained
+  Matrix k;                    ///< u = K x (ports × size)
+  Matrix basis, lift;          ///< N (n × n1), R (n × n_ζ); empty when not constrained
+  linalg::Exponential flow;    ///< of A in y
+  Matrix absolute_a;           ///< |A|
+  double norm_a = 0.0;         ///< Frobenius norm of A, for scaling derivatives
+  double growth = 0.0;         ///< max(0, μ(A₁)): logarithmic norm of the c part
+  double noise = 0.0;          ///< relative rounding level of guard values in this mode
+
+  /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
+  Matrix guards;
+  Vector guard_norm, guard_c_norm;  ///< ‖row‖, ‖row restricted to c‖
+  Matrix guard_block_norm;          ///< guards × exosystem blocks
+  std::vector<char> guard_constant; ///< no derivative: cannot fire within a segment
+  std::vector<int> guard_twin;      ///< first row with the same values: it speaks for this one
+  Vector input_block_norm;          ///< ‖E₁ restricted to a block‖
+  Matrix outputs;                   ///< signals in y
+
+  mutable std::uint64_t visits = 0;
+  bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
+  mutable double reach = 6.0;     ///< rate·h that the locator's series decided last in this mode
+  mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
+};
+
+/// Builds the mode of `active`; `regular` is false where V ⊕ T is not the whole space.
+[[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
+
+/// x -> y and back. x has system.size() entries, y has mode.ny.
+void to_mode(const System& system, const Mode& mode, const double* x, double* y);
+void from_mode(const System& system, const Mode& mode, const double* y, double* x);
+
+}  // namespace pwlsim::model

@@ -1,0 +1,131 @@
+#pragma once
+/// A flat circuit as the model sees it, in a closed vocabulary: resistors, energy stores, linear rows, sources,
+/// complementarity ports, and switches driven by a guard. Elements emit it through Builder; nothing here knows a netlist.
+///
+/// Signs: a current named after an element enters its first node p and leaves at n; v = v(p) − v(n).
+
+#include <string>
+#include <vector>
+
+#include "base/source.hpp"
+#include "model/source_function.hpp"
+
+namespace pwlsim::model {
+
+using NodeIndex = int;
+inline constexpr NodeIndex ground = -1;
+
+/// One term coefficient·quantity. `index` counts within the list of that kind in Network (ignored for `one`).
+struct Term {
+  enum class Kind { one, node_voltage, resistor_current, capacitor_current, inductor_current, branch_current, diode_current, switch_current, source };
+  Kind kind = Kind::one;
+  int index = 0;
+  double coefficient = 0.0;
+};
+/// Σ coefficient·quantity.
+using LinearForm = std::vector<Term>;
+
+/// What every element of the network carries: its name as the user knows it ("X1.D3") and where it was written.
+struct Label {
+  std::string name;
+  SourceSpan span;
+};
+
+/// v = resistance·i; zero and negative allowed.
+struct Resistor {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  double resistance = 0.0;
+};
+/// i = capacitance·v'. `initial_voltage` counts with uic, where `has_initial`.
+struct Capacitor {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  double capacitance = 0.0;
+  bool has_initial = false;
+  double initial_voltage = 0.0;
+};
+/// v = inductance·i' + Σ mutual·i_other'.
+struct Inductor {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  double inductance = 0.0;
+  bool has_initial = false;
+  double initial_current = 0.0;
+};
+/// Mutual inductance coefficient·√(L_a L_b), −1 ≤ coefficient ≤ 1.
+struct Coupling {
+  Label label;
+  int inductor_a = 0, inductor_b = 0;
+  double coefficient = 0.0;
+};
+/// Voltage branch: carries its own current; v(p) − v(n) = voltage (a form that may hold any quantity, its own current too).
+struct Branch {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  LinearForm voltage;
+};
+/// Current from p through the element to n = current (node voltages, sources, currents of branches/inductors/…).
+struct Injection {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  LinearForm current;
+};
+/// Ideal diode behind a series resistance and a forward drop: with d = v − drop − resistance·i:  0 ≤ −d ⊥ i ≥ 0.
+struct Diode {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  double resistance = 0.0;
+  double drop = 0.0;
+};
+/// Closed: v = drop + resistance·i. Open: i = 0. It closes when control rises above `on_level` and opens when control falls below `off_level`
+/// (off_level ≤ on_level); at equality the first nonzero derivative decides. `inverted` swaps closed and open.
+struct Switch {
+  Label label;
+  NodeIndex p = ground, n = ground;
+  double resistance = 0.0;
+  double drop = 0.0;
+  LinearForm control;
+  double on_level = 0.0, off_level = 0.0;
+  bool initially_on = false;  ///< inside the band at the start
+  bool inverted = false;
+};
+struct Source {
+  Label label;
+  SourceFunction function;
+};
+/// A saved signal, named as its CSV column.
+struct Signal {
+  std::string name;
+  LinearForm form;
+};
+/// `.ic V(node)=value`, forced in the operating point; with uic it sets capacitors.
+struct NodeCondition {
+  Label label;
+  NodeIndex node = ground;
+  double voltage = 0.0;
+};
+/// `.ic I(L)=value`, forced in the operating point; with uic it sets that inductor (Inductor::initial_current is set as well by the emitter).
+struct CurrentCondition {
+  Label label;
+  int inductor = 0;
+  double current = 0.0;
+};
+
+struct Network {
+  std::vector<Label> nodes;
+  std::vector<Resistor> resistors;
+  std::vector<Capacitor> capacitors;
+  std::vector<Inductor> inductors;
+  std::vector<Coupling> couplings;
+  std::vector<Branch> branches;
+  std::vector<Injection> injections;
+  std::vector<Diode> diodes;
+  std::vector<Switch> switches;
+  std::vector<Source> sources;
+  std::vector<Signal> signals;
+  std::vector<NodeCondition> node_conditions;
+  std::vector<CurrentCondition> current_conditions;
+};
+
+}  // namespace pwlsim::model

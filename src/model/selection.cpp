@@ -1,0 +1,420 @@
+#include "model/selection.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "lcp/lemke.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+/// ‖P x − x‖ below this fraction of ‖x‖ is no jump.
+constexpr double consistency_tolerance = 1e-9;
+constexpr double series_noise = 3e-14;
+constexpr double share_of_norm = 0.1;
+constexpr int most_jumps = 20;
+constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
+/// Rounding levels of the verification, tried in turn.
+constexpr double relaxations[] = {1.0, 1e2, 1e4};
+constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
+constexpr double tie_tolerance = 1e-12;
+constexpr double impulse_tolerance = 1e-8;
+constexpr std::size_t most_remembered = 6;
+/// Continuations of two modes differ when a derivative does by this fraction.
+constexpr double alike_tolerance = 1e-9;
+
+}  // namespace
+
+Selector::Selector(const System& system, bool allow_several) : system_(system), allow_several_(allow_several) {
+  rate_ = linalg::spectral_norm(system.a);
+  if (!(rate_ > 0.0)) rate_ = 1.0;
+  for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
+  departures_.resize(static_cast<std::size_t>(system.diodes));
+  y_.resize(static_cast<std::size_t>(system.size()));
+  projected_.resize(static_cast<std::size_t>(system.size()));
+}
+
+const Mode& Selector::mode(const IndexSet& set) {
+  auto& slot = modes_[set];
+  if (!slot) slot = build_mode(system_, set);
+  return *slot;
+}
+
+void Selector::mark_visited(const Mode& mode) {
+  if (mode.visits++ == 0) ++visited_;
+}
+
+bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
+  const int size = system_.size();
+  if (!mode.constrained) {
+    std::copy(x, x + size, projected);
+    return true;
+  }
+  linalg::multiply(mode.projector, x, projected);
+  double change = 0.0;
+  double norm = 0.0;
+  for (int i = 0; i < size; ++i) {
+    change += (projected[i] - x[i]) * (projected[i] - x[i]);
+    norm += x[i] * x[i];
+  }
+  return change <= consistency_tolerance * consistency_tolerance * norm;
+}
+
+bool Selector::accepts(const Mode& mode, const double* x) {
+  departures_of_ = &mode;
+  if (system_.diodes == 0) return true;
+  to_mode(system_, mode, x, y_.data());
+  verifier_.departures(mode, y_.data(), diode_rows_, departures_.data());
+  // A guard that was seen to cross cannot stay as it is, even where rounding of fast parts hides its slope here.
+  if (trigger_ >= 0 && mode.active.contains(trigger_) == trigger_side_ && departures_[static_cast<std::size_t>(trigger_)].order < 0 &&
+      mode.guard_norm[trigger_] > 0.0)
+    return false;
+  return std::none_of(departures_.begin(), departures_.end(), [](const Departure& d) { return d.value < 0.0; });
+}
+
+const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
+  const Mode& m = mode(set);
+  if (!m.regular || !consistent(m, x, projected_.data()) || !accepts(m, projected_.data())) return nullptr;
+  std::copy(projected_.begin(), projected_.end(), x);
+  return &m;
+}
+
+const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
+  const auto found = successors_.find(wanted);
+  if (found == successors_.end()) return nullptr;
+  for (const Mode* m : found->second) {
+    if (!consistent(*m, x, projected_.data()) || !accepts(*m, projected_.data())) continue;
+    std::copy(projected_.begin(), projected_.end(), x);
+    return m;
+  }
+  return nullptr;
+}
+
+void Selector::remember(const IndexSet& wanted, const Mode& mode) {
+  auto& list = successors_[wanted];
+  std::erase(list, &mode);
+  list.insert(list.begin(), &mode);
+  if (list.size() > most_remembered) list.pop_back();
+}
+
+/// M(s) = D + Σ C A^{j−1} B s^{−j} and q(s) = Σ C A^j x s^{−j}, every term that is rounding set to zero: uncleaned noise is
+/// amplified by a power of s, and s could then be neither large nor small enough.
+void Selector::series(const double* x, double s, Problem& problem) {
+  const int n = system_.n;
+  const int size = system_.size();
+  const int k = system_.ports;
+  if (markov_.empty() && k > 0) {
+    Matrix w = system_.b;
+    Matrix bound = w.cwiseAbs();
+    const Matrix size_a = system_.a.cwiseAbs();
+    const Matrix size_c = system_.c.cwiseAbs();
+    for (int j = 0; j <= n; ++j) {
+      Matrix term = system_.c * w;
+      const Matrix term_bound = size_c * bound;
+      for (Eigen::Index i = 0; i < term.size(); ++i)
+        if (std::abs(term.data()[i]) <= series_noise * term_bound.data()[i]) term.data()[i] = 0.0;
+      markov_.push_back(std::move(term));
+      w = system_.a * w / rate_;
+      bound = size_a * bound / rate_;
+    }
+  }
+  problem.m = system_.d;
+  double power = 1.0 / s;
+  for (const Matrix& term : markov_) {
+    problem.m += term * power;
+    power *= rate_ / s;
+  }
+  Vector z = Eigen::Map<const Vector>(x, size);
+  Vector bound = z.cwiseAbs();
+  bound.head(n).array() += share_of_norm * z.head(n).norm();
+  const Matrix size_a = system_.a.cwiseAbs();
+  const Matrix size_c = system_.c.cwiseAbs();
+  const Vector row_norm = system_.c.rowwise().norm();
+  problem.q = Vector::Zero(k);
+  power = 1.0;
+  for (int j = 0; j <= size; ++j) {
+    const Vector value = system_.c * z;
+    const Vector level = series_noise * (size_c * bound + share_of_norm * z.norm() * row_norm);
+    for (int i = 0; i < k; ++i)
+      if (std::abs(value[i]) > level[i]) problem.q[i] += value[i] * power;
+    z = system_.a * z / rate_;
+    bound = size_a * bound / rate_;
+    power *= rate_ / s;
+  }
+}
+
+/// Active switch ports (y = 0, u free) are solved out of the problem; what is left has the diodes only.
+bool Selector::eliminate_switches(const IndexSet& wanted, Problem& problem) const {
+  std::vector<int> active;
+  for (int i = system_.diodes; i < system_.ports; ++i)
+    if (wanted.contains(i)) active.push_back(i);
+  const int d = system_.diodes;
+  const auto a = static_cast<Eigen::Index>(active.size());
+  Matrix reduced = problem.m.topLeftCorner(d, d);
+  Vector q = problem.q.head(d);
+  if (a > 0) {
+    Matrix ss(a, a), sd(a, d), ds(d, a);
+    Vector qs(a);
+    for (Eigen::Index i = 0; i < a; ++i) {
+      const int port = active[static_cast<std::size_t>(i)];
+      qs[i] = problem.q[port];
+      sd.row(i) = problem.m.row(port).head(d);
+      ds.col(i) = problem.m.col(port).head(d);
+      for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
+    }
+    Vector scale(a);
+    for (Eigen::Index i = 0; i < a; ++i) {
+      const double largest = std::max(std::abs(ss(i, i)), 1e-2 * ss.row(i).cwiseAbs().maxCoeff());
+      scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
+    }
+    Eigen::FullPivLU<Matrix> lu(scale.asDiagonal() * ss * scale.asDiagonal());
+    lu.setThreshold(1e-11);
+    const Matrix left = scale.asDiagonal() * sd;
+    reduced -= ds * scale.asDiagonal() * lu.solve(left);
+    q -= ds * scale.asDiagonal() * lu.solve(Vector(scale.asDiagonal() * qs));
+  }
+  problem.m = reduced;
+  problem.q = q;
+  return problem.m.allFinite() && problem.q.allFinite();
+}
+
+std::vector<IndexSet> Selector::candidates(const IndexSet& wanted, const Problem& problem) {
+  const int k = system_.diodes;
+  Vector scale(k);
+  for (int i = 0; i < k; ++i) {
+    const double largest = std::max(std::abs(problem.m(i, i)), 1e-2 * problem.m.row(i).cwiseAbs().maxCoeff());
+    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
+  }
+  const Vector q = scale.asDiagonal() * problem.q;
+  const lcp::Solution solution = lcp::lemke(scale.asDiagonal() * problem.m * scale.asDiagonal(), q);
+  pivots_ += static_cast<std::uint64_t>(solution.pivots);
+  if (solution.status != lcp::Status::solved) return {};
+  const double tie = tie_tolerance * (k > 0 ? q.cwiseAbs().maxCoeff() : 0.0);
+  IndexSet by_value = wanted;
+  IndexSet by_basis = wanted;
+  for (int i = 0; i < k; ++i) {
+    const bool tied = solution.z[i] <= tie && solution.w[i] <= tie;
+    if (!tied) by_value.set(i, solution.z[i] > solution.w[i]);
+    by_basis.set(i, false);
+  }
+  for (const int i : solution.basis) by_basis.set(i, true);
+  if (by_value == by_basis) return {by_value};
+  return {by_value, by_basis};
+}
+
+/// First-order impulses must push the way complementarity allows: x⁺ − x⁻ = B_J μ with μ ≥ 0 on diodes, where μ is unique.
+bool Selector::impulse_allowed(const Mode& m, const Vector& jump) const {
+  std::vector<int> active;
+  for (int i = 0; i < system_.ports; ++i)
+    if (m.active.contains(i)) active.push_back(i);
+  Matrix b(system_.size(), static_cast<Eigen::Index>(active.size()));
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    const Vector column = system_.b.col(active[i]);
+    const double norm = column.norm();
+    b.col(static_cast<Eigen::Index>(i)) = norm > 0.0 ? Vector(column / norm) : column;
+  }
+  Eigen::ColPivHouseholderQR<Matrix> qr(b);
+  qr.setThreshold(1e-9);
+  const Vector impulse = qr.solve(jump);
+  const bool first_order = (b * impulse - jump).norm() <= impulse_tolerance * jump.norm();
+  if (!first_order || qr.rank() < b.cols()) return true;
+  const double least = -impulse_tolerance * impulse.cwiseAbs().maxCoeff();
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (active[i] < system_.diodes && impulse[static_cast<Eigen::Index>(i)] < least) return false;
+  return true;
+}
+
+const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) {
+  const int size = system_.size();
+  jumped = false;
+  const Mode* previous = nullptr;
+  for (const double factor : s_factors) {
+    Problem problem;
+    series(x, rate_ * factor, problem);
+    if (!eliminate_switches(wanted, problem)) continue;
+    const Mode* first_jump = nullptr;
+    for (const IndexSet& set : candidates(wanted, problem)) {
+      const Mode& m = mode(set);
+      if (!m.regular) continue;
+      if (consistent(m, x, projected_.data())) {
+        if (!accepts(m, projected_.data())) continue;
+        std::copy(projected_.begin(), projected_.end(), x);
+        return &m;
+      }
+      const Vector jump = Eigen::Map<const Vector>(projected_.data(), size) - Eigen::Map<const Vector>(x, size);
+      if (!impulse_allowed(m, jump)) continue;
+      if (&m == previous || factor >= trusted_s_factor) {
+        for (int i = 0; i < size; ++i) x[i] += jump[i];
+        jumped = true;
+        return &m;
+      }
+      if (!first_jump) first_jump = &m;
+    }
+    previous = first_jump;
+  }
+  return nullptr;
+}
+
+const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {
+  const int k = system_.diodes;
+  IndexSet set = wanted;
+  for (int i = 0; i < k; ++i) {
+    set.flip(i);
+    if (const Mode* m = try_without_jump(x, set)) return m;
+    for (int j = i + 1; radius > 1 && j < k; ++j) {
+      set.flip(j);
+      if (const Mode* m = try_without_jump(x, set)) return m;
+      for (int l = j + 1; radius > 2 && l < k; ++l) {
+        set.flip(l);
+        if (const Mode* m = try_without_jump(x, set)) return m;
+        set.flip(l);
+      }
+      set.flip(j);
+    }
+    set.flip(i);
+  }
+  return nullptr;
+}
+
+/// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
+/// differs (the split between parallel diodes, the potential of a floating part).
+bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {
+  const Vector start = Eigen::Map<const Vector>(x, system_.size());
+  const Matrix fa = system_.a + system_.b * a.k;
+  const Matrix fb = system_.a + system_.b * b.k;
+  Vector za = start;
+  Vector zb = start;
+  double size = start.norm();
+  for (int j = 0; j <= system_.size(); ++j) {
+    if ((za - zb).norm() > alike_tolerance * size) return false;
+    const Vector ua = a.k * za;
+    const Vector ub = b.k * zb;
+    const Vector du = ua - ub;
+    const Vector dy = system_.c * (za - zb) + system_.d * du;
+    const double port_size = std::max({ua.cwiseAbs().maxCoeff(), ub.cwiseAbs().maxCoeff(), (system_.c * za).cwiseAbs().maxCoeff()});
+    for (int i = 0; i < system_.ports; ++i)
+      if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size) return false;
+    za = fa * za / rate_;
+    zb = fb * zb / rate_;
+    size = std::max({size * 1e-3, za.norm(), zb.norm()});
+  }
+  return true;
+}
+
+/// Where no certificate promises uniqueness: another verified mode, among all (few ports) or near this one, that continues differently.
+const Mode* Selector::other_continuation(const double* x, const Mode& chosen) {
+  const int k = system_.diodes;
+  std::vector<double> copy(x, x + system_.size());
+  const auto differs = [&](const IndexSet& set) -> const Mode* {
+    const Mode& m = mode(set);
+    if (&m == &chosen || !m.regular || !consistent(m, copy.data(), projected_.data())) return nullptr;
+    if (!accepts(m, projected_.data()) || continues_alike(chosen, m, copy.data())) return nullptr;
+    return &m;
+  };
+  IndexSet set = chosen.active;
+  constexpr int all_up_to = 6;
+  if (k <= all_up_to) {
+    for (unsigned bits = 0; bits < (1U << k); ++bits) {
+      for (int i = 0; i < k; ++i) set.set(i, (bits >> i) & 1U);
+      if (const Mode* m = differs(set)) return m;
+    }
+    return nullptr;
+  }
+  for (int i = 0; i < k; ++i) {
+    set.flip(i);
+    if (const Mode* m = differs(set)) return m;
+    for (int j = i + 1; j < k; ++j) {
+      set.flip(j);
+      if (const Mode* m = differs(set)) return m;
+      set.flip(j);
+    }
+    set.flip(i);
+  }
+  return nullptr;
+}
+
+/// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then
+/// decided by least norm (parallel diodes) instead of by the order of pivots.
+const Mode* Selector::with_free_ports(double* x, const Mode& found) {
+  const bool is_new = enriched_.try_emplace(&found, nullptr).second;
+  if (is_new) {
+    IndexSet set = found.active;
+    bool any = false;
+    for (int i = 0; i < system_.diodes; ++i)
+      if (found.guard_norm[i] == 0.0 && !set.contains(i)) {
+        set.set(i, true);
+        any = true;
+      }
+    const Mode* richer = any ? &mode(set) : nullptr;
+    enriched_[&found] = richer && richer->regular ? richer : nullptr;
+  }
+  const Mode* richer = enriched_[&found];
+  if (!richer || !consistent(*richer, x, projected_.data()) || !accepts(*richer, projected_.data())) return &found;
+  std::copy(projected_.begin(), projected_.end(), x);
+  return richer;
+}
+
+const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
+  // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
+  const Mode* found = system_.passive ? remembered(x, current) : nullptr;
+  warm = found != nullptr;
+  if (!found) {
+    found = try_without_jump(x, current);
+    warm = found && !(system_.passive && successors_.contains(current));
+  }
+  if (!found && !system_.passive) found = remembered(x, current);
+  if (!found && trigger >= 0 && trigger < system_.diodes) {
+    IndexSet flipped = current;
+    flipped.flip(trigger);
+    found = try_without_jump(x, flipped);
+  }
+  if (!found) found = from_rcp(x, current, jumped);
+  if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
+  return found;
+}
+
+Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
+  Selected result;
+  IndexSet current = wanted;
+  trigger_ = trigger < system_.diodes ? trigger : -1;
+  trigger_side_ = trigger_ >= 0 && wanted.contains(trigger_);
+  while (result.jumps <= most_jumps) {
+    const Mode* found = nullptr;
+    bool warm = false;
+    bool jumped = false;
+    // Two guards that reach zero within rounding of each other can each, by the other's rounding, look as if it had gone first.
+    // Then no mode passes; a coarser level calls them one event, at an error of the state of that level.
+    for (const double level : relaxations) {
+      verifier_.relax(level);
+      found = search(x, current, result.jumps == 0 ? trigger : -1, warm, jumped);
+      if (found) break;
+    }
+    result.relaxation = verifier_.relaxation();
+    if (!found) {
+      result.choice = Choice::none;
+      result.mode = &mode(current);
+      return result;
+    }
+    if (jumped) {
+      ++result.jumps;
+      trigger_ = -1;
+      current = found->active;
+      continue;
+    }
+    if (!warm) remember(current, *found);
+    found = with_free_ports(x, *found);
+    result.mode = found;
+    if (!system_.passive && !allow_several_ && system_.diodes > 0) {
+      result.alternative = other_continuation(x, *found);
+      if (result.alternative) result.choice = Choice::several;
+    }
+    return result;
+  }
+  result.choice = Choice::too_many_jumps;
+  result.mode = &mode(current);
+  return result;
+}
+
+}  // namespace pwlsim::model

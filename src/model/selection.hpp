@@ -1,0 +1,86 @@
+#pragma once
+/// Which mode follows from a state, and the jump into it.
+///
+/// Warm mode first, then modes that followed it before, then one flip, then candidates from the rational complementarity
+/// problem (RCP) at growing s (Lemke), at last the neighbourhood of the previous mode. A mode is taken only when verified
+/// in its own differential equation (Verifier), so that any relative degree is decided right.
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "model/mode.hpp"
+#include "model/verify.hpp"
+
+namespace pwlsim::model {
+
+enum class Choice { found, none, several, too_many_jumps };
+
+struct Selected {
+  Choice choice = Choice::found;
+  const Mode* mode = nullptr;
+  int jumps = 0;
+  double relaxation = 1.0;            ///< factor on the rounding level that the verification needed
+  const Mode* alternative = nullptr;  ///< with `several`: one that continues differently
+};
+
+class Selector {
+ public:
+  Selector(const System& system, bool allow_several);
+
+  /// x (system.size() entries) holds the state before, ζ already right of the instant; on return the state after all jumps.
+  /// `wanted`: previous mode's set with the switch ports set as they now stand. `trigger`: port whose guard reached zero, −1: none.
+  Selected select(double* x, const IndexSet& wanted, int trigger);
+
+  /// The mode of a set, built at its first visit.
+  const Mode& mode(const IndexSet& set);
+  /// Among modes that continue differently, stay in the previous one where it is one of them.
+  void allow_several(bool allow) { allow_several_ = allow; }
+  [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
+  [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
+  void mark_visited(const Mode& mode);
+  /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
+  [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
+  [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
+  /// Whether two modes, both consistent at x, go on as one solution.
+  [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
+
+ private:
+  struct Problem {
+    Matrix m;
+    Vector q;
+  };
+  bool consistent(const Mode& mode, const double* x, double* projected) const;
+  bool accepts(const Mode& mode, const double* x);
+  const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
+  const Mode* try_without_jump(double* x, const IndexSet& set);
+  const Mode* remembered(double* x, const IndexSet& wanted);
+  const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
+  const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
+  bool impulse_allowed(const Mode& mode, const Vector& jump) const;
+  void series(const double* x, double s, Problem& problem);
+  bool eliminate_switches(const IndexSet& wanted, Problem& problem) const;
+  std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);
+  void remember(const IndexSet& wanted, const Mode& mode);
+  const Mode* with_free_ports(double* x, const Mode& found);
+  const Mode* other_continuation(const double* x, const Mode& mode);
+
+  const System& system_;
+  bool allow_several_ = false;
+  double rate_ = 0.0;
+  std::vector<Matrix> markov_;  ///< C A^{j−1} B, j = 1 …
+  std::unordered_map<IndexSet, std::unique_ptr<Mode>, IndexSet::Hash> modes_;
+  std::unordered_map<IndexSet, std::vector<const Mode*>, IndexSet::Hash> successors_;
+  std::unordered_map<const Mode*, const Mode*> enriched_;
+  Verifier verifier_;
+  std::vector<int> diode_rows_;
+  std::vector<Departure> departures_;
+  const Mode* departures_of_ = nullptr;
+  int trigger_ = -1;           ///< port whose guard was seen to fall below zero, and the side it was on
+  bool trigger_side_ = false;
+  std::vector<double> y_, projected_;
+  std::uint64_t visited_ = 0, pivots_ = 0;
+};
+
+}  // namespace pwlsim::model

@@ -1,0 +1,25 @@
+#pragma once
+/// Consistent and jump subspaces of one mode for any relative degree:
+///
+///     V_{i+1} = {x : ∃u, Ax + Bu ∈ V_i, Cx + Du = 0},  V_0 = Rⁿ,
+///     T_{i+1} = {Ax + Bu : x ∈ T_i, Cx + Du = 0},       T_0 = 0
+///
+/// (van der Schaft & Schumacher 1996, §4; Hautus & Silverman 1983). B, C, D hold the active ports only.
+
+#include "model/system.hpp"
+
+namespace pwlsim::model {
+
+struct Subspaces {
+  bool regular = false;   ///< V ⊕ T is the whole space and V reaches every ζ
+  Matrix projector;       ///< on V along T
+  Matrix feedback;        ///< u = feedback·x keeps x in V, by minimum-norm least squares
+  Matrix constraints;     ///< orthonormal rows spanning the complement of V
+  Matrix free_inputs;     ///< orthonormal basis of ker [B; D]: directions of u without effect
+  double condition = 1.0;
+  int dim_v = 0, dim_t = 0;
+};
+
+[[nodiscard]] Subspaces find_subspaces(const System& system, const Matrix& b, const Matrix& c, const Matrix& d);
+
+}  // namespace pwlsim::model

@@ -1,0 +1,66 @@
+#pragma once
+/// A linear complementarity system with sources in its state and with externally driven switches:
+///
+///     x' = A x + B u,   y = C x + D u,   x = (ξ, ζ),
+///     ports 0 … diodes−1:        0 ≤ u ⊥ y ≥ 0,
+///     ports diodes … ports−1:    u = 0 or y = 0, as its switch says,
+///
+/// ξ (n): energy coordinates, so that the stored energy is ½·τ0·|ξ|²/R0 for circuits; ζ (n_ζ): exosystem.
+/// A is (n+n_ζ)², B has zero rows at ζ. Van der Schaft & Schumacher 1996, eq. (4.11)-(4.13).
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/source.hpp"
+#include "linalg/dense.hpp"
+#include "model/exosystem.hpp"
+
+namespace pwlsim::model {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+/// value = state·x + input·u, in SI units.
+struct OutputRow {
+  Vector state;  ///< n + n_ζ
+  Vector input;  ///< ports
+};
+
+struct Port {
+  std::string name;
+  SourceSpan span;
+  /// true: u is the (scaled) current and y the blocking voltage; false: u the blocking voltage and y the current.
+  bool input_is_current = false;
+};
+
+/// A voltage or current that drives switches, with the thresholds of each.
+struct Control {
+  OutputRow value;
+  int driven = 0;  ///< number of the switch in the whole model
+  double on_level = 0.0, off_level = 0.0;
+};
+
+struct System {
+  std::string name;  ///< of the island, for messages
+  int n = 0;         ///< energy states
+  int n_zeta = 0;
+  int diodes = 0;
+  int ports = 0;     ///< diodes + switches
+  Matrix a, b, c, d;
+  Vector x0;         ///< start of ξ with uic (n)
+  std::vector<Port> port;
+  std::vector<int> switch_number;     ///< of port diodes + i: number of the switch in the whole model
+  std::vector<char> switch_inverted;
+  std::vector<Control> controls;      ///< guards that this island's signals feed, for switches of any island
+  std::vector<OutputRow> outputs;     ///< signals this island contributes to
+  std::vector<int> output_signal;     ///< their numbers in the model
+  std::shared_ptr<const Exosystem> exosystem;
+  bool passive = false;               ///< certified by the KYP inequality in energy coordinates
+  double kyp_residual = 0.0;
+  double time_scale = 1.0;   ///< τ0: the stored energy is ½·τ0·|ξ|² in the units in which uᵀy is a power
+
+  [[nodiscard]] int size() const { return n + n_zeta; }
+};
+
+}  // namespace pwlsim::model

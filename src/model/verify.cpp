@@ -1,0 +1,81 @@
+#include "model/verify.hpp"
+
+#include <cmath>
+
+namespace pwlsim::model {
+
+namespace {
+
+constexpr double share_of_norm = 0.1;
+
+}  // namespace
+
+void Verifier::extend(const Mode& mode, int order) {
+  const auto ny = static_cast<std::size_t>(ny_);
+  while (known_ <= order) {
+    const auto from = static_cast<std::size_t>(known_ - 1) * ny;
+    const auto to = static_cast<std::size_t>(known_) * ny;
+    if (z_.size() < to + ny) {
+      z_.resize(to + ny);
+      size_.resize(to + ny);
+    }
+    if (norm_.size() <= static_cast<std::size_t>(known_)) norm_.resize(static_cast<std::size_t>(known_) + 1);
+    linalg::multiply(mode.flow.a(), &z_[from], &z_[to]);
+    linalg::multiply(mode.absolute_a, &size_[from], &size_[to]);
+    const double scale = mode.norm_a > 0.0 ? 1.0 / mode.norm_a : 0.0;
+    for (std::size_t i = 0; i < ny; ++i) {
+      z_[to + i] *= scale;
+      size_[to + i] *= scale;
+    }
+    norm_[static_cast<std::size_t>(known_)] = linalg::norm(&z_[to], ny_);
+    ++known_;
+  }
+}
+
+bool Verifier::significant(const Mode& mode, int row, int order, double& value) {
+  if (order >= known_) extend(mode, order);
+  const double* z = &z_[static_cast<std::size_t>(order * ny_)];
+  const double* size = &size_[static_cast<std::size_t>(order * ny_)];
+  const auto rows = mode.guards.rows();
+  const double* g = mode.guards.data() + row;
+  double sum = 0.0;
+  double bound = 0.0;
+  for (int i = 0; i < ny_; ++i, g += rows) {
+    sum += *g * z[i];
+    bound += std::abs(*g) * size[i];
+  }
+  bound += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
+  value = sum;
+  return std::abs(sum) > relaxation_ * mode.noise * bound;
+}
+
+Departure Verifier::departure(const Mode& mode, int row) {
+  if (mode.guard_norm[row] == 0.0) return {-1, 0.0};
+  double scale = 1.0;
+  for (int order = 0; order <= ny_; ++order) {
+    double value = 0.0;
+    if (significant(mode, row, order, value)) return {order, value * scale};
+    scale *= mode.norm_a;
+  }
+  return {-1, 0.0};
+}
+
+void Verifier::departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out) {
+  ny_ = mode.ny;
+  const auto ny = static_cast<std::size_t>(ny_);
+  if (z_.size() < ny || norm_.empty()) {
+    z_.resize(ny);
+    size_.resize(ny);
+    norm_.resize(1);
+  }
+  const double c_norm = linalg::norm(y, mode.n1);
+  for (std::size_t i = 0; i < ny; ++i) {
+    z_[i] = y[i];
+    size_[i] = std::abs(y[i]) + (static_cast<int>(i) < mode.n1 ? share_of_norm * c_norm : 0.0);
+  }
+  norm_[0] = linalg::norm(y, ny_);
+  known_ = 1;
+  for (std::size_t i = 0; i < rows.size(); ++i) out[i] = departure(mode, rows[i]);
+}
+
+}  // namespace pwlsim::model

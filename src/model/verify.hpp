@@ -1,0 +1,40 @@
+#pragma once
+/// Signs of guards just after an instant: the first derivative that is not rounding decides (lexicographic nonnegativity,
+/// van der Schaft & Schumacher 1996, eq. (3.6)-(3.7); in a consistent mode ny+1 derivatives suffice, by Cayley–Hamilton).
+
+#include <vector>
+
+#include "model/mode.hpp"
+
+namespace pwlsim::model {
+
+struct Departure {
+  int order = 0;       ///< of the first nonzero derivative; −1: identically zero (indeterminate)
+  double value = 0.0;  ///< that derivative, unscaled
+};
+
+class Verifier {
+ public:
+  /// Departures of guard rows `rows` of the mode at y into out[0 … rows.size()). Rounding level: mode.noise times the size
+  /// of the terms, where an error of a tenth of the state's norm in every entry of c counts too. (An error in proportion to the largest
+  /// row of the mode, as least squares would make, is not allowed for: u comes from factors of incidence-like matrices, row by row
+  /// exact; allowing for it lets a diode with a finite Roff pass unseen beside one with a small Ron.)
+  void departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out);
+
+  /// Factor on the rounding level, for a state that no mode accepts at the ordinary one. It stays until set again.
+  void relax(double factor) { relaxation_ = factor; }
+  [[nodiscard]] double relaxation() const { return relaxation_; }
+
+ private:
+  Departure departure(const Mode& mode, int row);
+  bool significant(const Mode& mode, int row, int order, double& value);
+  void extend(const Mode& mode, int order);
+
+  double relaxation_ = 1.0;
+  int ny_ = 0;
+  int known_ = 0;                 ///< derivatives computed so far
+  std::vector<double> z_, size_;  ///< A^j y/‖A‖^j and its bound, j = 0 …
+  std::vector<double> norm_;
+};
+
+}  // namespace pwlsim::model

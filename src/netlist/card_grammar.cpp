@@ -1,0 +1,305 @@
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "base/names.hpp"
+#include "netlist/byte_parser.hpp"
+#include "netlist/card.hpp"
+#include "netlist/card_style.hpp"
+#include "netlist/expression.hpp"
+#include "netlist/number.hpp"
+
+namespace pwlsim::netlist {
+
+namespace {
+
+/// What every semantic action can reach while one card is parsed.
+struct State {
+  const ParseContext& context;
+  CardStyle style;
+  std::vector<const char*> open;  ///< ( and [ not closed yet
+  std::string_view last_item;     ///< text of the word or group parsed last
+  bool stopped = false;           ///< too deep: the rest of the card is given up
+  bool unclosed = false;
+};
+struct state_tag;
+
+template <typename Context>
+State& state_of(const Context& context) {
+  return x3::get<state_tag>(context);
+}
+
+const auto set_text = [](Item::Kind kind) {
+  return [kind](auto& context) {
+    Item& item = x3::_val(context);
+    const std::string_view text = view_of(x3::_attr(context));
+    item.kind = kind;
+    item.text.assign(text);
+    item.text_span = state_of(context).context.line.span(text);
+  };
+};
+
+/// An item knows where it stands. (The rules cannot do it in on_success: their semantic actions leave it no attribute.)
+const auto set_span = [](auto& context) {
+  Item& item = x3::_val(context);
+  item.span = state_of(context).context.line.span(view_of(x3::_attr(context)));
+  if (!item.text_span.known()) {
+    item.text_span = {item.span.file, item.span.begin, item.span.begin};
+  }
+};
+const auto set_left_span = [](auto& context) {
+  State& state = state_of(context);
+  state.last_item = view_of(x3::_attr(context));
+  x3::_val(context).span = state.context.line.span(state.last_item);
+};
+
+const auto enter = [](auto& context) {
+  // Far more than any card needs, far less than the recursion of the grammar bears.
+  constexpr std::size_t deepest_group = 50;
+  State& state = state_of(context);
+  const std::string_view opening = view_of(x3::_attr(context));
+  if (!state.stopped && state.open.size() == deepest_group) {
+    state.stopped = true;
+    state.context.report("E-limit-parentheses", opening,
+                         "parentheses outside of expressions nest deeper than " + std::to_string(deepest_group));
+  }
+  x3::_pass(context) = !state.stopped;
+  if (!state.stopped) {
+    state.open.push_back(opening.data());
+  }
+};
+
+const auto leave = [](auto& context) { state_of(context).open.pop_back(); };
+
+const auto leave_unclosed = [](auto& context) {
+  State& state = state_of(context);
+  const char* const opening = state.open.back();
+  state.open.pop_back();
+  if (!state.stopped && !state.unclosed) {
+    state.unclosed = true;
+    state.context.report("E-syntax-unclosed", part(opening, opening + 1), "'" + std::string(1, *opening) + "' is never closed");
+  }
+};
+
+const auto set_items = [](Item::Kind kind) {
+  return [kind](auto& context) {
+    x3::_val(context).kind = kind;
+    x3::_val(context).items = std::move(x3::_attr(context));
+  };
+};
+
+const auto take = [](auto& context) { x3::_val(context) = std::move(x3::_attr(context)); };
+
+const auto report_unexpected = [](auto& context) {
+  const std::string_view text = view_of(x3::_attr(context));
+  const char* const why = text.front() == '=' ? "' has nothing before it that could take a value" : "' closes nothing";
+  state_of(context).context.report("E-syntax-unexpected", text, "'" + std::string(text) + why);
+};
+
+const auto check_comma = [](auto& context) {
+  const State& state = state_of(context);
+  const std::string_view comma = view_of(x3::_attr(context));
+  const char* before = comma.data();
+  while (before != state.context.line.begin() && is_blank(before[-1])) {
+    --before;
+  }
+  const char* const after = std::find_if_not(comma.data() + 1, state.context.line.end(), is_blank);
+  const bool nothing_before = before != state.context.line.begin() && (before[-1] == '(' || before[-1] == '[');
+  const bool nothing_behind = after == state.context.line.end() || *after == ',' || *after == ')' || *after == ']';
+  if (nothing_before || nothing_behind) {
+    state.context.report("E-syntax-comma", comma, nothing_before ? "a value is missing before ','" : "a value is missing behind ','");
+  }
+};
+
+const auto joins_parenthesis = [](auto& context) {
+  x3::_pass(context) = state_of(context).style.joins_parenthesis(x3::_val(context).text);
+};
+
+const auto params_word_allowed = [](auto& context) { x3::_pass(context) = state_of(context).style.takes_params(); };
+
+const auto start_assignment = [](auto& context) {
+  State& state = state_of(context);
+  Item& item = x3::_val(context);
+  Item left = std::move(item);
+  item = Item{};
+  item.kind = Item::Kind::assignment;
+  item.text_span = left.span;
+  if (left.kind == Item::Kind::word) {
+    item.text = std::move(left.text);
+  } else {
+    item.text.assign(state.last_item);
+    item.items.push_back(std::move(left));
+  }
+};
+
+const auto wants_expression = [](auto& context) { x3::_pass(context) = state_of(context).style.open_expression(x3::_val(context).text); };
+
+const auto set_value = [](auto& context) {
+  auto& items = x3::_val(context).items;
+  items.insert(items.begin(), std::move(x3::_attr(context)));
+};
+
+const auto without_value = [](auto& context) {
+  Item& item = x3::_val(context);
+  if (!item.items.empty()) {
+    item.items.clear();
+    state_of(context).context.errors.report("E-syntax-value", item.text_span, "a value is missing behind '" + item.text + " ='");
+  }
+};
+
+/// {…} or '…', read by a function of its own.
+struct DelimitedExpression : x3::parser<DelimitedExpression> {
+  using attribute_type = Item;
+  [[maybe_unused]] static constexpr bool has_attribute = true;
+
+  template <typename Iterator, typename Context, typename RuleContext, typename Attribute>
+  bool parse(Iterator& first, const Iterator& last, const Context& context, RuleContext&, Attribute& item) const {
+    if (first == last || (*first != '{' && *first != '\'')) {
+      return false;
+    }
+    const char* const begin = first;
+    Expression expression;
+    parse_delimited_expression(first, last, state_of(context).context, expression);
+    item.kind = Item::Kind::expression;
+    item.expression = std::make_shared<const Expression>(std::move(expression));
+    item.span = state_of(context).context.line.span(begin, first);
+    item.text_span = item.span;
+    return true;
+  }
+};
+
+/// An expression without braces; one that is no more than a number is a word, as it is everywhere else.
+struct OpenExpression : x3::parser<OpenExpression> {
+  using attribute_type = Item;
+  [[maybe_unused]] static constexpr bool has_attribute = true;
+
+  template <typename Iterator, typename Context, typename RuleContext, typename Attribute>
+  bool parse(Iterator& first, const Iterator& last, const Context& context, RuleContext&, Attribute& item) const {
+    if (first == last || std::string_view("\",)]='").find(*first) != std::string_view::npos) {
+      return false;
+    }
+    const char* const begin = first;
+    Expression expression;
+    const bool read = parse_open_expression(first, last, state_of(context).context, expression);
+    const std::string_view text = part(begin, first);
+    item.span = state_of(context).context.line.span(text);
+    item.text_span = item.span;
+    if (read && read_number(text).valid) {
+      item.kind = Item::Kind::word;
+      item.text.assign(text);
+    } else {
+      item.kind = Item::Kind::expression;
+      item.expression = std::make_shared<const Expression>(std::move(expression));
+    }
+    return true;
+  }
+};
+
+// The grammar begins behind the card's name.
+
+constexpr bool word_byte(unsigned char c) {
+  return c > ' ' && std::string_view("(){}[]=,\"'").find(static_cast<char>(c)) == std::string_view::npos;
+}
+constexpr bool string_byte(unsigned char c) { return c != '"'; }
+
+constexpr ByteParser<word_byte> word_byte_{};
+constexpr ByteParser<blank_byte> blank{};
+
+const x3::rule<struct list_rule, std::vector<Item>> list = "items of a card";
+const x3::rule<struct group_list_rule, std::vector<Item>> group_list = "items between ( and )";
+const x3::rule<struct vector_list_rule, std::vector<Item>> vector_list = "items between [ and ]";
+// The gaps are rules of their own because a rule with semantic actions anywhere in it fills no attribute by itself.
+const x3::rule<struct gap_rule> gap = "between items of a card";
+const x3::rule<struct group_gap_rule> group_gap = "between items of a group";
+const x3::rule<struct vector_gap_rule> vector_gap = "between items of a vector";
+const x3::rule<struct entry_rule, Item> entry = "item or assignment";
+const x3::rule<struct word_or_group_rule, Item> word_or_group = "word or group";
+const x3::rule<struct other_rule, Item> other = "string, bare group or vector";
+const x3::rule<struct braced_rule, Item> braced = "expression in braces or quotes";
+const x3::rule<struct open_value_rule, Item> open_value = "expression without braces";
+const x3::rule<struct plain_value_rule, Item> plain_value = "value";
+
+const auto opening = [](char c) { return x3::raw[x3::lit(c)][enter]; };
+const auto closing = [](char c) { return x3::lit(c)[leave] | x3::eps[leave_unclosed]; };
+const auto comma = x3::raw[x3::lit(',')][check_comma];
+const auto gap_with = [](auto unexpected) {
+  return *(blank | comma | x3::raw[+x3::lit('=')][report_unexpected] | x3::raw[unexpected][report_unexpected]);
+};
+const auto is_assignment = *blank >> '=' >> !x3::lit('=');
+
+// A word may hold [n] behind its first character, unless it announces a vector as %v does.
+const auto plain_word = (x3::char_('%') >> *word_byte_) | (word_byte_ >> *(word_byte_ | (x3::lit('[') >> *word_byte_ >> ']')));
+const auto word = x3::raw[(x3::eps[params_word_allowed] >> x3::no_case["params:"]) | plain_word];
+const auto name = ByteParser<name_first_byte>{} >> *ByteParser<name_rest_byte>{};
+
+const auto word_or_group_def =
+    x3::raw[word[set_text(Item::Kind::word)] >> -(-(x3::eps[joins_parenthesis] >> +blank) >> opening('(') >>
+                                                  group_list[set_items(Item::Kind::group)] >> closing(')'))][set_left_span];
+const auto string = opening('"') >> x3::raw[*ByteParser<string_byte>{}][set_text(Item::Kind::string)] >> closing('"');
+const auto other_def = x3::raw[(opening('(') >> group_list[set_items(Item::Kind::group)] >> closing(')')) |
+                               (opening('[') >> vector_list[set_items(Item::Kind::vector)] >> closing(']')) | string][set_span];
+const auto braced_def = DelimitedExpression{};
+const auto open_value_def = !(name >> is_assignment) >> OpenExpression{};
+const auto plain_value_def = !(plain_word >> is_assignment) >> (word_or_group | braced | other);
+const auto value = *blank >> ((x3::eps[wants_expression] >> open_value[set_value]) | plain_value[set_value]);
+const auto assignment = is_assignment >> x3::eps[start_assignment] >> (value | x3::eps[without_value]);
+const auto entry_def = x3::raw[word_or_group[take] >> -assignment][set_span] | (braced[take] >> -is_assignment) | other[take];
+
+const auto gap_def = gap_with(x3::char_(")]}"));
+const auto group_gap_def = gap_with(x3::char_("]}"));
+const auto vector_gap_def = gap_with(x3::char_(")}"));
+const auto list_def = gap >> *(entry >> gap);
+const auto group_list_def = group_gap >> *(entry >> group_gap);
+const auto vector_list_def = vector_gap >> *(entry >> vector_gap);
+
+BOOST_SPIRIT_DEFINE(gap, group_gap, vector_gap, list, group_list, vector_list, entry, word_or_group, other, braced, open_value, plain_value)
+
+/// `.func f(a,b) {body}`, `.func f(a,b) body` or `.func f(a,b) = body`.
+void parse_function(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  Item item;
+  x3::parse(first, last, *blank);
+  if (!x3::parse(first, last, x3::with<state_tag>(state)[word_or_group], item)) {
+    return;
+  }
+  items.push_back(std::move(item));
+  item = Item{};
+  x3::parse(first, last, *blank >> -x3::lit('=') >> *blank);
+  if (x3::parse(first, last, x3::with<state_tag>(state)[open_value | braced], item)) {
+    items.push_back(std::move(item));
+  }
+}
+
+}  // namespace
+
+std::string_view card_name(std::string_view line) {
+  const char* first = line.data();
+  x3::parse(first, line.data() + line.size(), +word_byte_);
+  return part(line.data(), first);
+}
+
+bool parse_card(const ParseContext& context, Card& card) {
+  const LogicalLine& line = context.line;
+  const std::string_view name_text = card_name(line.text());
+  if (name_text.empty()) {
+    const std::string_view character = first_character(line.begin(), line.end());
+    context.report("E-syntax-card", character, "a card begins with a name, not with '" + std::string(character) + "'");
+    return false;
+  }
+  const std::size_t errors_before = context.errors.count();
+  card.name.assign(name_text);
+  card.name_span = line.span(name_text);
+  card.span = line.span(line.text());
+  constexpr std::size_t usual_items = 4;
+  card.items.reserve(usual_items);
+  State state{context, CardStyle(name_text), {}, {}, false, false};
+  const char* first = name_text.data() + name_text.size();
+  if (state.style.is_function()) {
+    parse_function(first, line.end(), state, card.items);
+  }
+  x3::parse(first, line.end(), x3::with<state_tag>(state)[list], card.items);
+  assert(first == line.end() || state.stopped);
+  card.damaged = context.errors.count() != errors_before;
+  return true;
+}
+
+}  // namespace pwlsim::netlist

@@ -1,0 +1,38 @@
+#include "netlist/card_style.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "base/names.hpp"
+
+namespace pwlsim::netlist {
+
+namespace {
+
+template <std::size_t count>
+bool is_one_of(std::string_view name, const std::array<std::string_view, count>& names) {
+  return std::any_of(names.begin(), names.end(), [&](std::string_view known) { return same_name(name, known); });
+}
+
+}  // namespace
+
+CardStyle::CardStyle(std::string_view name) {
+  const char letter = lower_letter(name.front());
+  dot_ = letter == '.';
+  function_ = same_name(name, ".func");
+  takes_params_ = letter == 'x' || same_name(name, ".subckt");
+  parameters_ = takes_params_ || same_name(name, ".param");
+  source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
+}
+
+bool CardStyle::open_expression(std::string_view left) const {
+  static constexpr std::array<std::string_view, 5> source_values{"v", "i", "value", "vol", "cur"};
+  return parameters_ || (source_values_ && is_one_of(left, source_values));
+}
+
+bool CardStyle::joins_parenthesis(std::string_view word) const {
+  static constexpr std::array<std::string_view, 8> waveforms{"sin", "sine", "pulse", "pwl", "exp", "sffm", "am", "poly"};
+  return dot_ || is_one_of(word, waveforms);
+}
+
+}  // namespace pwlsim::netlist

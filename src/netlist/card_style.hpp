@@ -1,0 +1,29 @@
+#pragma once
+/// What the first word of a card tells about its syntax: all that the grammar knows of keywords.
+
+#include <string_view>
+
+namespace pwlsim::netlist {
+
+class CardStyle {
+ public:
+  explicit CardStyle(std::string_view name);
+
+  /// The card defines a function, whose body needs no braces.
+  [[nodiscard]] bool is_function() const { return function_; }
+  /// `params:` is a word of its own, even without a blank behind it.
+  [[nodiscard]] bool takes_params() const { return takes_params_; }
+  /// What is assigned to `left` may be an expression without braces.
+  [[nodiscard]] bool open_expression(std::string_view left) const;
+  /// A blank may part `word` from the parenthesis that makes a group of it.
+  [[nodiscard]] bool joins_parenthesis(std::string_view word) const;
+
+ private:
+  bool dot_ = false;
+  bool function_ = false;
+  bool takes_params_ = false;
+  bool parameters_ = false;
+  bool source_values_ = false;
+};
+
+}  // namespace pwlsim::netlist

@@ -1,0 +1,68 @@
+#pragma once
+/// Tokens -> Expression by operator precedence with stacks of its own, so that no nesting exhausts the program's stack.
+///
+/// From weak to strong: ?: (right), || |, && &, == !=, < > <= >=, + -, * /, prefix - + !, ^ ** (left).
+
+#include <vector>
+
+#include "netlist/ast.hpp"
+#include "netlist/context.hpp"
+#include "netlist/token.hpp"
+
+namespace pwlsim::netlist {
+
+class ExpressionBuilder {
+ public:
+  explicit ExpressionBuilder(const ParseContext& context) : context_(context) {}
+
+  enum class Outcome {
+    taken,
+    ended,  ///< the expression is complete and this token is no part of it
+    failed  ///< an error has been reported
+  };
+  Outcome take(const Token& token);
+
+  /// What was taken so far is an expression.
+  [[nodiscard]] bool complete() const { return !operand_expected_ && parentheses_ == 0; }
+
+  /// Nothing more follows; `end` is where it would stand. False, with an error reported, where something is missing.
+  bool finish(const char* end, Expression& result);
+
+ private:
+  /// What waits on the stack for an operand to its right.
+  struct Pending {
+    enum class Kind { parenthesis, call, question, colon, prefix, infix };
+    Kind kind = Kind::parenthesis;
+    int precedence = 0;
+    std::string_view text;
+    std::string_view whole;
+    std::size_t operands_before = 0;  ///< of a call: where its arguments begin
+  };
+  struct Operand {
+    Expression expression;
+    int depth = 1;
+  };
+
+  Outcome take_where_operand_expected(const Token& token);
+  Outcome take_behind_operand(const Token& token);
+  Outcome open(const Token& token, Pending::Kind kind);
+  Outcome close(const Token& token);
+  Outcome comma(const Token& token);
+  Outcome question(const Token& token);
+  Outcome colon(const Token& token);
+  Outcome number(const Token& token);
+  void signal(const Token& token);
+  void push_operand(Expression::Kind kind, std::string_view text, std::string_view whole);
+  bool reduce_above(int precedence, bool equal_too);
+  bool reduce_top();
+  bool combine(Expression::Kind kind, const Pending& operation, std::size_t count, SourceSpan span);
+  Outcome fail(const char* id, std::string_view part, std::string text);
+
+  const ParseContext& context_;
+  std::vector<Pending> pending_;
+  std::vector<Operand> operands_;
+  int parentheses_ = 0;
+  bool operand_expected_ = true;
+};
+
+}  // namespace pwlsim::netlist

@@ -1,0 +1,29 @@
+#pragma once
+/// Files named in a deck.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace pwlsim::netlist {
+
+/// The bytes of a file, or why there are none.
+struct FileBytes {
+  bool readable = false;
+  std::string bytes;
+  std::string reason;  ///< of the operating system, where not readable
+};
+[[nodiscard]] FileBytes read_file(const std::filesystem::path& path);
+
+/// Where `name`, written in a file of `directory`, is found: beside that file, then in the current directory; backslashes may part
+/// the folders. Nothing where there is no such regular file.
+[[nodiscard]] std::optional<std::filesystem::path> find_file(std::string_view name, const std::filesystem::path& directory);
+
+/// `C:\…`, or any name with a backslash.
+[[nodiscard]] bool is_windows_path(std::string_view name);
+
+/// LTspice's own `standard.dio`, `standard.mos` and so on, in whatever folder.
+[[nodiscard]] bool is_standard_library(std::string_view name);
+
+}  // namespace pwlsim::netlist

@@ -1,0 +1,26 @@
+#include "netlist/load.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "netlist/files.hpp"
+#include "netlist/loader.hpp"
+
+namespace pwlsim::netlist {
+
+Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {
+  FileBytes file = read_file(path);
+  if (!file.readable) {
+    diagnostics.error("E-file-unreadable", {}, "cannot read '" + path + "': " + file.reason);
+    return {{}, false};
+  }
+  Loader loader(sources, diagnostics, limits);
+  return {loader.read_deck(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true};
+}
+
+Deck parse(const std::string& name, std::string_view text, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {
+  Loader loader(sources, diagnostics, limits);
+  return loader.read_deck(name, std::string(text), {});
+}
+
+}  // namespace pwlsim::netlist

@@ -1,0 +1,31 @@
+#pragma once
+/// Reading a deck: text decoding, logical lines, X3 grammar, includes and library sections in place.
+
+#include <string>
+#include <string_view>
+
+#include "base/diagnostic.hpp"
+#include "base/source.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::netlist {
+
+/// `.options max_include_depth=` (to 1000) and `max_parentheses=` (to 1e6) raise them for what follows in the deck.
+struct LoadLimits {
+  int include_depth = 100;
+  int parentheses = 1000;  ///< in an expression; groups outside of expressions nest to 50
+};
+
+/// Reads `path` and all it includes. Every syntax error of every file goes to `diagnostics`; what could be read is returned all the same.
+/// `readable` is false where the top file itself cannot be read (exit status 3).
+struct Loaded {
+  Deck deck;
+  bool readable = true;
+};
+[[nodiscard]] Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits = {});
+
+/// The same from text in memory; `name` stands in messages and includes are sought from the current directory.
+[[nodiscard]] Deck parse(const std::string& name, std::string_view text, SourceStore& sources, Diagnostics& diagnostics,
+                         const LoadLimits& limits = {});
+
+}  // namespace pwlsim::netlist

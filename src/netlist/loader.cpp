@@ -1,0 +1,324 @@
+#include "netlist/loader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "base/names.hpp"
+#include "netlist/decode.hpp"
+#include "netlist/file_card.hpp"
+#include "netlist/files.hpp"
+#include "netlist/number.hpp"
+
+namespace pwlsim::netlist {
+
+namespace {
+
+/// Where the deck's `.end` begins, or the end of the text: problems behind it are nobody's concern.
+std::size_t end_of_deck(FileIndex file, std::string_view text) {
+  LineReader reader(file, text);
+  LogicalLine line;
+  while (reader.next(line)) {
+    if (same_name(card_name(line.text()), ".end")) {
+      return line.span(line.text()).begin;
+    }
+  }
+  return text.size();
+}
+
+std::string describe(const TextProblem& problem, std::string_view text) {
+  if (problem.kind == TextProblem::Kind::encoding) {
+    return "a byte that is neither UTF-8 nor Latin-1; try saving the file as UTF-8";
+  }
+  const auto last = static_cast<unsigned char>(text[problem.offset + problem.size - 1]);
+  return fmt::format("the control character U+{:04X} may not stand in a deck", static_cast<unsigned>(last));
+}
+
+bool looks_like_card(std::string_view title) {
+  return title.size() > 1 && title[0] == '.' && lower_letter(title[1]) >= 'a' && lower_letter(title[1]) <= 'z' &&
+         !same_name(card_name(title), ".title");
+}
+
+}  // namespace
+
+Deck Loader::read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
+  const File file = add_text(name, std::move(bytes), directory);
+  if (file.is_text) {
+    const std::size_t errors_before = errors_.count();
+    const std::size_t begin = take_title(file);
+    visits_.push_back({file.index, {}});
+    SectionFilter everything{{}};
+    read_cards(file, begin, everything);
+    take_control_tran();
+    if (deck_.cards.empty() && errors_.count() == errors_before) {
+      errors_.report("E-syntax-empty", deck_.title_span, "the deck has no cards; its first line is always the title");
+    }
+  }
+  errors_.finish();
+  return std::move(deck_);
+}
+
+Loader::File Loader::add_text(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
+  DecodedText decoded = decode(std::move(bytes));
+  File file{sources_.add(name, std::move(decoded.text)), directory, true};
+  if (!decoded.problems.empty()) {
+    report_text_problems(file, decoded);
+  }
+  return file;
+}
+
+void Loader::report_text_problems(File& file, const DecodedText& decoded) {
+  const std::string_view text = sources_.text(file.index);
+  const std::size_t end = end_of_deck(file.index, text);
+  const auto span_of = [&](const TextProblem& p) { return SourceSpan{file.index, p.offset, p.offset + p.size}; };
+  for (const auto& problem : decoded.problems) {
+    if (problem.kind == TextProblem::Kind::null && problem.offset < end) {
+      errors_.report("E-syntax-binary", span_of(problem), "a zero byte: this is not a text file; try saving the deck as UTF-8");
+      file.is_text = false;
+      return;
+    }
+  }
+  for (const auto& problem : decoded.problems) {
+    if (problem.offset < end) {
+      errors_.report("E-syntax-control-character", span_of(problem), describe(problem, text));
+    }
+  }
+}
+
+std::size_t Loader::take_title(const File& file) {
+  const std::string_view text = sources_.text(file.index);
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view title = trimmed(text.substr(0, end));
+  const auto begin = static_cast<std::uint32_t>(title.empty() ? 0 : title.data() - text.data());
+  deck_.title.assign(title);
+  deck_.title_span = {file.index, begin, begin + static_cast<std::uint32_t>(title.size())};
+  if (looks_like_card(title)) {
+    errors_.diagnostics().warning("W-title-card", deck_.title_span,
+                                  "the first line is the title, so this card has no effect; try a title above it");
+  }
+  return std::min(end + 1, text.size());
+}
+
+void Loader::read_cards(const File& file, std::size_t begin, SectionFilter& filter) {
+  LineReader reader(file.index, sources_.text(file.index), begin);
+  LogicalLine line;
+  while (reader.next(line)) {
+    const std::string_view name = card_name(line.text());
+    if (line.orphan()) {
+      errors_.report("E-syntax-continuation", line.span(line.text()), "'+' continues a card, and none stands before it");
+    } else if (name.starts_with('.')) {
+      if (!read_dot_card(file, reader, line, name, filter)) {
+        return;
+      }
+    } else if (filter.wants_cards()) {
+      add_card(line);
+    }
+  }
+}
+
+/// False at `.end`.
+bool Loader::read_dot_card(const File& file, LineReader& reader, const LogicalLine& line, std::string_view name, SectionFilter& filter) {
+  const ParseContext context{line, errors_, limits_.parentheses};
+  if (same_name(name, ".end")) {
+    return false;
+  }
+  if (same_name(name, ".endl")) {
+    if (!filter.end()) {
+      context.report("E-syntax-lib", name, "'.endl' ends no '.lib' section");
+    }
+    return true;
+  }
+  const bool library = same_name(name, ".lib");
+  if (library || same_name(name, ".include") || same_name(name, ".inc")) {
+    const auto arguments = file_arguments(context, name);
+    if (arguments && library && opens_section(*arguments, reader)) {
+      filter.begin(arguments->front().text);
+    } else if (arguments && filter.wants_cards()) {
+      request_file(file, context, name, *arguments);
+    }
+    return true;
+  }
+  if (!filter.wants_cards()) {
+    return true;
+  }
+  if (same_name(name, ".control")) {
+    skip_control(reader, line.span(name));
+  } else if (same_name(name, ".endc")) {
+    context.report("E-syntax-control", name, "'.endc' ends no '.control'");
+  } else {
+    add_card(line);
+  }
+  return true;
+}
+
+void Loader::add_card(const LogicalLine& line) {
+  Card card;
+  const std::string_view name = card_name(line.text());
+  if (same_name(name, ".title")) {
+    // Free text, which no grammar should judge.
+    deck_.cards.push_back({std::string(name), line.span(name), {}, line.span(line.text()), false});
+  } else if (parse_card({line, errors_, limits_.parentheses}, card)) {
+    if (same_name(name, ".options") || same_name(name, ".option")) {
+      take_limits(card);
+    }
+    deck_.cards.push_back(std::move(card));
+  }
+}
+
+void Loader::take_limits(const Card& options) {
+  // Includes are read by recursion, so even a raised limit has an end.
+  const auto take = [&](const Item& item, std::string_view name, int most, int& limit) {
+    if (item.kind != Item::Kind::assignment || !same_name(item.text, name)) return;
+    const NumberText number = item.items.empty() ? NumberText{} : read_number(item.items.front().text);
+    if (number.valid && number.value >= 1 && number.value <= most) {
+      limit = static_cast<int>(number.value);
+    } else {
+      errors_.report("E-range", item.span, fmt::format("the option {} is a number from 1 to {}", name, most));
+    }
+  };
+  for (const auto& item : options.items) {
+    take(item, "max_include_depth", 1000, limits_.include_depth);
+    take(item, "max_parentheses", 1'000'000, limits_.parentheses);
+  }
+}
+
+void Loader::skip_control(LineReader& reader, const SourceSpan& control) {
+  first_control_ = first_control_.known() ? first_control_ : control;
+  LogicalLine line;
+  for (LineReader before = reader; reader.next(line); before = reader) {
+    const std::string_view word = card_name(line.text());
+    if (same_name(word, ".endc")) {
+      return;
+    }
+    if (!control_tran_ && same_name(word, "tran")) {
+      control_tran_ = before;
+    }
+  }
+  errors_.report("E-syntax-control", control, "'.control' has no '.endc'");
+}
+
+void Loader::take_control_tran() {
+  if (!first_control_.known()) {
+    return;
+  }
+  const bool taken = control_tran_ && !has_card(".tran");
+  LogicalLine line;
+  Card card;
+  if (taken && control_tran_->next(line) && parse_card({line, errors_, limits_.parentheses}, card)) {
+    card.name = ".tran";
+    deck_.cards.push_back(std::move(card));
+  }
+  errors_.diagnostics().note("N-control-skipped", first_control_,
+                             taken ? "the .control block is skipped, but for its tran line" : "the .control block is skipped");
+}
+
+bool Loader::has_card(std::string_view name) const {
+  return std::any_of(deck_.cards.begin(), deck_.cards.end(), [&](const Card& card) { return same_name(card.name, name); });
+}
+
+void Loader::request_file(const File& from, const ParseContext& context, std::string_view name,
+                          const std::vector<FileArgument>& arguments) {
+  const bool library = same_name(name, ".lib");
+  const std::size_t most = library ? 2 : 1;
+  if (arguments.empty()) {
+    context.report("E-syntax-include", name, fmt::format("a file name is missing behind '{}'", name));
+    return;
+  }
+  if (arguments.size() > most) {
+    context.report("E-syntax-include", arguments[most].whole,
+                   fmt::format("'{}' takes {}; try quotes around a name with blanks", name, library ? "a file and a section" : "one file"));
+    return;
+  }
+  Request request{arguments[0].text, {}, context.line.span(arguments[0].whole), {}, library};
+  if (arguments.size() == 2) {
+    request.section = arguments[1].text;
+    request.section_span = context.line.span(arguments[1].whole);
+  }
+  read_request(from, request);
+}
+
+void Loader::read_request(const File& from, const Request& request) {
+  if (exhausted_) {
+    return;
+  }
+  const File* const file = open_file(from, request);
+  if (file == nullptr || !file->is_text) {
+    return;
+  }
+  Visit visit{file->index, without_case(request.section)};
+  if (!may_visit(visit, request) || !may_read_again(*file, request)) {
+    return;
+  }
+  visits_.push_back(std::move(visit));
+  SectionFilter filter(request.section);
+  read_cards(*file, 0, filter);
+  visits_.pop_back();
+  if (!filter.found()) {
+    const std::string near = nearest_name(request.section, filter.names());
+    errors_.report("E-lib-section", request.section_span,
+                   fmt::format("'{}' has no section '{}'{}", request.file, request.section, near.empty() ? "" : "; try " + near));
+  }
+}
+
+const Loader::File* Loader::open_file(const File& from, const Request& request) {
+  const auto path = find_file(request.file, from.directory);
+  FileBytes read;
+  if (path) {
+    std::error_code error;
+    const auto canonical = std::filesystem::weakly_canonical(*path, error);
+    const std::string key = error ? path->string() : canonical.string();
+    const auto known = files_.find(key);
+    if (known != files_.end()) {
+      return &known->second;
+    }
+    read = read_file(*path);
+    if (read.readable) {
+      return &files_.emplace(key, add_text(path->string(), std::move(read.bytes), path->parent_path())).first->second;
+    }
+  } else {
+    read.reason = "no such file beside the file that names it, nor in the current directory";
+  }
+  const std::string text = fmt::format("cannot read '{}': {}", request.file, read.reason);
+  if (request.library && (is_standard_library(request.file) || is_windows_path(request.file))) {
+    errors_.diagnostics().warning("W-lib-skipped", request.file_span, text + "; its models are missing where they are used");
+  } else {
+    errors_.report("E-include-unreadable", request.file_span, text);
+  }
+  return nullptr;
+}
+
+bool Loader::may_visit(const Visit& visit, const Request& request) {
+  const bool open =
+      std::any_of(visits_.begin(), visits_.end(), [&](const Visit& v) { return v.file == visit.file && v.section == visit.section; });
+  if (open) {
+    errors_.report("E-include-recursion", request.file_span, fmt::format("'{}' includes itself", request.file));
+    return false;
+  }
+  if (visits_.size() > static_cast<std::size_t>(limits_.include_depth)) {
+    errors_.report("E-include-depth", request.file_span,
+                   fmt::format("includes nest deeper than {}; try .options max_include_depth= before them", limits_.include_depth));
+    return false;
+  }
+  return true;
+}
+
+/// Files that include one another several times would multiply without end long before they nest too deep.
+bool Loader::may_read_again(const File& file, const Request& request) {
+  constexpr std::size_t most_repeats = 10'000;
+  constexpr std::size_t most_repeated_bytes = std::size_t{64} << 20U;
+  if (reads_.insert(file.index).second) {
+    return true;
+  }
+  repeated_files_ += 1;
+  repeated_bytes_ += sources_.text(file.index).size();
+  exhausted_ = repeated_files_ > most_repeats || repeated_bytes_ > most_repeated_bytes;
+  if (exhausted_) {
+    errors_.report("E-include-repeated", request.file_span,
+                   fmt::format("files are included again and again, here '{}' after {} repetitions", request.file, most_repeats));
+  }
+  return !exhausted_;
+}
+
+}  // namespace pwlsim::netlist

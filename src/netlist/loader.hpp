@@ -1,0 +1,82 @@
+#pragma once
+/// Cards of a deck and of all it includes, in the order in which they take effect.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "netlist/card.hpp"
+#include "netlist/decode.hpp"
+#include "netlist/file_card.hpp"
+#include "netlist/lines.hpp"
+#include "netlist/load.hpp"
+#include "netlist/section_filter.hpp"
+#include "netlist/syntax_errors.hpp"
+
+namespace pwlsim::netlist {
+
+class Loader {
+ public:
+  Loader(SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits)
+      : sources_(sources), errors_(diagnostics), limits_(limits) {}
+
+  /// The whole deck; `bytes` are those of the top file, `directory` is where its includes are sought first.
+  Deck read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory);
+
+ private:
+  struct File {
+    FileIndex index = no_file;
+    std::filesystem::path directory;
+    bool is_text = true;
+  };
+  /// An `.include` or `.lib` card that asks for a file.
+  struct Request {
+    std::string_view file;
+    std::string_view section;  ///< empty: the whole file
+    SourceSpan file_span;
+    SourceSpan section_span;
+    bool library = false;
+  };
+  /// What is being read, to see recursion and depth.
+  struct Visit {
+    FileIndex file;
+    std::string section;
+  };
+
+  File add_text(const std::string& name, std::string bytes, const std::filesystem::path& directory);
+  void report_text_problems(File& file, const DecodedText& decoded);
+  std::size_t take_title(const File& file);
+  void read_cards(const File& file, std::size_t begin, SectionFilter& filter);
+  bool read_dot_card(const File& file, LineReader& reader, const LogicalLine& line, std::string_view name, SectionFilter& filter);
+  void add_card(const LogicalLine& line);
+  void take_limits(const Card& options);
+
+  void skip_control(LineReader& reader, const SourceSpan& control);
+  void take_control_tran();
+  [[nodiscard]] bool has_card(std::string_view name) const;
+
+  void request_file(const File& from, const ParseContext& context, std::string_view name, const std::vector<FileArgument>& arguments);
+  void read_request(const File& from, const Request& request);
+  const File* open_file(const File& from, const Request& request);
+  bool may_visit(const Visit& visit, const Request& request);
+  bool may_read_again(const File& file, const Request& request);
+
+  SourceStore& sources_;
+  SyntaxErrors errors_;
+  LoadLimits limits_;
+  Deck deck_;
+  std::map<std::string, File> files_;  ///< by canonical path
+  std::set<FileIndex> reads_;
+  std::vector<Visit> visits_;
+  std::size_t repeated_files_ = 0;
+  std::size_t repeated_bytes_ = 0;
+  bool exhausted_ = false;  ///< includes multiply without end: no more are followed
+  SourceSpan first_control_;
+  std::optional<LineReader> control_tran_;  ///< stands before the first `tran` line of a .control block
+};
+
+}  // namespace pwlsim::netlist

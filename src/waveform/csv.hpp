@@ -1,0 +1,42 @@
+#pragma once
+/// Rows of numbers as CSV after RFC 4180, each line ended by a line feed.
+/// A number is the shortest text that reads back to the same double (std::to_chars).
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pwlsim::waveform {
+
+class OutputFile;
+
+/// A field as RFC 4180 has it: quoted where it holds a comma, a quote or a line end, its quotes doubled.
+[[nodiscard]] std::string csv_field(std::string_view text);
+
+/// The shortest text that reads back to `value`.
+[[nodiscard]] std::string shortest(double value);
+
+/// Collects rows in a buffer and hands it to `file` when full. `file` must outlive the writer; it is neither opened nor committed here.
+class CsvWriter {
+ public:
+  /// `names` are the column heads.
+  CsvWriter(OutputFile& file, std::span<const std::string> names);
+
+  /// `values` holds whole rows, one after the other. False from the first failure to write on.
+  bool write(std::span<const double> values);
+  /// Empties the buffer into the file.
+  bool flush();
+
+ private:
+  OutputFile& file_;
+  std::size_t columns_;
+  std::size_t row_room_;  // bytes that hold any row
+  std::size_t capacity_;
+  std::unique_ptr<char[]> buffer_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace pwlsim::waveform

@@ -1,0 +1,178 @@
+#include "waveform/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+namespace pwlsim::waveform {
+namespace {
+
+struct Target {
+  std::string path;     // symbolic links followed
+  bool regular = true;  // or not there yet
+  bool exists = false;
+  mode_t mode = 0;
+};
+
+std::string follow_links(const std::string& path) {
+  char* resolved = ::realpath(path.c_str(), nullptr);
+  if (resolved == nullptr) return path;
+  std::string result = resolved;
+  std::free(resolved);
+  return result;
+}
+
+// errno, or 0 and the target described.
+int examine(const std::string& path, Target& target) {
+  struct stat status {};
+  target.path = path;
+  if (path.empty()) return ENOENT;
+  if (::stat(path.c_str(), &status) != 0) return errno == ENOENT ? 0 : errno;
+  if (S_ISDIR(status.st_mode)) return EISDIR;
+  target.exists = true;
+  target.mode = status.st_mode & 07777;
+  target.regular = S_ISREG(status.st_mode);
+  if (::access(path.c_str(), W_OK) != 0) return errno;
+  if (target.regular) target.path = follow_links(path);
+  return 0;
+}
+
+bool leads_to(const std::string& path, int descriptor) {
+  struct stat by_name {
+  }, by_descriptor{};
+  return ::stat(path.c_str(), &by_name) == 0 && ::fstat(descriptor, &by_descriptor) == 0 && by_name.st_ino == by_descriptor.st_ino &&
+         by_name.st_dev == by_descriptor.st_dev;
+}
+
+// The lock tells two runs with one target apart; an abandoned file of an earlier run carries none and is taken over.
+// Descriptor, or -1 with errno; EWOULDBLOCK where another process holds it.
+int open_locked(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) return -1;
+  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  // Between opening and locking the other process may have renamed it: then it is no longer ours to empty.
+  const bool taken = locked ? !leads_to(path, descriptor) : errno == EWOULDBLOCK;
+  if (!taken && ::ftruncate(descriptor, 0) == 0) return descriptor;
+  const int error_number = taken ? EWOULDBLOCK : errno;
+  ::close(descriptor);
+  errno = error_number;
+  return -1;
+}
+
+}  // namespace
+
+int write_all(int descriptor, std::string_view bytes, std::size_t& written) {
+  written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(descriptor, bytes.data() + written, bytes.size() - written);
+    if (count > 0) {
+      written += static_cast<std::size_t>(count);
+    } else if (count == 0) {
+      return ENOSPC;
+    } else if (errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  struct stat first {
+  }, second{};
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && first.st_ino == second.st_ino &&
+         first.st_dev == second.st_dev;
+}
+
+std::optional<OutputFile> OutputFile::open(const std::string& name, std::string& problem) {
+  OutputFile file;
+  file.given_ = name;
+  if (name == "-") {
+    file.descriptor_ = STDOUT_FILENO;
+    return file;
+  }
+  Target target;
+  int error_number = examine(name, target);
+  if (error_number == 0) {
+    if (target.regular) {
+      file.target_ = target.path;
+      file.partial_ = target.path + ".partial";
+      file.descriptor_ = open_locked(file.partial_);
+      if (file.descriptor_ < 0 && errno == EWOULDBLOCK) {
+        file.partial_ += fmt::format(".{}", ::getpid());
+        file.descriptor_ = open_locked(file.partial_);
+      }
+    } else {
+      file.descriptor_ = ::open(name.c_str(), O_WRONLY | O_CLOEXEC);
+    }
+    error_number = file.descriptor_ < 0 ? errno : 0;
+  }
+  if (error_number != 0) {
+    problem = std::strerror(error_number);
+    return std::nullopt;
+  }
+  if (target.exists && target.regular) (void)::fchmod(file.descriptor_, target.mode);
+  return file;
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : given_(std::move(other.given_)),
+      target_(std::move(other.target_)),
+      partial_(std::move(other.partial_)),
+      size_(other.size_),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      failure_(other.failure_) {}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ < 0) return;
+  if (!partial_.empty() && failure_ == 0) ::unlink(partial_.c_str());
+  if (descriptor_ != STDOUT_FILENO) ::close(descriptor_);
+}
+
+bool OutputFile::write(std::string_view lines) {
+  if (failure_ != 0) return false;
+  std::size_t written = 0;
+  const int error_number = write_all(descriptor_, lines, written);
+  if (error_number != 0) {
+    fail(error_number, lines.substr(0, written));
+    return false;
+  }
+  size_ += written;
+  return true;
+}
+
+void OutputFile::fail(int error_number, std::string_view written_of_last_lines) {
+  failure_ = error_number;
+  if (partial_.empty()) return;
+  const std::size_t line_end = written_of_last_lines.rfind('\n');
+  const std::uint64_t whole = size_ + (line_end == std::string_view::npos ? 0 : line_end + 1);
+  (void)!::ftruncate(descriptor_, static_cast<off_t>(whole));
+}
+
+bool OutputFile::commit() {
+  if (failure_ != 0) return false;
+  if (descriptor_ == STDOUT_FILENO) return true;
+  // Renamed before it is closed: closing ends the lock. A file system that writes late reports it when a copy of the descriptor is closed.
+  const int copy = ::dup(descriptor_);
+  if (copy >= 0 && ::close(copy) != 0) {
+    fail(errno, {});
+  } else if (!partial_.empty() && ::rename(partial_.c_str(), target_.c_str()) != 0) {
+    failure_ = errno;
+  }
+  ::close(std::exchange(descriptor_, -1));
+  return failure_ == 0;
+}
+
+bool OutputFile::closed_pipe() const { return failure_ == EPIPE; }
+
+std::string OutputFile::problem() const { return failure_ == 0 ? std::string() : std::strerror(failure_); }
+
+std::string OutputFile::name() const { return given_ == "-" ? "standard output" : given_; }
+
+}  // namespace pwlsim::waveform

@@ -1,0 +1,106 @@
+#include "analysis/report.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "analysis/quantity.hpp"
+
+using namespace pwlsim;
+using analysis::quantity;
+
+namespace {
+
+analysis::RunReport example() {
+  analysis::RunReport report;
+  report.engine = "exact";
+  report.statistics = {.islands = 1,
+                       .states = 2,
+                       .ports = 1,
+                       .switches = 1,
+                       .modes_visited = 3,
+                       .events = 1000,
+                       .jumps = 4,
+                       .lcp_pivots = 12,
+                       .klu_factorizations = 0,
+                       .klu_solves = 0,
+                       .steps = 7,
+                       .rows = 501};
+  report.certificate = {.complementarity = 1e-16, .kcl_kvl = 2.5e-15, .energy = std::numeric_limits<double>::quiet_NaN()};
+  report.seconds = {
+      .parse = 0.001, .flatten = 0.002, .model = 0.003, .simulate = 0.00042, .write = 0.005, .certificate = 0.006, .total = 0.5};
+  report.notes = {"warning[W-x]: a \"quoted\"\tword"};
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("the statistics file has the keys of the contract", "[golden]") {
+  // Keys and nesting as language.md lists them; escapes as RFC 8259 section 7 has them; NaN has no JSON form, so null.
+  CHECK(analysis::statistics_json(example()) == R"({
+  "engine": "exact",
+  "islands": 1,
+  "states": 2,
+  "ports": 1,
+  "switches": 1,
+  "modes_visited": 3,
+  "events": 1000,
+  "jumps": 4,
+  "lcp_pivots": 12,
+  "klu_factorizations": 0,
+  "klu_solves": 0,
+  "steps": 7,
+  "rows": 501,
+  "seconds": {
+    "parse": 0.001,
+    "flatten": 0.002,
+    "model": 0.003,
+    "simulate": 0.00042,
+    "write": 0.005,
+    "certificate": 0.006,
+    "total": 0.5
+  },
+  "certificate": {
+    "complementarity": 1e-16,
+    "kcl_kvl": 2.5e-15,
+    "energy": null,
+    "passive": null,
+    "points_checked": 0
+  },
+  "notes": [
+    "warning[W-x]: a \"quoted\"\u0009word"
+  ]
+}
+)");
+}
+
+TEST_CASE("passivity is true, false or null", "[unit]") {
+  analysis::RunReport report = example();
+  report.certificate.has_passivity = true;
+  CHECK(analysis::statistics_json(report).find("\"passive\": false") != std::string::npos);
+  report.certificate.passive = true;
+  CHECK(analysis::statistics_json(report).find("\"passive\": true") != std::string::npos);
+}
+
+TEST_CASE("the summary is one line with the certificate", "[golden]") {
+  analysis::RunReport report = example();
+  report.certificate.energy = 0.0;
+  CHECK(analysis::summary(report, "buck.csv", 0.005) ==
+        "wrote buck.csv: 501 rows, 1000 events to t = 5 ms in 420 µs; worst residuals: complementarity 1.0e-16, KCL/KVL 2.5e-15, energy "
+        "0\n");
+}
+
+TEST_CASE("quantities carry a metric prefix", "[unit]") {
+  CHECK(quantity(0.0, "s") == "0 s");
+  CHECK(quantity(1.0, "s") == "1 s");
+  CHECK(quantity(0.0012345678, "s") == "1.23457 ms");
+  CHECK(quantity(-2.5e-6, "A", 3) == "-2.5 µA");
+  CHECK(quantity(4700, "Ω") == "4.7 kΩ");
+  CHECK(quantity(1e-20, "s") == "1e-20 s");
+  CHECK(quantity(999.9999, "s", 3) == "1 ks");
+}
+
+TEST_CASE("an operating point prints name = value", "[unit]") {
+  const std::string names[] = {"v(out)", "i(L1)"};
+  const double values[] = {5.0, -0.125};
+  CHECK(analysis::operating_point_text(names, values) == "v(out) = 5\ni(L1) = -0.125\n");
+}

@@ -1,0 +1,125 @@
+#include "cli/command_line.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "base/source.hpp"
+
+using namespace pwlsim;
+using Words = std::vector<std::string>;
+
+namespace {
+
+cli::RunOptions accepted(const Words& arguments) {
+  const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+  REQUIRE(std::holds_alternative<cli::RunOptions>(command));
+  return std::get<cli::RunOptions>(command);
+}
+
+std::string information(const Words& arguments) {
+  const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+  REQUIRE(std::holds_alternative<cli::Information>(command));
+  return std::get<cli::Information>(command).text;
+}
+
+/// All complaints, each on a line of its own.
+std::string refused(const Words& arguments) {
+  const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+  REQUIRE(std::holds_alternative<cli::Refused>(command));
+  std::string text;
+  for (const Diagnostic& diagnostic : std::get<cli::Refused>(command).diagnostics.all()) text += render(diagnostic, {});
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("the rows go to the deck's name with .csv in the current directory", "[unit]") {
+  CHECK(accepted({"circuit.net"}).output == "circuit.csv");
+  CHECK(accepted({"some/where/circuit.net"}).output == "circuit.csv");
+  CHECK(accepted({"circuit"}).output == "circuit.csv");
+  CHECK(accepted({"a.b.cir"}).output == "a.b.csv");
+}
+
+TEST_CASE("flags may stand before or after the file", "[unit]") {
+  const Words arguments = GENERATE(Words{"c.net", "-o", "x.csv", "--events", "--stats", "s.json", "--no-progress"},
+                                   Words{"-o", "x.csv", "--events", "--stats=s.json", "--no-progress", "c.net"},
+                                   Words{"--events", "-ox.csv", "c.net", "--no-progress", "--stats", "s.json"},
+                                   Words{"--output=x.csv", "--events", "--no-progress", "--stats", "s.json", "--", "c.net"});
+  const cli::RunOptions options = accepted(arguments);
+  CHECK(options.deck == "c.net");
+  CHECK(options.output == "x.csv");
+  CHECK(options.stats == "s.json");
+  CHECK(options.events);
+  CHECK_FALSE(options.progress);
+  CHECK_FALSE(options.quiet);
+}
+
+TEST_CASE("what is supported is accepted", "[unit]") {
+  const std::string engine = GENERATE("auto", "exact");
+  CHECK(accepted({"c.net", "--engine", engine, "--reltol", "1e-6", "--format", "csv"}).deck == "c.net");
+  CHECK(accepted({"c.net", "-o", "-"}).output == "-");
+  CHECK(accepted({"c.net", "--quiet"}).quiet);
+  CHECK_FALSE(accepted({"c.net", "--quiet"}).progress);
+  CHECK(accepted({"c.net", "--verbose"}).verbose);
+}
+
+TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
+  CHECK(accepted({"./inspect"}).deck == "./inspect");
+  CHECK(accepted({"--", "compare"}).deck == "compare");
+  CHECK(accepted({"--", "--events"}).deck == "--events");
+  CHECK(accepted({"-o", "export", "c.net"}).output == "export");
+}
+
+TEST_CASE("what comes later is refused by its name", "[unit]") {
+  CHECK(refused({"inspect", "c.net"}).find("error[E-not-supported-yet]: `pwlsim inspect` is not supported yet") == 0);
+  CHECK(refused({"--quiet", "export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is") == 0);
+  CHECK(refused({"compare"}).find("error[E-not-supported-yet]: `pwlsim compare` is") == 0);
+  CHECK(refused({"c.net", "--engine", "sparse"}).find("error[E-not-supported-yet]: `--engine sparse` is") == 0);
+  CHECK(refused({"c.net", "--format", "raw"}).find("error[E-not-supported-yet]: `--format raw` is") == 0);
+  CHECK(refused({"c.net", "--plot", "p.svg"}).find("error[E-not-supported-yet]: `--plot` is") == 0);
+  CHECK(refused({"c.net", "--report", "r.html"}).find("error[E-not-supported-yet]: `--report` is") == 0);
+  CHECK(refused({"c.net", "--json"}).find("error[E-not-supported-yet]: `--json` is") == 0);
+}
+
+TEST_CASE("wrong command lines are refused with a cure", "[golden]") {
+  CHECK(refused({}) == "error[E-no-deck]: no deck is given; try pwlsim circuit.net, or pwlsim --help\n");
+  CHECK(refused({"a.net", "b.net"}).find("error[E-too-many-files]: one deck is run at a time") == 0);
+  CHECK(refused({"c.net", "--evnts"}) == "error[E-unknown-argument]: `--evnts` is no option of pwlsim; try `--events`\n");
+  CHECK(refused({"c.net", "--zzz=1"}) == "error[E-unknown-argument]: `--zzz` is no option of pwlsim; try pwlsim --help\n");
+  CHECK(refused({"c.net", "-o"}) == "error[E-option-value]: `--output` lacks its value; try pwlsim --help\n");
+  CHECK(refused({"-o", "--events", "c.net"}).find("error[E-option-value]: `--output` lacks its value") == 0);
+  CHECK(refused({"c.net", "-o", ""}).find("error[E-option-value]") == 0);
+  CHECK(refused({"c.net", "-o", "a", "-o", "b"}).find("error[E-repeated-option]: `--output` is given 2 times") == 0);
+  CHECK(refused({"c.net", "--engine", "warp"}).find("error[E-option-value]: `--engine warp` names no engine") == 0);
+  CHECK(refused({"c.net", "--format", "xml"}).find("error[E-option-value]: `--format xml` names no format") == 0);
+  CHECK(refused({"c.net", "--quiet=banana"}).find("error[E-option-value]") == 0);
+  CHECK(refused({"c.net", "--quiet", "--verbose"}).find("error[E-option-conflict]") == 0);
+}
+
+TEST_CASE("--reltol is a positive number", "[unit]") {
+  const std::string text = GENERATE("0", "-1", "abc", "1e-4x", "inf", "nan", "1e999");
+  CHECK(refused({"c.net", "--reltol", text}).find("error[E-option-value]: `--reltol " + text) == 0);
+}
+
+TEST_CASE("rows and statistics do not go to one file", "[unit]") {
+  CHECK(refused({"c.net", "--stats", "c.csv"}).find("error[E-option-conflict]") == 0);
+  CHECK(refused({"c.net", "--stats", "./c.csv"}).find("error[E-option-conflict]") == 0);
+  CHECK(refused({"c.net", "-o", "-", "--stats", "-"}).find("error[E-option-conflict]") == 0);
+}
+
+TEST_CASE("all complaints come in one go", "[unit]") {
+  const std::string text = refused({"--engine", "warp", "--format", "xml", "--reltol", "x"});
+  CHECK(std::count(text.begin(), text.end(), '\n') == 4);  // the deck is missing too
+}
+
+TEST_CASE("help and version answer whatever else is given", "[unit]") {
+  CHECK(information({"--version"}) == "pwlsim 1.2.3\n");
+  CHECK(information({"c.net", "--version", "--quiet"}) == "pwlsim 1.2.3\n");
+  for (const char* option :
+       {"--output", "--events", "--engine", "--reltol", "--stats", "--format", "--quiet", "--verbose", "--no-progress"}) {
+    CHECK(information({"--help"}).find(option) != std::string::npos);
+  }
+  CHECK(information({"--nonsense", "--help"}).find("Usage: pwlsim") != std::string::npos);
+  for (const char* name : {"inspect", "export", "compare"}) {
+    CHECK(information({name, "--help"}).find("Usage: pwlsim " + std::string(name)) == 0);
+  }
+}

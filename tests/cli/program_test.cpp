@@ -1,0 +1,366 @@
+// The program as a user meets it: exit status, what is written, what is left alone.
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <regex>
+
+#include "support/scratch.hpp"
+#include "support/spawn.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+using Names = std::vector<std::string>;
+
+namespace {
+
+/// v(a) steps to 2 V at t = 0 and v(b) follows exactly: no state, so every expected value is the divider's 2 V / 2.
+const std::string divider =
+    "divider\n"
+    "V1 a 0 PULSE(0 2 0 0 0 1 2)\n"
+    "R1 a b 1k\n"
+    "R2 b 0 1k\n"
+    ".tran 0.1 0.3 uic\n"
+    ".save v(a) v(b) v(a,b) i(R1)\n"
+    ".end\n";
+const std::string divider_rows =
+    "time,v(a),v(b),\"v(a,b)\",i(R1)\n"
+    "0,2,1,1,0.001\n"
+    "0.1,2,1,1,0.001\n"
+    "0.2,2,1,1,0.001\n"
+    "0.3,2,1,1,0.001\n";
+
+/// 1e12 periods: no machine ends it before the tests are over.
+const std::string endless =
+    "endless\n"
+    "V1 a 0 PULSE(0 1 0 0 0 0.5n 1n)\n"
+    "R1 a b 1k\n"
+    "C1 b 0 1n\n"
+    ".tran 1n 0.9 0 uic\n"
+    ".save v(b)\n"
+    ".end\n";
+
+/// Rows without end and next to no events.
+const std::string many_rows =
+    "many rows\n"
+    "V1 a 0 SIN(0 1 50)\n"
+    "R1 a 0 1k\n"
+    ".tran 1n 0.9\n"
+    ".end\n";
+
+Finished run_in(const Scratch& scratch, const std::vector<std::string>& arguments, SpawnOptions options = {}) {
+  options.folder = scratch.path().string();
+  Finished finished = run_program(arguments, options);
+  UNSCOPED_INFO("status " << finished.status << ", standard error: " << finished.err);
+  return finished;
+}
+
+std::string lines_of(const std::string& text, std::size_t count) {
+  std::size_t end = 0;
+  while (count-- != 0 && end != std::string::npos) end = text.find('\n', end) + 1;
+  return text.substr(0, end);
+}
+
+}  // namespace
+
+TEST_CASE("a deck gives its CSV in the current directory and status 0", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished finished = run_in(scratch, {"divider.net"});
+  REQUIRE(finished.status == 0);
+  CHECK(read_file(scratch / "divider.csv") == divider_rows);
+  CHECK(finished.out.empty());
+  CHECK_THAT(finished.err, Contains("wrote divider.csv: 4 rows"));
+  CHECK_THAT(finished.err, Contains("worst residuals: complementarity"));
+  CHECK(scratch.names() == Names{"divider.csv", "divider.net"});
+}
+
+TEST_CASE("-o names the file, and an older one is replaced", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  scratch.write("out.csv", "old\n");
+  REQUIRE(run_in(scratch, {"-o", "out.csv", "divider.net"}).status == 0);
+  CHECK(read_file(scratch / "out.csv") == divider_rows);
+  CHECK(scratch.names() == Names{"divider.net", "out.csv"});
+}
+
+TEST_CASE("-o - writes the rows and nothing else to standard output", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished finished = run_in(scratch, {"divider.net", "-o", "-"});
+  REQUIRE(finished.status == 0);
+  CHECK(finished.out == divider_rows);
+  CHECK(scratch.names() == Names{"divider.net"});
+}
+
+TEST_CASE(".op prints name = value; with -o - on standard error", "[unit]") {
+  const Scratch scratch;
+  // The divider's operating point has the source at its value before t = 0, as language.md says of a PULSE.
+  std::string deck = divider;
+  deck.replace(deck.find("PULSE(0 2"), 9, "PULSE(4 2");
+  deck.replace(deck.find(".tran 0.1 0.3 uic"), 17, ".op");
+  scratch.write("op.net", deck);
+  const std::string expected = "v(a) = 4\nv(b) = 2\nv(a,b) = 2\ni(R1) = 0.002\n";
+  const Finished to_output = run_in(scratch, {"op.net"});
+  REQUIRE(to_output.status == 0);
+  CHECK(to_output.out == expected);
+  CHECK(scratch.names() == Names{"op.net"});
+  const Finished to_error = run_in(scratch, {"op.net", "-o", "-", "--quiet"});
+  REQUIRE(to_error.status == 0);
+  CHECK(to_error.out.empty());
+  CHECK(to_error.err == expected);
+}
+
+TEST_CASE("a deck with .op and .tran gives both", "[unit]") {
+  const Scratch scratch;
+  scratch.write("both.net", std::string(divider).replace(divider.find(".end"), 4, ".op"));
+  const Finished finished = run_in(scratch, {"both.net"});
+  REQUIRE(finished.status == 0);
+  CHECK(finished.out == "v(a) = 0\nv(b) = 0\nv(a,b) = 0\ni(R1) = 0\n");
+  CHECK(read_file(scratch / "both.csv") == divider_rows);
+}
+
+TEST_CASE("--quiet keeps everything but results and errors", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished finished = run_in(scratch, {"--quiet", "divider.net"});
+  CHECK(finished.status == 0);
+  CHECK(finished.out.empty());
+  CHECK(finished.err.empty());
+  CHECK_THAT(run_in(scratch, {"--quiet", "missing.net"}).err, Contains("error["));
+}
+
+TEST_CASE("standard error that is no terminal gets no progress bar", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  CHECK(run_in(scratch, {"divider.net"}).err.find('\r') == std::string::npos);
+}
+
+TEST_CASE("on a terminal a progress bar is drawn now and then, and wiped", "[unit]") {
+  const Scratch scratch;
+  scratch.write("endless.net", endless);
+  const auto err_of = [&](const std::string& flag) {
+    Spawned program({"endless.net", flag}, {.folder = scratch.path().string(), .terminal = true});
+    pause(1000);
+    program.send(SIGTERM);
+    return program.finish().err;
+  };
+  const std::string drawn = err_of("--events");
+  const auto bars = std::count(drawn.begin(), drawn.end(), '%');
+  CHECK(bars >= 1);
+  CHECK(bars <= 30);  // ten a second, and the machine may be slow to stop it
+  CHECK_THAT(drawn, Contains("\r[") && Contains("s to go") && Contains("\r\x1b[Kerror[E-interrupted]"));
+  CHECK(err_of("--no-progress").find('%') == std::string::npos);
+  CHECK(err_of("--quiet").find('%') == std::string::npos);
+}
+
+TEST_CASE("--verbose adds phases and counts", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  CHECK_THAT(run_in(scratch, {"divider.net", "--verbose"}).err, Contains("engine exact: ") && Contains("time: parse "));
+}
+
+TEST_CASE("--stats writes one JSON object with the keys of the contract", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  REQUIRE(run_in(scratch, {"divider.net", "--stats", "stats.json"}).status == 0);
+  const std::string json = read_file(scratch / "stats.json");
+  for (const char* key : {"engine",          "islands",  "states", "ports",      "switches",
+                          "modes_visited",   "events",   "jumps",  "lcp_pivots", "klu_factorizations",
+                          "klu_solves",      "steps",    "rows",   "seconds",    "parse",
+                          "model",           "simulate", "write",  "total",      "certificate",
+                          "complementarity", "kcl_kvl",  "energy", "passive",    "notes"}) {
+    CHECK_THAT(json, Contains('"' + std::string(key) + "\": "));
+  }
+  CHECK_THAT(json, Contains("\"engine\": \"exact\"") && Contains("\"rows\": 4,"));
+  CHECK(scratch.names() == Names{"divider.csv", "divider.net", "stats.json"});
+}
+
+TEST_CASE("help and version go to standard output with status 0", "[unit]") {
+  const Scratch scratch;
+  const Finished version = run_in(scratch, {"--version"});
+  CHECK(version.status == 0);
+  CHECK(std::regex_match(version.out, std::regex("pwlsim [0-9]+\\.[0-9]+\\.[0-9]+\n")));
+  for (const std::vector<std::string>& words :
+       {Names{"--help"}, Names{"inspect", "--help"}, Names{"export", "--help"}, Names{"compare", "--help"}}) {
+    const Finished help = run_in(scratch, words);
+    CHECK(help.status == 0);
+    CHECK_THAT(help.out, Contains("Usage: pwlsim"));
+    CHECK(help.err.empty());
+  }
+}
+
+TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Names words =
+      GENERATE(Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "sparse"},
+               Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
+               Names{"inspect", "divider.net"}, Names{"export", "divider.net", "-o", "x"}, Names{"compare", "divider.net"});
+  const Finished finished = run_in(scratch, words);
+  CHECK(finished.status == 2);
+  CHECK(finished.out.empty());
+  CHECK_THAT(finished.err, Contains("error[E-") && Contains("; try "));
+  CHECK(scratch.names() == Names{"divider.net"});
+}
+
+TEST_CASE("a deck that cannot be read has status 3", "[unit]") {
+  const Scratch scratch;
+  scratch.write("x.csv", "old\n");
+  const std::string deck = GENERATE(std::string("missing.net"), std::string("."), std::string("missing/x.net"), std::string(""));
+  const Finished finished = run_in(scratch, {deck, "-o", "x.csv"});
+  CHECK(finished.status == 3);
+  CHECK_THAT(finished.err, Contains("error[E-"));
+  CHECK(scratch.names() == Names{"x.csv"});
+  CHECK(read_file(scratch / "x.csv") == "old\n");
+}
+
+TEST_CASE("a place that cannot be written has status 3 before the run", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Names words = GENERATE(Names{"-o", "missing/x.csv"}, Names{"-o", "."}, Names{"--stats", "missing/s.json"});
+  const Finished finished = run_in(scratch, {"divider.net", words[0], words[1]});
+  CHECK(finished.status == 3);
+  CHECK_THAT(finished.err, Contains("error[E-cannot-write]"));
+  CHECK(scratch.names() == Names{"divider.net"});
+}
+
+TEST_CASE("the deck is not overwritten by its own results", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.csv", divider);
+  const Names words =
+      GENERATE(Names{"deck.csv"}, Names{"deck.csv", "-o", "./deck.csv"}, Names{"deck.csv", "-o", "x", "--stats", "deck.csv"});
+  CHECK(run_in(scratch, words).status == 2);
+  CHECK(read_file(scratch / "deck.csv") == divider);
+  CHECK(scratch.names() == Names{"deck.csv"});
+}
+
+TEST_CASE("errors in the deck have status 2 and leave an older file as it was", "[unit]") {
+  const Scratch scratch;
+  scratch.write("bad.net", "bad\nR1 a 0\nR2 b 0 nonsense\n.tran 1 2\n");
+  scratch.write("bad.csv", "old\n");
+  const Finished finished = run_in(scratch, {"bad.net", "--stats", "s.json"});
+  CHECK(finished.status == 2);
+  CHECK_THAT(finished.err, Contains("bad.net:2:") && Contains("bad.net:3:"));
+  CHECK(read_file(scratch / "bad.csv") == "old\n");
+  CHECK(scratch.names() == Names{"bad.csv", "bad.net"});
+}
+
+TEST_CASE("a run that fails has status 1, says the time and the elements, and keeps the rows", "[unit]") {
+  const Scratch scratch;
+  // The source's current falls from 1 A to -1 A between 1 ms and 2 ms: at 1.5 ms it turns against the diode and has no other way.
+  scratch.write("forced.net", "forced\nI1 0 a PULSE(1 -1 1m 1m)\nD1 a 0 DI\n.model DI D\n.save i(D1)\n.tran 0.25m 5m uic\n");
+  scratch.write("forced.csv", "old\n");
+  const Finished finished = run_in(scratch, {"forced.net", "--stats", "s.json"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-no-solution]") && Contains("0.0015") && Contains("D1") && Contains("forced.csv"));
+  CHECK_THAT(lines_of(read_file(scratch / "forced.csv"), 6), Equals("time,i(D1)\n0,1\n0.00025,1\n5e-04,1\n0.00075,1\n0.001,1\n"));
+  CHECK_THAT(read_file(scratch / "s.json"), Contains("error[E-no-solution]"));
+  CHECK(scratch.names() == Names{"forced.csv", "forced.net", "s.json"});
+}
+
+TEST_CASE("a solution that leaves the range of numbers has status 1 and keeps the rows before", "[unit]") {
+  const Scratch scratch;
+  // v = exp(t / 1 us): the greatest double is exp(709.78), so 0.7 ms is the last time of the grid with a value. Energies are squares,
+  // whose range ends at 0.355 ms, so a run may stop from there on.
+  scratch.write("grow.net", "grow\nC1 a 0 1u ic=1\nR1 a 0 -1\n.save v(a)\n.tran 0.1m 5m uic\n");
+  const Finished finished = run_in(scratch, {"grow.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-overflow]") && Contains("v(a)") && Contains("µs"));
+  const std::string rows = read_file(scratch / "grow.csv");
+  const auto lines = std::count(rows.begin(), rows.end(), '\n');
+  CHECK(lines >= 1 + 4);
+  CHECK(lines <= 1 + 8);
+  CHECK(rows.find("inf") == std::string::npos);
+  CHECK(scratch.names() == Names{"grow.csv", "grow.net"});
+}
+
+TEST_CASE("a signal ends the run, keeps the rows and says the time", "[unit]") {
+  const int signal_number = GENERATE(SIGINT, SIGTERM);
+  const Scratch scratch;
+  scratch.write("endless.net", endless);
+  scratch.write("endless.csv", "old\n");
+  Spawned program({"endless.net", "--stats", "s.json"}, {.folder = scratch.path().string()});
+  REQUIRE(wait_until(30, [&] { return scratch.holds("endless.csv.partial"); }));
+  CHECK(read_file(scratch / "endless.csv") == "old\n");
+  pause(300);
+  program.send(signal_number);
+  const Finished finished = program.finish();
+  INFO(finished.err);
+  CHECK(finished.status == 128 + signal_number);
+  CHECK_THAT(finished.err, Contains("E-interrupted") && Contains("at t = ") && Contains("endless.csv"));
+  const std::string rows = read_file(scratch / "endless.csv");
+  CHECK(lines_of(rows, 2) == "time,v(b)\n0,0\n");
+  CHECK(rows.back() == '\n');
+  CHECK_THAT(read_file(scratch / "s.json"), Contains("error[E-interrupted]"));
+  CHECK(scratch.names() == Names{"endless.csv", "endless.net", "s.json"});
+}
+
+TEST_CASE("a closed pipe has status 141", "[unit]") {
+  const Scratch scratch;
+  scratch.write("many.net", many_rows);
+  Spawned program({"many.net", "-o", "-"}, {.folder = scratch.path().string()});
+  pause(200);
+  program.close_output();
+  const Finished finished = program.finish();
+  CHECK(finished.status == 141);
+  CHECK(finished.err.find("error") == std::string::npos);
+}
+
+TEST_CASE("a disk that fills up has status 3, and the rows stay in the partial file", "[unit]") {
+  const Scratch scratch;
+  scratch.write("many.net", many_rows);
+  scratch.write("many.csv", "old\n");
+  SpawnOptions options;
+  options.file_size = 3000000;
+  const Finished finished = run_in(scratch, {"many.net"}, options);
+  CHECK(finished.status == 3);
+  CHECK_THAT(finished.err, Contains("error[E-cannot-write]") && Contains("many.csv.partial"));
+  CHECK(read_file(scratch / "many.csv") == "old\n");
+  const std::string rows = read_file(scratch / "many.csv.partial");
+  CHECK(rows.size() > 2900000);
+  CHECK(rows.back() == '\n');
+}
+
+TEST_CASE("a full device has status 3", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  SECTION("named by -o") {
+    const Finished finished = run_in(scratch, {"divider.net", "-o", "/dev/full"});
+    CHECK(finished.status == 3);
+    CHECK_THAT(finished.err, Contains("No space left on device"));
+  }
+  SECTION("as standard output") {
+    SpawnOptions options;
+    options.standard_output = "/dev/full";
+    CHECK(run_in(scratch, {"divider.net", "-o", "-"}, options).status == 3);
+    CHECK(run_in(scratch, {"--help"}, options).status == 3);
+  }
+  SECTION("for the statistics") { CHECK(run_in(scratch, {"divider.net", "--stats", "/dev/full"}).status == 3); }
+  CHECK(scratch.holds("divider.net"));
+}
+
+TEST_CASE("closed standard streams are not mistaken for the output file", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  SpawnOptions options;
+  options.no_streams = true;
+  CHECK(run_in(scratch, {"divider.net", "--stats", "s.json"}, options).status == 0);
+  CHECK(read_file(scratch / "divider.csv") == divider_rows);
+  CHECK(scratch.names() == Names{"divider.csv", "divider.net", "s.json"});
+  CHECK(run_in(scratch, {"divider.net", "-o", "-"}, options).status == 3);
+}
+
+TEST_CASE("--events adds rows before and after each source edge", "[unit]") {
+  const Scratch scratch;
+  // A single edge at 0.15 s, off the grid, between 0 V and 2 V.
+  scratch.write("edge.net", "edge\nV1 a 0 PULSE(0 2 0.15)\nR1 a 0 1k\n.tran 0.1 0.3\n.save v(a)\n");
+  REQUIRE(run_in(scratch, {"edge.net", "--events"}).status == 0);
+  CHECK(read_file(scratch / "edge.csv") == "time,v(a)\n0,0\n0.1,0\n0.15,0\n0.15,2\n0.2,2\n0.3,2\n");
+  REQUIRE(run_in(scratch, {"edge.net"}).status == 0);
+  CHECK(read_file(scratch / "edge.csv") == "time,v(a)\n0,0\n0.1,0\n0.2,2\n0.3,2\n");
+}

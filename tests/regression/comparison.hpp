@@ -1,0 +1,22 @@
+#pragma once
+/// A run of a deck against its reference.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pwlsim::test {
+
+/// Decks of a folder, by name, in order.
+[[nodiscard]] std::vector<std::filesystem::path> decks_in(const std::string& folder);
+
+struct Bounds {
+  double value = 1e-9;  ///< of a signal, relative to its largest reference value
+  double time = 1e-12;  ///< of an event, relative to the length of the run
+  bool touch = false;   ///< the deck only touches a threshold: the touch may count as an event or not
+};
+
+/// Checks with Catch2: rows, rows around events, event times and their count, certificate.
+void compare_with_reference(const std::filesystem::path& deck, const Bounds& bounds);
+
+}  // namespace pwlsim::test

@@ -1,0 +1,28 @@
+#pragma once
+/// A deck run in process, from its text to the values of its rows.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+
+namespace pwlsim::test {
+
+struct DeckRun {
+  std::string messages;  ///< rendered diagnostics that are errors; the rest is empty then
+  std::vector<std::string> signals;
+  std::vector<std::vector<double>> rows;  ///< time, then one value a signal
+  double stop = 0.0;
+  engine::Answer answer;
+
+  /// The first row at exactly `time`; null where there is none.
+  [[nodiscard]] const std::vector<double>* row_at(double time) const;
+};
+
+/// `events`: rows before and after every event as well. The deck must have a .tran card.
+[[nodiscard]] DeckRun run_deck(const std::filesystem::path& path, bool events = false);
+/// The same for a deck in memory.
+[[nodiscard]] DeckRun run_text(const std::string& text, bool events = false);
+
+}  // namespace pwlsim::test
