@@ -17,17 +17,29 @@ Eigen::Index numerical_rank(const Vector& singular_values, double tolerance, dou
   return rank;
 }
 
+template <class M, class Tolerance>
+void clean(M& m, const M& bound, Tolerance tolerance) {
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      if (std::abs(m(i, j)) <= tolerance * bound(i, j)) m(i, j) = 0;
+}
+
 }  // namespace
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
-  for (Eigen::Index j = 0; j < m.cols(); ++j)
-    for (Eigen::Index i = 0; i < m.rows(); ++i)
-      if (std::abs(m(i, j)) <= clean_tolerance * bound(i, j)) m(i, j) = 0.0;
+  clean(m, bound, clean_tolerance);
   return m;
 }
 
-Matrix clean_product(const Matrix& x, const Matrix& y) {
-  return cleaned(x * y, x.cwiseAbs() * y.cwiseAbs());
+Matrix clean_product(const Matrix& x, const Matrix& y) { return cleaned(Matrix(x * y), Matrix(x.cwiseAbs() * y.cwiseAbs())); }
+
+WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound) {
+  clean(m, bound, wide_clean_tolerance);
+  return m;
+}
+
+WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y) {
+  return wide_cleaned(WideMatrix(x * y), WideMatrix(x.cwiseAbs() * y.cwiseAbs()));
 }
 
 Matrix null_space(const Matrix& m, double tolerance, double scale) {

@@ -8,6 +8,11 @@ namespace pwlsim::linalg {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
+/// Extended precision (64 bits of fraction) for what is computed once and decides ranks: what cancels there must be seen to cancel.
+using Wide = long double;
+using WideMatrix = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
+using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
+
 /// y = M x for column-major M (rows × columns), without allocation and without the dispatch cost that Eigen
 /// has for the sizes at hand (2 to 10). y must not alias x.
 inline void multiply(const Matrix& m, const double* x, double* y) {
@@ -42,6 +47,11 @@ inline constexpr double clean_tolerance = 1e-14;
 
 /// M with entries below clean_tolerance·bound set to zero, entry by entry.
 [[nodiscard]] Matrix cleaned(Matrix m, const Matrix& bound);
+
+/// The same in extended precision, at its own level.
+inline constexpr Wide wide_clean_tolerance = 1e-16L;
+[[nodiscard]] WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y);
+[[nodiscard]] WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound);
 
 /// Orthonormal basis of {x : M x = 0}; singular values below `tolerance`·scale count as zero (scale ≤ 0: the largest one).
 [[nodiscard]] Matrix null_space(const Matrix& m, double tolerance, double scale = 0.0);

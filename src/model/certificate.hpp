@@ -1,6 +1,7 @@
 #pragma once
 /// Passivity in energy coordinates.
 
+#include "model/network.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::model {
@@ -9,5 +10,9 @@ namespace pwlsim::model {
 /// ≤ passivity_tolerance: the system is passive, its state trajectory unique and never amplifies errors.
 inline constexpr double passivity_tolerance = 1e-9;
 [[nodiscard]] double kyp_residual(const System& system);
+
+/// Whether the network consists of resistances ≥ 0, diodes, switches and independent sources besides its stores: then, with stores of
+/// positive energy, it is passive whatever the rounding of its matrices.
+[[nodiscard]] bool has_passive_parts_only(const Network& network);
 
 }  // namespace pwlsim::model

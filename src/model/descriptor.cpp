@@ -58,11 +58,11 @@ Assembly::Assembly(const Network& net, bool constant_wanted) : network(net) {
   factor_inductances();
   number_unknowns();
   const int m = unknowns_;
-  g = Matrix::Zero(m, m);
-  f = Matrix::Zero(m, stores());
-  ha = Matrix::Zero(m, ports());
-  hw = Matrix::Zero(m, exosystem->size());
-  sx = Matrix::Zero(stores(), m);
+  g = WideMatrix::Zero(m, m);
+  f = WideMatrix::Zero(m, stores());
+  ha = WideMatrix::Zero(m, ports());
+  hw = WideMatrix::Zero(m, exosystem->size());
+  sx = WideMatrix::Zero(stores(), m);
   add_resistors();
   add_stores();
   add_branches_and_injections();
@@ -85,18 +85,18 @@ void Assembly::choose_scales() {
 
 void Assembly::factor_inductances() {
   const auto n = static_cast<int>(network.inductors.size());
-  Vector root(n);
-  Matrix rest = Matrix::Identity(n, n);
-  for (int i = 0; i < n; ++i) root[i] = std::sqrt(std::abs(network.inductors[i].inductance));
+  WideVector root(n);
+  WideMatrix rest = WideMatrix::Identity(n, n);
+  for (int i = 0; i < n; ++i) root[i] = std::sqrt(std::abs(static_cast<Wide>(network.inductors[i].inductance)));
   for (const auto& k : network.couplings) {
     rest(k.inductor_a, k.inductor_b) += k.coefficient;
     rest(k.inductor_b, k.inductor_a) += k.coefficient;
   }
-  Matrix factor(n, n);
+  WideMatrix factor(n, n);
   int rank = 0;
   for (; rank < n; ++rank) {
     Eigen::Index pivot = 0;
-    const double largest = rest.diagonal().maxCoeff(&pivot);
+    const Wide largest = rest.diagonal().maxCoeff(&pivot);
     if (largest < coupling_rank_tolerance) break;
     factor.col(rank) = rest.col(pivot) / std::sqrt(largest);
     rest.noalias() -= factor.col(rank) * factor.col(rank).transpose();
@@ -104,7 +104,7 @@ void Assembly::factor_inductances() {
     rest.col(pivot).setZero();
   }
   if (n > 0 && rest.cwiseAbs().maxCoeff() > 1e3 * coupling_rank_tolerance) coupling_possible = false;
-  inductor_factor = root.asDiagonal() * factor.leftCols(rank) / std::sqrt(r0 * tau0);
+  inductor_factor = root.asDiagonal() * factor.leftCols(rank) / std::sqrt(static_cast<Wide>(r0) * tau0);
 }
 
 void Assembly::number_unknowns() {
@@ -124,7 +124,7 @@ void Assembly::number_unknowns() {
   unknowns_ = next;
 }
 
-void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, double value) {
+void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, Wide value) {
   if (p != ground) g(p, column) += value;
   if (n != ground) g(n, column) -= value;
 }
@@ -141,10 +141,10 @@ void Assembly::add_resistors() {
     if (low >= 0) {
       add_kcl(r.p, r.n, low, 1.0);
       add_voltage(low, r.p, r.n);
-      g(low, low) -= r.resistance / r0;
+      g(low, low) -= static_cast<Wide>(r.resistance) / r0;
       continue;
     }
-    const double conductance = r0 / r.resistance;
+    const Wide conductance = static_cast<Wide>(r0) / r.resistance;
     if (r.p != ground) add_kcl(r.p, r.n, r.p, conductance);
     if (r.n != ground) add_kcl(r.p, r.n, r.n, -conductance);
   }
@@ -155,23 +155,23 @@ void Assembly::add_stores() {
   for (int i = 0; i < capacitors; ++i) {
     const auto& c = network.capacitors[i];
     const int column = first_capacitor_ + i;
-    const double s = std::sqrt(std::abs(c.capacitance) * r0 / tau0);
+    const Wide s = std::sqrt(static_cast<Wide>(std::abs(c.capacitance)) * r0 / tau0);
     add_kcl(c.p, c.n, column, 1.0);
     add_voltage(column, c.p, c.n);
-    f(column, i) = -1.0 / s;
-    sx(i, column) = std::copysign(1.0 / (s * tau0), c.capacitance);
+    f(column, i) = -1.0L / s;
+    sx(i, column) = std::copysign(1.0L / (s * tau0), static_cast<Wide>(c.capacitance));
   }
   const auto rates = static_cast<int>(inductor_factor.cols());
   for (int j = 0; j < rates; ++j) {
-    const double scale = inductor_factor.col(j).cwiseAbs().maxCoeff();
+    const Wide scale = inductor_factor.col(j).cwiseAbs().maxCoeff();
     const int row = first_rate_ + j;
     for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
-      const double sign = network.inductors[i].inductance < 0.0 ? -1.0 : 1.0;
+      const Wide sign = network.inductors[i].inductance < 0.0 ? -1.0L : 1.0L;
       g(first_inductor_ + i, row) -= sign * inductor_factor(i, j) / scale;
       g(row, first_inductor_ + i) += inductor_factor(i, j) / scale;
     }
-    f(row, capacitors + j) = -1.0 / scale;
-    sx(capacitors + j, row) = 1.0 / (scale * tau0);
+    f(row, capacitors + j) = -1.0L / scale;
+    sx(capacitors + j, row) = 1.0L / (scale * tau0);
   }
   for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
     const auto& l = network.inductors[i];
@@ -192,7 +192,7 @@ void Assembly::add_branches_and_injections() {
   }
   for (const auto& injection : network.injections) {
     const FormRow row = row_of(injection.current);
-    for (const auto& [node, sign] : {std::pair{injection.p, r0}, std::pair{injection.n, -r0}}) {
+    for (const auto& [node, sign] : {std::pair{injection.p, static_cast<Wide>(r0)}, std::pair{injection.n, -static_cast<Wide>(r0)}}) {
       if (node == ground) continue;
       g.row(node) += sign * row.z_part.transpose();
       hw.row(node) += sign * row.zeta_part.transpose();
@@ -204,7 +204,7 @@ void Assembly::add_port(int port, NodeIndex p, NodeIndex n, double resistance, d
   const int column = port_column(port);
   add_kcl(p, n, column, 1.0);
   add_voltage(column, p, n);
-  g(column, column) -= 1.0 + resistance / r0;
+  g(column, column) -= 1.0L + static_cast<Wide>(resistance) / r0;
   ha(column, port) = -1.0;
   if (drop != 0.0) hw(column, exosystem->constant()) -= drop;
 }
@@ -216,13 +216,13 @@ void Assembly::add_ports() {
 }
 
 Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
-  FormRow row{Vector::Zero(unknowns_), Vector::Zero(exosystem->size())};
+  FormRow row{WideVector::Zero(unknowns_), WideVector::Zero(exosystem->size())};
   for (const auto& term : form) {
-    const double c = term.coefficient;
+    const Wide c = term.coefficient;
     const int i = term.index;
     switch (term.kind) {
       case Term::Kind::one: row.zeta_part[exosystem->constant()] += c; break;
-      case Term::Kind::source: row.zeta_part += c * exosystem->rows().row(i).transpose(); break;
+      case Term::Kind::source: row.zeta_part += c * exosystem->rows().row(i).transpose().cast<Wide>(); break;
       case Term::Kind::node_voltage:
         if (i != ground) row.z_part[i] += c;
         break;
@@ -253,7 +253,7 @@ Vector Assembly::initial_state() const {
     x[i] = network.capacitors[i].initial_voltage * std::sqrt(std::abs(network.capacitors[i].capacitance) * r0 / tau0);
   Vector current(static_cast<int>(network.inductors.size()));
   for (int i = 0; i < current.size(); ++i) current[i] = network.inductors[i].initial_current * r0;
-  x.tail(inductor_factor.cols()) = inductor_factor.transpose() * current;
+  x.tail(inductor_factor.cols()) = inductor_factor.transpose().cast<double>() * current;
   return x;
 }
 

@@ -9,12 +9,16 @@
 
 namespace pwlsim::model {
 
+using linalg::Wide;
+using linalg::WideMatrix;
+using linalg::WideVector;
+
 struct Assembly {
   Assembly(const Network& network, bool needs_constant);
 
   /// value = z_part·z + zeta_part·ζ of a linear form, in SI units.
   struct FormRow {
-    Vector z_part, zeta_part;
+    WideVector z_part, zeta_part;
   };
   [[nodiscard]] FormRow row_of(const LinearForm& form) const;
   /// Energy coordinates of the `ic=` values.
@@ -31,15 +35,15 @@ struct Assembly {
   const Network& network;
   std::shared_ptr<const Exosystem> exosystem;
   double r0 = 1.0, tau0 = 1.0;
-  Matrix inductor_factor;    ///< Λ/√(R0·τ0), inductors × rank
+  WideMatrix inductor_factor;    ///< Λ/√(R0·τ0), inductors × rank
   bool coupling_possible = true;  ///< false where the inductance matrix is indefinite
-  Matrix g, f, ha, hw, sx;
+  WideMatrix g, f, ha, hw, sx;
 
  private:
   void choose_scales();
   void factor_inductances();
   void number_unknowns();
-  void add_kcl(NodeIndex p, NodeIndex n, int column, double value);
+  void add_kcl(NodeIndex p, NodeIndex n, int column, Wide value);
   void add_voltage(int row, NodeIndex p, NodeIndex n);
   void add_resistors();
   void add_stores();

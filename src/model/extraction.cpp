@@ -13,26 +13,31 @@ namespace pwlsim::model {
 
 namespace {
 
-using linalg::clean_product;
-using linalg::cleaned;
+using linalg::wide_clean_product;
+using linalg::wide_cleaned;
+using linalg::Wide;
+using linalg::WideMatrix;
+using linalg::WideVector;
 
 /// The rank decision sees incidence numbers and R0/R after row equilibration, never a capacitance or an inductance.
 constexpr double rank_tolerance = 1e-9;
 /// An entry of a hidden constraint below this fraction of its parts is rounding.
 constexpr double constraint_tolerance = 1e-12;
+/// An entry of D (of order one by construction) below this is rounding.
+constexpr Wide port_noise = 1e-15L;
 constexpr int largest_index = 6;
 
 /// Left null vectors of g by full pivoting: exact for incidence numbers; column j has its 1 at row pivot_rows[j].
 struct LeftNull {
-  Matrix vectors;
+  WideMatrix vectors;
   std::vector<int> pivot_rows;
 };
 
-LeftNull left_null(const Matrix& g) {
-  Eigen::ColPivHouseholderQR<Matrix> quick(g);
-  const Vector diagonal = quick.matrixR().diagonal().cwiseAbs();
+LeftNull left_null(const WideMatrix& g) {
+  Eigen::ColPivHouseholderQR<WideMatrix> quick(g);
+  const WideVector diagonal = quick.matrixR().diagonal().cwiseAbs();
   if (diagonal.size() == 0 || diagonal.minCoeff() > rank_tolerance * diagonal.maxCoeff()) return {};
-  Eigen::FullPivLU<Matrix> lu(g.transpose());
+  Eigen::FullPivLU<WideMatrix> lu(g.transpose());
   lu.setThreshold(rank_tolerance);
   const auto rank = static_cast<int>(lu.rank());
   const auto m = static_cast<int>(g.rows());
@@ -40,7 +45,7 @@ LeftNull left_null(const Matrix& g) {
   LeftNull result{lu.kernel(), {}};
   for (Eigen::Index j = 0; j < result.vectors.cols(); ++j) {
     auto column = result.vectors.col(j);
-    const double noise = constraint_tolerance * column.cwiseAbs().maxCoeff();
+    const Wide noise = constraint_tolerance * column.cwiseAbs().maxCoeff();
     for (Eigen::Index i = 0; i < column.size(); ++i)
       if (std::abs(column[i]) <= noise) column[i] = 0.0;
   }
@@ -73,8 +78,8 @@ class Extractor {
   void equilibrate();
   bool reduce_index();
   bool take_constraints(const LeftNull& null);
-  void report_singular(const LeftNull& null, const Matrix& nf, const Matrix& nw);
-  void report_improper(const Matrix& na);
+  void report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw);
+  void report_improper(const WideMatrix& na);
   void solve_constraints();
   void solve_unknowns();
   void choose_causality();
@@ -86,19 +91,19 @@ class Extractor {
   const Network& network_;
   const Assembly& assembly_;
   Diagnostics& diagnostics_;
-  Matrix g_, f_, ha_, hw_;
-  Matrix h_, s_zeta_;          ///< H x + S_ζ ζ = 0
-  Matrix basis_, offset_;      ///< x = basis·ξ + offset·ζ
-  Matrix z_xi_, z_a_, z_zeta_; ///< z = …·ξ, …·a, …·ζ
-  Matrix a_, b_, e_;           ///< ξ' = a ξ + b a_wave + e ζ
-  Vector theta_;
-  Matrix c_, d_, f1_;          ///< y = c ξ + d u + f1 ζ
+  WideMatrix g_, f_, ha_, hw_;
+  WideMatrix h_, s_zeta_;          ///< H x + S_ζ ζ = 0
+  WideMatrix basis_, offset_;      ///< x = basis·ξ + offset·ζ
+  WideMatrix z_xi_, z_a_, z_zeta_; ///< z = …·ξ, …·a, …·ζ
+  WideMatrix a_, b_, e_;           ///< ξ' = a ξ + b a_wave + e ζ
+  WideVector theta_;
+  WideMatrix c_, d_, f1_;          ///< y = c ξ + d u + f1 ζ
   Extraction result_;
 };
 
 void Extractor::equilibrate() {
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
-    const double largest = g_.row(i).cwiseAbs().maxCoeff();
+    const Wide largest = g_.row(i).cwiseAbs().maxCoeff();
     if (largest == 0.0) continue;
     g_.row(i) /= largest;
     f_.row(i) /= largest;
@@ -108,8 +113,8 @@ void Extractor::equilibrate() {
 }
 
 bool Extractor::reduce_index() {
-  h_ = Matrix(0, assembly_.stores());
-  s_zeta_ = Matrix(0, assembly_.exosystem->size());
+  h_ = WideMatrix(0, assembly_.stores());
+  s_zeta_ = WideMatrix(0, assembly_.exosystem->size());
   if (g_.rows() == 0) return true;
   for (int round = 0; round < largest_index; ++round) {
     equilibrate();
@@ -123,26 +128,26 @@ bool Extractor::reduce_index() {
 }
 
 bool Extractor::take_constraints(const LeftNull& null) {
-  const Matrix nt = null.vectors.transpose();
-  const auto clean = [&](const Matrix& m) {
-    Matrix product = nt * m;
-    const Matrix bound = nt.cwiseAbs() * m.cwiseAbs();
+  const WideMatrix nt = null.vectors.transpose();
+  const auto clean = [&](const WideMatrix& m) {
+    WideMatrix product = nt * m;
+    const WideMatrix bound = nt.cwiseAbs() * m.cwiseAbs();
     for (Eigen::Index j = 0; j < product.cols(); ++j)
       for (Eigen::Index i = 0; i < product.rows(); ++i)
         if (std::abs(product(i, j)) <= constraint_tolerance * bound(i, j)) product(i, j) = 0.0;
     return product;
   };
-  const Matrix nf = clean(f_);
-  const Matrix na = clean(ha_);
-  const Matrix nw = clean(hw_);
+  const WideMatrix nf = clean(f_);
+  const WideMatrix na = clean(ha_);
+  const WideMatrix nw = clean(hw_);
   // Scale every constraint to a largest coefficient of one, so that a picofarad weighs as much as a farad.
-  Matrix scaled = nf;
+  WideMatrix scaled = nf;
   for (Eigen::Index i = 0; i < nf.rows(); ++i) {
-    const double largest = nf.cols() == 0 ? 0.0 : nf.row(i).cwiseAbs().maxCoeff();
+    const Wide largest = nf.cols() == 0 ? 0.0 : nf.row(i).cwiseAbs().maxCoeff();
     if (largest > 0.0) scaled.row(i) /= largest;
   }
-  const auto rank_of = [](const Matrix& m) {
-    Eigen::FullPivLU<Matrix> lu(m);
+  const auto rank_of = [](const WideMatrix& m) {
+    Eigen::FullPivLU<WideMatrix> lu(m);
     lu.setThreshold(rank_tolerance);
     return lu.rank();
   };
@@ -166,12 +171,12 @@ bool Extractor::take_constraints(const LeftNull& null) {
     g_.row(row) = nf.row(k) * assembly_.sx;
     f_.row(row).setZero();
     ha_.row(row).setZero();
-    hw_.row(row) = nw.row(k) * assembly_.exosystem->a();
+    hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
   }
   return true;
 }
 
-void Extractor::report_improper(const Matrix& na) {
+void Extractor::report_improper(const WideMatrix& na) {
   std::string names;
   SourceSpan span;
   for (Eigen::Index j = 0; j < na.cols(); ++j) {
@@ -186,22 +191,22 @@ void Extractor::report_improper(const Matrix& na) {
                                                       "try a resistor or capacitor beside it", names));
 }
 
-void Extractor::report_singular(const LeftNull& null, const Matrix& nf, const Matrix& nw) {
+void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
-  Eigen::FullPivLU<Matrix> lu(g_);
+  Eigen::FullPivLU<WideMatrix> lu(g_);
   lu.setThreshold(rank_tolerance);
-  const Matrix kernel = lu.kernel();
+  const WideMatrix kernel = lu.kernel();
   const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
   // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
-  Eigen::FullPivLU<Matrix> combination(nf.cols() == 0 ? Matrix(Matrix::Zero(nf.rows(), 1)).transpose() : Matrix(nf.transpose()));
+  Eigen::FullPivLU<WideMatrix> combination(nf.cols() == 0 ? WideMatrix(WideMatrix::Zero(nf.rows(), 1)).transpose() : WideMatrix(nf.transpose()));
   combination.setThreshold(rank_tolerance);
-  const Matrix free_rows = null.vectors * combination.kernel();
+  const WideMatrix free_rows = null.vectors * combination.kernel();
   std::string node_names, element_names;
   SourceSpan node_span, element_span;
   bool has_source = false;
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
-    const double weight = free_rows.row(i).cwiseAbs().maxCoeff();
-    const double freedom = kernel.row(i).cwiseAbs().maxCoeff();
+    const Wide weight = free_rows.row(i).cwiseAbs().maxCoeff();
+    const Wide freedom = kernel.row(i).cwiseAbs().maxCoeff();
     if (i < nodes && (weight > 1e-6 || freedom > 1e-6)) {
       const Label& label = network_.nodes[static_cast<std::size_t>(i)];
       if (!node_span.known()) node_span = label.span;
@@ -217,7 +222,7 @@ void Extractor::report_singular(const LeftNull& null, const Matrix& nf, const Ma
       element_names += (element_names.empty() ? "" : ", ") + owner;
     }
   }
-  const Matrix said = combination.kernel().transpose() * nw;
+  const WideMatrix said = combination.kernel().transpose() * nw;
   const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
   if (has_source) {
     diagnostics_.error("E-source-loop", element_span,
@@ -235,23 +240,23 @@ void Extractor::solve_constraints() {
   const auto stores = assembly_.stores();
   const auto fixed = h_.rows();
   if (fixed == 0) {
-    basis_ = Matrix::Identity(stores, stores);
-    offset_ = Matrix::Zero(stores, s_zeta_.cols());
+    basis_ = WideMatrix::Identity(stores, stores);
+    offset_ = WideMatrix::Zero(stores, s_zeta_.cols());
     return;
   }
   for (Eigen::Index i = 0; i < fixed; ++i) {
-    const double scale = h_.row(i).norm();
+    const Wide scale = h_.row(i).norm();
     h_.row(i) /= scale;
     s_zeta_.row(i) /= scale;
   }
-  Eigen::HouseholderQR<Matrix> qr(h_.transpose());
-  const Matrix q = qr.householderQ();
+  Eigen::HouseholderQR<WideMatrix> qr(h_.transpose());
+  const WideMatrix q = qr.householderQ();
   basis_ = q.rightCols(stores - fixed);
   // x = −H⁺ S ζ with H = Rᵀ Q1ᵀ:  H⁺ = Q1 R⁻ᵀ.
-  const Matrix r = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
+  const WideMatrix r = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
   offset_ = -q.leftCols(fixed) * r.transpose().triangularView<Eigen::Lower>().solve(s_zeta_);
-  basis_ = cleaned(basis_, Matrix::Ones(stores, stores - fixed));
-  offset_ = cleaned(offset_, Matrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
+  basis_ = wide_cleaned(basis_, WideMatrix::Ones(stores, stores - fixed));
+  offset_ = wide_cleaned(offset_, WideMatrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
 }
 
 void Extractor::solve_unknowns() {
@@ -259,26 +264,26 @@ void Extractor::solve_unknowns() {
   const auto stores = assembly_.stores();
   const auto k = assembly_.ports();
   const auto nz = hw_.cols();
-  Matrix right(m, stores + k + nz);
+  WideMatrix right(m, stores + k + nz);
   right << f_, ha_, hw_;
-  Matrix solution = Matrix::Zero(m, right.cols());
+  WideMatrix solution = WideMatrix::Zero(m, right.cols());
   if (m > 0) {
-    const Matrix inverse = Eigen::PartialPivLU<Matrix>(g_).inverse();
-    const Matrix size = inverse.cwiseAbs();
+    const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
+    const WideMatrix size = inverse.cwiseAbs();
     solution = -inverse * right;
     // One step of refinement: the inverse of a stiff network leaves more than the last digit.
     solution -= inverse * (g_ * solution + right);
-    solution = cleaned(solution, size * (g_.cwiseAbs() * (size * right.cwiseAbs())));
+    solution = wide_cleaned(solution, size * (g_.cwiseAbs() * (size * right.cwiseAbs())));
   }
-  const Matrix z_full = solution.leftCols(stores);
+  const WideMatrix z_full = solution.leftCols(stores);
   z_a_ = solution.middleCols(stores, k);
   z_zeta_ = solution.rightCols(nz);
-  z_zeta_ = cleaned(z_zeta_ + z_full * offset_, z_zeta_.cwiseAbs() + z_full.cwiseAbs() * offset_.cwiseAbs());
-  z_xi_ = clean_product(z_full, basis_);
-  const Matrix rates = basis_.transpose() * assembly_.sx;
-  a_ = clean_product(rates, z_xi_);
-  b_ = clean_product(rates, z_a_);
-  e_ = clean_product(rates, z_zeta_);
+  z_zeta_ = wide_cleaned(z_zeta_ + z_full * offset_, z_zeta_.cwiseAbs() + z_full.cwiseAbs() * offset_.cwiseAbs());
+  z_xi_ = wide_clean_product(z_full, basis_);
+  const WideMatrix rates = basis_.transpose() * assembly_.sx;
+  a_ = wide_clean_product(rates, z_xi_);
+  b_ = wide_clean_product(rates, z_a_);
+  e_ = wide_clean_product(rates, z_zeta_);
 }
 
 /// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
@@ -286,11 +291,11 @@ void Extractor::solve_unknowns() {
 void Extractor::choose_causality() {
   const auto k = assembly_.ports();
   const auto first = assembly_.port_column(0);
-  const Matrix cw = 2.0 * z_xi_.middleRows(first, k);
-  const Matrix s = Matrix::Identity(k, k) + 2.0 * z_a_.middleRows(first, k);
-  const Matrix fw = 2.0 * z_zeta_.middleRows(first, k);
-  Matrix work = s;
-  theta_ = Vector::Zero(k);
+  const WideMatrix cw = 2.0 * z_xi_.middleRows(first, k);
+  const WideMatrix s = WideMatrix::Identity(k, k) + 2.0 * z_a_.middleRows(first, k);
+  const WideMatrix fw = 2.0 * z_zeta_.middleRows(first, k);
+  WideMatrix work = s;
+  theta_ = WideVector::Zero(k);
   for (int round = 0; round < k; ++round) {
     int best = -1;
     for (int j = 0; j < k; ++j)
@@ -299,18 +304,18 @@ void Extractor::choose_causality() {
     work(best, best) += theta_[best];
     for (int i = 0; i < k; ++i) {
       if (theta_[i] != 0.0) continue;
-      const double factor = work(i, best) / work(best, best);
+      const Wide factor = work(i, best) / work(best, best);
       for (int j = 0; j < k; ++j)
         if (theta_[j] == 0.0) work(i, j) -= factor * work(best, j);
     }
   }
-  const Matrix theta = theta_.asDiagonal();
-  const Matrix inverse = k > 0 ? Matrix(Eigen::PartialPivLU<Matrix>(s + theta).inverse()) : Matrix(0, 0);
-  d_ = clean_product(inverse, theta - s);
+  const WideMatrix theta = theta_.asDiagonal();
+  const WideMatrix inverse = k > 0 ? WideMatrix(Eigen::PartialPivLU<WideMatrix>(s + theta).inverse()) : WideMatrix(0, 0);
+  d_ = wide_clean_product(inverse, theta - s);
   for (Eigen::Index i = 0; i < d_.size(); ++i)
-    if (std::abs(d_.data()[i]) < 1e-13) d_.data()[i] = 0.0;
-  c_ = clean_product(inverse, cw);
-  f1_ = clean_product(inverse, fw);
+    if (std::abs(d_.data()[i]) < port_noise) d_.data()[i] = 0.0;
+  c_ = wide_clean_product(inverse, cw);
+  f1_ = wide_clean_product(inverse, fw);
 }
 
 void Extractor::add_ports() {
@@ -340,34 +345,34 @@ void Extractor::finish() {
   system.exosystem = assembly_.exosystem;
   add_ports();
 
-  const Matrix one_plus_d = Matrix::Identity(k, k) + d_;
+  const WideMatrix one_plus_d = WideMatrix::Identity(k, k) + d_;
   system.a = Matrix::Zero(size, size);
-  system.a.topLeftCorner(n, n) = cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs());
-  system.a.topRightCorner(n, nz) = cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs());
+  system.a.topLeftCorner(n, n) = wide_cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs()).cast<double>();
+  system.a.topRightCorner(n, nz) = wide_cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs()).cast<double>();
   system.a.bottomRightCorner(nz, nz) = assembly_.exosystem->a();
   system.b = Matrix::Zero(size, k);
-  system.b.topRows(n) = -clean_product(b_, one_plus_d);
+  system.b.topRows(n) = -wide_clean_product(b_, one_plus_d).cast<double>();
   system.c.resize(k, size);
-  system.c << c_, f1_;
-  system.d = d_;
+  system.c << c_.cast<double>(), f1_.cast<double>();
+  system.d = d_.cast<double>();
 
   const auto m = assembly_.unknowns();
-  descriptor.g = assembly_.g;
-  descriptor.f = assembly_.f;
-  descriptor.ha = assembly_.ha;
-  descriptor.hw = assembly_.hw;
-  descriptor.sx = assembly_.sx;
+  descriptor.g = assembly_.g.cast<double>();
+  descriptor.f = assembly_.f.cast<double>();
+  descriptor.ha = assembly_.ha.cast<double>();
+  descriptor.hw = assembly_.hw.cast<double>();
+  descriptor.sx = assembly_.sx.cast<double>();
   descriptor.r0 = assembly_.r0;
   descriptor.tau0 = assembly_.tau0;
   descriptor.store_ports = assembly_.store_ports();
   descriptor.store_sign = assembly_.store_sign();
   descriptor.z_state.resize(m, size);
-  descriptor.z_state << cleaned(z_xi_ - z_a_ * c_, z_xi_.cwiseAbs() + z_a_.cwiseAbs() * c_.cwiseAbs()),
-      cleaned(z_zeta_ - z_a_ * f1_, z_zeta_.cwiseAbs() + z_a_.cwiseAbs() * f1_.cwiseAbs());
-  descriptor.z_input = -clean_product(z_a_, one_plus_d);
+  descriptor.z_state << wide_cleaned(z_xi_ - z_a_ * c_, z_xi_.cwiseAbs() + z_a_.cwiseAbs() * c_.cwiseAbs()).cast<double>(),
+      wide_cleaned(z_zeta_ - z_a_ * f1_, z_zeta_.cwiseAbs() + z_a_.cwiseAbs() * f1_.cwiseAbs()).cast<double>();
+  descriptor.z_input = -wide_clean_product(z_a_, one_plus_d).cast<double>();
   descriptor.store_state.resize(assembly_.stores(), size);
-  descriptor.store_state << basis_, offset_;
-  descriptor.reduce = basis_.transpose();
+  descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
+  descriptor.reduce = basis_.transpose().cast<double>();
   system.x0 = descriptor.reduce * assembly_.initial_state();
 
   for (std::size_t i = 0; i < network_.signals.size(); ++i) {
@@ -378,16 +383,18 @@ void Extractor::finish() {
     system.controls.push_back({output(control.value), control.driven, control.on_level, control.off_level});
   system.time_scale = assembly_.tau0;
   system.kyp_residual = kyp_residual(system);
-  system.passive = system.kyp_residual <= passivity_tolerance;
+  const bool positive_energy = assembly_.stores() == 0 || assembly_.store_sign().minCoeff() > 0.0;
+  system.passive = system.kyp_residual <= passivity_tolerance || (positive_energy && has_passive_parts_only(network_));
 }
 
 OutputRow Extractor::output(const LinearForm& form) const {
   const Assembly::FormRow row = assembly_.row_of(form);
   const Descriptor& d = result_.descriptor;
-  OutputRow result{d.z_state.transpose() * row.z_part, d.z_input.transpose() * row.z_part};
-  const Vector state_bound = d.z_state.cwiseAbs().transpose() * row.z_part.cwiseAbs();
-  const Vector input_bound = d.z_input.cwiseAbs().transpose() * row.z_part.cwiseAbs();
-  result.state.tail(row.zeta_part.size()) += row.zeta_part;
+  const Vector z_part = row.z_part.cast<double>();
+  OutputRow result{d.z_state.transpose() * z_part, d.z_input.transpose() * z_part};
+  const Vector state_bound = d.z_state.cwiseAbs().transpose() * z_part.cwiseAbs();
+  const Vector input_bound = d.z_input.cwiseAbs().transpose() * z_part.cwiseAbs();
+  result.state.tail(row.zeta_part.size()) += row.zeta_part.cast<double>();
   for (Eigen::Index i = 0; i < result.state.size(); ++i)
     if (std::abs(result.state[i]) <= linalg::clean_tolerance * state_bound[i]) result.state[i] = 0.0;
   for (Eigen::Index i = 0; i < result.input.size(); ++i)

@@ -98,8 +98,9 @@ bool Builder::solve_inputs() {
     rank = static_cast<int>(lu.rank());
   }
   if (rank == q) {
-    const Matrix inverse = lu.inverse();
-    kj_ = -inverse * r_.c;
+    Matrix inverse = lu.inverse();
+    inverse = cleaned(inverse, inverse.cwiseAbs() * r_.d.cwiseAbs() * inverse.cwiseAbs());
+    kj_ = -clean_product(inverse, r_.c);
     // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
     condition_ = (inverse.cwiseAbs() * r_.d.cwiseAbs()).rowwise().sum().maxCoeff();
     return true;
@@ -120,8 +121,12 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
     if (left.cols() != right.cols()) return false;
     kj_ = -lu.solve(r_.c);
   }
-  Matrix constraint = clean_product(left.transpose(), r_.c);
-  Matrix jump = clean_product(r_.b, right);
+  // An entry of a null vector is exact to the rounding of its largest.
+  const auto rounding = [](const Matrix& vectors) {
+    return Matrix(Vector::Ones(vectors.rows()) * vectors.cwiseAbs().colwise().maxCoeff());
+  };
+  Matrix constraint = cleaned(left.transpose() * r_.c, rounding(left).transpose() * r_.c.cwiseAbs());
+  Matrix jump = cleaned(r_.b * right, r_.b.cwiseAbs() * rounding(right));
   const auto count = right.cols();
   Vector row_norm(count), column_norm(count);
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -20,7 +20,10 @@ constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 constexpr double relaxations[] = {1.0, 1e2, 1e4};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr double tie_tolerance = 1e-12;
+constexpr double regularisation = 1e-8;    ///< of a problem whose diagonal is about 1
+constexpr double switch_rank_tolerance = 1e-11;
 constexpr double impulse_tolerance = 1e-8;
+constexpr double impulse_rank_tolerance = 1e-9;
 constexpr std::size_t most_remembered = 6;
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
@@ -145,84 +148,119 @@ void Selector::series(const double* x, double s, Problem& problem) {
   }
 }
 
-/// Active switch ports (y = 0, u free) are solved out of the problem; what is left has the diodes only.
-bool Selector::eliminate_switches(const IndexSet& wanted, Problem& problem) const {
+/// Active switch ports have y = 0 and a free u. They are solved out of the problem where their own block allows it; else u = u⁺ − u⁻ with
+/// ±y ≥ 0 keeps the problem complementary (and monotone when it was).
+void Selector::without_switches(const IndexSet& wanted, Problem& problem) const {
   std::vector<int> active;
   for (int i = system_.diodes; i < system_.ports; ++i)
     if (wanted.contains(i)) active.push_back(i);
-  const int d = system_.diodes;
+  const auto d = static_cast<Eigen::Index>(system_.diodes);
   const auto a = static_cast<Eigen::Index>(active.size());
-  Matrix reduced = problem.m.topLeftCorner(d, d);
-  Vector q = problem.q.head(d);
-  if (a > 0) {
-    Matrix ss(a, a), sd(a, d), ds(d, a);
-    Vector qs(a);
-    for (Eigen::Index i = 0; i < a; ++i) {
-      const int port = active[static_cast<std::size_t>(i)];
-      qs[i] = problem.q[port];
-      sd.row(i) = problem.m.row(port).head(d);
-      ds.col(i) = problem.m.col(port).head(d);
-      for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
-    }
-    Vector scale(a);
-    for (Eigen::Index i = 0; i < a; ++i) {
-      const double largest = std::max(std::abs(ss(i, i)), 1e-2 * ss.row(i).cwiseAbs().maxCoeff());
-      scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-    }
-    Eigen::FullPivLU<Matrix> lu(scale.asDiagonal() * ss * scale.asDiagonal());
-    lu.setThreshold(1e-11);
-    const Matrix left = scale.asDiagonal() * sd;
-    reduced -= ds * scale.asDiagonal() * lu.solve(left);
-    q -= ds * scale.asDiagonal() * lu.solve(Vector(scale.asDiagonal() * qs));
+  Problem diodes{problem.m.topLeftCorner(d, d), problem.q.head(d)};
+  if (a == 0) {
+    problem = std::move(diodes);
+    return;
   }
-  problem.m = reduced;
-  problem.q = q;
-  return problem.m.allFinite() && problem.q.allFinite();
+  Matrix ss(a, a), sd(a, d), ds(d, a);
+  Vector qs(a);
+  for (Eigen::Index i = 0; i < a; ++i) {
+    const int port = active[static_cast<std::size_t>(i)];
+    qs[i] = problem.q[port];
+    sd.row(i) = problem.m.row(port).head(d);
+    ds.col(i) = problem.m.col(port).head(d);
+    for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
+  }
+  Vector scale(a);
+  for (Eigen::Index i = 0; i < a; ++i) {
+    const double largest = std::max(std::abs(ss(i, i)), 1e-2 * ss.row(i).cwiseAbs().maxCoeff());
+    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
+  }
+  const Matrix scaled = scale.asDiagonal() * ss * scale.asDiagonal();
+  Eigen::FullPivLU<Matrix> lu(scaled);
+  lu.setThreshold(switch_rank_tolerance);
+  if (!lu.isInvertible()) {
+    problem.m.resize(d + 2 * a, d + 2 * a);
+    problem.m << diodes.m, ds, -ds, sd, ss, -ss, -sd, -ss, ss;
+    problem.q.resize(d + 2 * a);
+    problem.q << diodes.q, qs, -qs;
+    return;
+  }
+  // A Schur complement cancels: what is left of equal terms is rounding, and must not decide.
+  const Matrix to = ds * scale.asDiagonal();
+  const Matrix inverse = lu.inverse();
+  const Matrix left = to * inverse;
+  const Matrix left_bound = to.cwiseAbs() * inverse.cwiseAbs();
+  const Matrix right = scale.asDiagonal() * sd;
+  const Vector right_q = scale.asDiagonal() * qs;
+  problem.m = linalg::cleaned(diodes.m - left * right, diodes.m.cwiseAbs() + left_bound * right.cwiseAbs());
+  problem.q = linalg::cleaned(diodes.q - left * right_q, diodes.q.cwiseAbs() + left_bound * right_q.cwiseAbs());
 }
 
 std::vector<IndexSet> Selector::candidates(const IndexSet& wanted, const Problem& problem) {
-  const int k = system_.diodes;
+  const auto k = problem.q.size();
   Vector scale(k);
-  for (int i = 0; i < k; ++i) {
+  for (Eigen::Index i = 0; i < k; ++i) {
     const double largest = std::max(std::abs(problem.m(i, i)), 1e-2 * problem.m.row(i).cwiseAbs().maxCoeff());
     scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
   }
   const Vector q = scale.asDiagonal() * problem.q;
-  const lcp::Solution solution = lcp::lemke(scale.asDiagonal() * problem.m * scale.asDiagonal(), q);
+  const Matrix scaled = scale.asDiagonal() * problem.m * scale.asDiagonal();
+  lcp::Solution solution = lcp::lemke(scaled, q);
   pivots_ += static_cast<std::uint64_t>(solution.pivots);
+  if (solution.status != lcp::Status::solved) {
+    // Rounding of a singular problem (series and parallel diodes) can leave it without a solution; a small multiple of 1 restores one.
+    solution = lcp::lemke(scaled + regularisation * Matrix::Identity(k, k), q);
+    pivots_ += static_cast<std::uint64_t>(solution.pivots);
+  }
   if (solution.status != lcp::Status::solved) return {};
   const double tie = tie_tolerance * (k > 0 ? q.cwiseAbs().maxCoeff() : 0.0);
   IndexSet by_value = wanted;
   IndexSet by_basis = wanted;
-  for (int i = 0; i < k; ++i) {
+  for (int i = 0; i < system_.diodes; ++i) {
     const bool tied = solution.z[i] <= tie && solution.w[i] <= tie;
     if (!tied) by_value.set(i, solution.z[i] > solution.w[i]);
     by_basis.set(i, false);
   }
-  for (const int i : solution.basis) by_basis.set(i, true);
+  for (const int i : solution.basis)
+    if (i < system_.diodes) by_basis.set(i, true);
   if (by_value == by_basis) return {by_value};
   return {by_value, by_basis};
 }
 
-/// First-order impulses must push the way complementarity allows: x⁺ − x⁻ = B_J μ with μ ≥ 0 on diodes, where μ is unique.
+/// First-order impulses u = μδ must push the way complementarity allows: x⁺ − x⁻ = B_J μ and D_JJ μ = 0 with μ ≥ 0 on active diodes,
+/// and D_iJ μ ≥ 0, the impulse of y, on the others. Where μ is not unique, the least.
 bool Selector::impulse_allowed(const Mode& m, const Vector& jump) const {
+  const auto size = static_cast<Eigen::Index>(system_.size());
   std::vector<int> active;
   for (int i = 0; i < system_.ports; ++i)
     if (m.active.contains(i)) active.push_back(i);
-  Matrix b(system_.size(), static_cast<Eigen::Index>(active.size()));
-  for (std::size_t i = 0; i < active.size(); ++i) {
-    const Vector column = system_.b.col(active[i]);
-    const double norm = column.norm();
-    b.col(static_cast<Eigen::Index>(i)) = norm > 0.0 ? Vector(column / norm) : column;
+  const auto q = static_cast<Eigen::Index>(active.size());
+  // In units of √rate the columns of B and of D are of one size.
+  const double root = std::sqrt(rate_);
+  Matrix effect(size + q, q);
+  Vector scale(q);
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const int port = active[static_cast<std::size_t>(i)];
+    effect.col(i).head(size) = system_.b.col(port) / root;
+    for (Eigen::Index j = 0; j < q; ++j) effect(size + j, i) = system_.d(active[static_cast<std::size_t>(j)], port);
+    const double norm = effect.col(i).norm();
+    scale[i] = norm > 0.0 ? 1.0 / norm : 1.0;
+    effect.col(i) *= scale[i];
   }
-  Eigen::ColPivHouseholderQR<Matrix> qr(b);
-  qr.setThreshold(1e-9);
-  const Vector impulse = qr.solve(jump);
-  const bool first_order = (b * impulse - jump).norm() <= impulse_tolerance * jump.norm();
-  if (!first_order || qr.rank() < b.cols()) return true;
-  const double least = -impulse_tolerance * impulse.cwiseAbs().maxCoeff();
-  for (std::size_t i = 0; i < active.size(); ++i)
-    if (active[i] < system_.diodes && impulse[static_cast<Eigen::Index>(i)] < least) return false;
+  Vector wanted = Vector::Zero(size + q);
+  wanted.head(size) = jump / root;
+  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(effect);
+  decomposition.setThreshold(impulse_rank_tolerance);
+  const Vector scaled = decomposition.solve(wanted);
+  const bool first_order = (effect * scaled - wanted).norm() <= impulse_tolerance * wanted.norm();
+  if (!first_order) return true;
+  Vector impulse = Vector::Zero(system_.ports);
+  for (Eigen::Index i = 0; i < q; ++i) impulse[active[static_cast<std::size_t>(i)]] = scale[i] * scaled[i];
+  const Vector response = system_.d * impulse;
+  const double least_impulse = -impulse_tolerance * impulse.cwiseAbs().maxCoeff();
+  const double least_response = least_impulse * system_.d.cwiseAbs().maxCoeff();
+  for (int i = 0; i < system_.diodes; ++i)
+    if (m.active.contains(i) ? impulse[i] < least_impulse : response[i] < least_response) return false;
   return true;
 }
 
@@ -233,7 +271,8 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
   for (const double factor : s_factors) {
     Problem problem;
     series(x, rate_ * factor, problem);
-    if (!eliminate_switches(wanted, problem)) continue;
+    without_switches(wanted, problem);
+    if (!problem.m.allFinite() || !problem.q.allFinite()) continue;
     const Mode* first_jump = nullptr;
     for (const IndexSet& set : candidates(wanted, problem)) {
       const Mode& m = mode(set);
@@ -246,7 +285,8 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       const Vector jump = Eigen::Map<const Vector>(projected_.data(), size) - Eigen::Map<const Vector>(x, size);
       if (!impulse_allowed(m, jump)) continue;
       if (&m == previous || factor >= trusted_s_factor) {
-        for (int i = 0; i < size; ++i) x[i] += jump[i];
+        // Once more: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
+        linalg::multiply(m.projector, projected_.data(), x);
         jumped = true;
         return &m;
       }
@@ -378,6 +418,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
 Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
   Selected result;
   IndexSet current = wanted;
+  largest_ = std::max(largest_, linalg::norm(x, system_.size()));
   trigger_ = trigger < system_.diodes ? trigger : -1;
   trigger_side_ = trigger_ >= 0 && wanted.contains(trigger_);
   while (result.jumps <= most_jumps) {
@@ -387,7 +428,7 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     // Two guards that reach zero within rounding of each other can each, by the other's rounding, look as if it had gone first.
     // Then no mode passes; a coarser level calls them one event, at an error of the state of that level.
     for (const double level : relaxations) {
-      verifier_.relax(level);
+      verifier_.relax(level, largest_);
       found = search(x, current, result.jumps == 0 ? trigger : -1, warm, jumped);
       if (found) break;
     }

@@ -39,6 +39,7 @@ class Selector {
   void allow_several(bool allow) { allow_several_ = allow; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
+  [[nodiscard]] double largest_state() const { return largest_; }
   void mark_visited(const Mode& mode);
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
@@ -60,7 +61,7 @@ class Selector {
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const Vector& jump) const;
   void series(const double* x, double s, Problem& problem);
-  bool eliminate_switches(const IndexSet& wanted, Problem& problem) const;
+  void without_switches(const IndexSet& wanted, Problem& problem) const;
   std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
@@ -69,6 +70,7 @@ class Selector {
   const System& system_;
   bool allow_several_ = false;
   double rate_ = 0.0;
+  double largest_ = 0.0;  ///< ‖x‖ seen so far
   std::vector<Matrix> markov_;  ///< C A^{j−1} B, j = 1 …
   std::unordered_map<IndexSet, std::unique_ptr<Mode>, IndexSet::Hash> modes_;
   std::unordered_map<IndexSet, std::vector<const Mode*>, IndexSet::Hash> successors_;

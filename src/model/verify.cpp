@@ -7,6 +7,8 @@ namespace pwlsim::model {
 namespace {
 
 constexpr double share_of_norm = 0.1;
+/// What is left of a state that has come to rest, as a fraction of the largest there ever was; counts at relaxed levels only.
+constexpr double rest_noise = 1e-18;
 
 }  // namespace
 
@@ -46,7 +48,9 @@ bool Verifier::significant(const Mode& mode, int row, int order, double& value) 
   }
   bound += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
   value = sum;
-  return std::abs(sum) > relaxation_ * mode.noise * bound;
+  bound = relaxation_ * mode.noise * bound;
+  if (relaxation_ > 1.0) bound += relaxation_ * rest_noise * mode.guard_norm[row] * largest_;
+  return std::abs(sum) > bound;
 }
 
 Departure Verifier::departure(const Mode& mode, int row) {

@@ -21,8 +21,12 @@ class Verifier {
   /// exact; allowing for it lets a diode with a finite Roff pass unseen beside one with a small Ron.)
   void departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out);
 
-  /// Factor on the rounding level, for a state that no mode accepts at the ordinary one. It stays until set again.
-  void relax(double factor) { relaxation_ = factor; }
+  /// Factor on the rounding level, for a state that no mode accepts at the ordinary one; above 1, what is left of a state that once had
+  /// the norm `largest` counts as rounding too. It stays until set again.
+  void relax(double factor, double largest) {
+    relaxation_ = factor;
+    largest_ = largest;
+  }
   [[nodiscard]] double relaxation() const { return relaxation_; }
 
  private:
@@ -30,7 +34,7 @@ class Verifier {
   bool significant(const Mode& mode, int row, int order, double& value);
   void extend(const Mode& mode, int order);
 
-  double relaxation_ = 1.0;
+  double relaxation_ = 1.0, largest_ = 0.0;
   int ny_ = 0;
   int known_ = 0;                 ///< derivatives computed so far
   std::vector<double> z_, size_;  ///< A^j y/‖A‖^j and its bound, j = 0 …

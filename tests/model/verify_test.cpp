@@ -75,7 +75,7 @@ TEST_CASE("a relaxed verifier sees less", "[unit]") {
   Departure d;
   verifier.departures(*mode, x.data(), {0}, &d);
   CHECK(d.order == 0);
-  verifier.relax(1e4);
+  verifier.relax(1e4, 0.0);
   verifier.departures(*mode, x.data(), {0}, &d);
   CHECK(d.order == 2);
 }

@@ -32,12 +32,12 @@ void check_family(const Recipe& recipe, std::uint64_t first_seed, int networks, 
 
 }  // namespace
 
-TEST_CASE("networks of all parts", "[property]") { check_family({}, 1, 600, 16); }
+TEST_CASE("networks of all parts", "[property]") { check_family({}, 1, 600, 0); }
 
 TEST_CASE("networks without sources never gain energy", "[property]") {
   Recipe recipe;
   recipe.voltage = recipe.current = 0.0;
-  check_family(recipe, 10'001, 500, 14);
+  check_family(recipe, 10'001, 500, 0);
 }
 
 TEST_CASE("networks of stores and diodes with little resistance: capacitor loops, inductor cutsets, jumps", "[property]") {
@@ -47,14 +47,14 @@ TEST_CASE("networks of stores and diodes with little resistance: capacitor loops
   recipe.inductor = 3.0;
   recipe.diode = 4.0;
   recipe.stiff_source = 0.8;
-  check_family(recipe, 20'001, 500, 11);
+  check_family(recipe, 20'001, 500, 0);
 }
 
 TEST_CASE("networks of many diodes", "[property]") {
   Recipe recipe;
   recipe.diode = 8.0;
   recipe.most_nodes = 5;
-  check_family(recipe, 30'001, 500, 15);
+  check_family(recipe, 30'001, 500, 1);
 }
 
 TEST_CASE("networks that float when their diodes and switches block", "[property]") {
@@ -62,5 +62,5 @@ TEST_CASE("networks that float when their diodes and switches block", "[property
   recipe.floating = 1.0;
   recipe.diode = 5.0;
   recipe.switch_ = 2.0;
-  check_family(recipe, 40'001, 400, 14);
+  check_family(recipe, 40'001, 400, 0);
 }

@@ -39,10 +39,16 @@ Point evaluate(const IslandModel& island, const model::Mode& mode, const double*
   return p;
 }
 
-/// Sizes of an island's quantities over all its checked points: at the instant a current is about to start everything is rounding,
-/// and only the run at large says against what.
+double stored(const model::Descriptor& d, const Vector& x) {
+  const Vector full = d.store_state * x;
+  return 0.5 * (d.store_sign.array() * full.array().square()).sum();
+}
+
+/// Sizes of an island's quantities over all its checked points: at the instant a current is about to start, or when all has come to
+/// rest, everything is rounding, and only the run at large says against what.
 struct Scale {
   double port = 0.0;
+  double energy = 0.0;  ///< largest stored energy or throughput of a stretch
   Vector row, rate;
 
   void include(const Vector& rows, const Vector& rates, const Point& p) {
@@ -51,6 +57,17 @@ struct Scale {
     row = row.cwiseMax(rows);
     rate = rate.cwiseMax(rates);
     if (p.u.size() > 0) port = std::max({port, p.u.cwiseAbs().maxCoeff(), p.y.cwiseAbs().maxCoeff()});
+  }
+
+  /// What the stores held before the first instant settled them; a run may begin by losing all of it.
+  void include_start(const IslandModel& island, const Vector& x) {
+    const model::Descriptor& d = island.extraction.descriptor;
+    const Vector stores = d.store_state * x;
+    energy = std::max(energy, stored(d, x));
+    row = row.cwiseMax(d.f.cwiseAbs() * stores.cwiseAbs());
+    const auto& s = island.extraction.system;
+    rate = rate.cwiseMax(d.store_state.cwiseAbs() * (s.a.cwiseAbs() * x.cwiseAbs()));
+    if (s.ports > 0) port = std::max(port, (s.c * x).cwiseAbs().maxCoeff());
   }
 };
 
@@ -92,11 +109,6 @@ double worst_relative(const Vector& residual, const Vector& size) {
   return worst;
 }
 
-double stored(const model::Descriptor& d, const Vector& x) {
-  const Vector full = d.store_state * x;
-  return 0.5 * (d.store_sign.array() * full.array().square()).sum();
-}
-
 double power(const model::Descriptor& d, const Vector& z) {
   double sum = 0.0;
   for (const auto& store : d.store_ports) {
@@ -106,9 +118,13 @@ double power(const model::Descriptor& d, const Vector& z) {
   return sum / d.tau0;
 }
 
-double energy(const IslandModel& island, const model::Mode& mode, const std::vector<double>& y0, double length) {
+struct EnergyBalance {
+  double residual = 0.0, scale = 0.0;
+};
+
+EnergyBalance energy(const IslandModel& island, const model::Mode& mode, const std::vector<double>& y0, double length) {
   const model::Descriptor& d = island.extraction.descriptor;
-  if (d.store_ports.empty() || !(length > 0.0)) return 0.0;
+  if (d.store_ports.empty() || !(length > 0.0)) return {};
   const double rate = std::max(mode.flow.rate(), 1.0 / length);
   const int panels = std::clamp(static_cast<int>(std::ceil(rate * length / panel_rate)), 1, most_panels);
   const double panel = std::min(length / panels, panel_rate / rate);
@@ -129,11 +145,14 @@ double energy(const IslandModel& island, const model::Mode& mode, const std::vec
       }
   const double before = stored(d, at(0.0).x);
   const double after = stored(d, at(panel * panels).x);
-  const double scale = std::max({std::abs(before), std::abs(after), throughput});
-  return scale > 0.0 ? std::abs(after - before - integral) / scale : 0.0;
+  return {std::abs(after - before - integral), std::max({std::abs(before), std::abs(after), throughput})};
 }
 
 }  // namespace
+
+void CertificateRecorder::start(const IslandModel& island, const double* x) {
+  starts_.emplace_back(&island, Eigen::Map<const Vector>(x, island.extraction.system.size()));
+}
 
 void CertificateRecorder::add(const IslandModel& island, const Segment& segment, double length) {
   const auto keep = [&](std::vector<Sample>& list) {
@@ -152,7 +171,7 @@ void CertificateRecorder::add(const IslandModel& island, const Segment& segment,
 Certificate CertificateRecorder::check() const {
   Certificate certificate;
   std::map<const IslandModel*, Scale> scales;
-  std::map<const IslandModel*, double> ports;
+  std::map<const IslandModel*, double> ports, energies;
   std::map<const IslandModel*, std::pair<Vector, Vector>> rows;  ///< worst residual of each row and rate
   for (const auto* list : {&first_visits_, &samples_})
     for (const Sample& sample : *list) {
@@ -169,11 +188,20 @@ Certificate CertificateRecorder::check() const {
         ports[sample.island] = std::max(ports[sample.island], complementarity(sample.island->extraction.system, *sample.mode, point));
         ++certificate.points_checked;
       }
-      certificate.energy = std::max(certificate.energy, energy(*sample.island, *sample.mode, sample.y0, sample.length));
+      const EnergyBalance balance = energy(*sample.island, *sample.mode, sample.y0, sample.length);
+      energies[sample.island] = std::max(energies[sample.island], balance.residual);
+      scales[sample.island].energy = std::max(scales[sample.island].energy, balance.scale);
     }
+  for (const auto& [island, state] : starts_) {
+    const auto found = scales.find(island);
+    if (found != scales.end()) found->second.include_start(*island, state);
+  }
   for (const auto& [island, scale] : scales) {
     const auto& [row, rate] = rows[island];
     certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row), worst_relative(rate, scale.rate)});
+    const double idle = idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
+    const double energy = std::max(scale.energy, 0.5 * idle * idle);
+    if (energy > 0.0) certificate.energy = std::max(certificate.energy, energies[island] / energy);
     const double port = std::max(scale.port, scale.row.size() > 0 ? idle_row * scale.row.maxCoeff() : 0.0);
     if (port > 0.0) certificate.complementarity = std::max(certificate.complementarity, ports[island] / port);
   }

@@ -1,6 +1,7 @@
 #pragma once
 /// The run's certificate: residuals of the original equations, evaluated on samples of what ran.
 
+#include <utility>
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
@@ -16,6 +17,8 @@ namespace pwlsim::engine {
 ///  - energy: change of ½|x|² over a stretch against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
 class CertificateRecorder {
  public:
+  /// The state x = (ξ, ζ) an island starts from, before anything is projected.
+  void start(const IslandModel& island, const double* x);
   void add(const IslandModel& island, const Segment& segment, double length);
   [[nodiscard]] Certificate check() const;
 
@@ -28,6 +31,7 @@ class CertificateRecorder {
   };
   std::vector<Sample> samples_;      ///< thinned
   std::vector<Sample> first_visits_;
+  std::vector<std::pair<const IslandModel*, linalg::Vector>> starts_;
   std::uint64_t seen_ = 0, stride_ = 1;
 };
 

@@ -92,7 +92,7 @@ model::Selected IslandRun::select() {
   }
   const model::Selected result = selector_.select(x.data(), wanted, trigger);
   trigger = -1;
-  verifier_.relax(result.relaxation);
+  verifier_.relax(result.relaxation, selector_.largest_state());
   if (result.mode) {
     mode = result.mode;
     wanted = mode->active;

@@ -362,7 +362,7 @@ Located Locator::straight_lines(Segment& s, double end) {
 Located Locator::locate(Segment& s, double end) {
   Located located;
   if (s.certified >= end) return located;
-  if (s.rows.empty()) {
+  if (s.rows.empty() || s.tau >= end) {  // an interval of a power of two has reached past this end
     s.certified = end;
     return located;
   }

@@ -87,6 +87,7 @@ bool Transient::begin(const Start& start) {
   for (auto& island : islands_) {
     island.evaluate_sources(0.0);
     island.take_breakpoints(0.0, tolerance_);
+    recorder_.start(island.model(), island.x.data());
   }
   if (!settle(instant, true)) return false;
   if (instant.jumps > 0 && request_.use_initial_conditions)
