@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
-#include "circuit/functions.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
@@ -51,20 +50,37 @@ std::optional<double> Evaluator::value(const netlist::Item& item) {
 }
 
 std::optional<double> Evaluator::value(const Expression& expression) {
+  if (scope_.session_.nesting >= deepest_nesting) return too_nested(expression);
+  ++scope_.session_.nesting;
+  const Expression* chosen = without_conditions(expression);
+  const std::optional<double> result = chosen != nullptr ? of_kind(*chosen) : std::nullopt;
+  --scope_.session_.nesting;
+  return result;
+}
+
+const netlist::Expression* Evaluator::without_conditions(const Expression& expression) {
   const Expression* at = &expression;
   while (at->kind == Kind::conditional) {  // a chain of conditionals is as long as its text, not as deep
     const auto condition = value(at->arguments[0]);
-    if (!condition) return std::nullopt;
+    if (!condition) return nullptr;
     at = &at->arguments[*condition != 0.0 ? 1 : 2];
   }
-  if (scope_.session_.nesting >= deepest_nesting) {
-    reporter().error("E-too-deep", at->span, fmt::format("more than {} parts of expressions within one another", deepest_nesting));
-    return std::nullopt;
-  }
-  ++scope_.session_.nesting;
-  const std::optional<double> result = of_kind(*at);
-  --scope_.session_.nesting;
-  return result;
+  return at;
+}
+
+// The reports have functions of their own: what recurses keeps a small frame.
+std::optional<double> Evaluator::too_nested(const Expression& expression) {
+  reporter().error("E-too-deep", expression.span, fmt::format("more than {} parts of expressions within one another", deepest_nesting));
+  return std::nullopt;
+}
+
+std::optional<double> Evaluator::too_many_calls(const FunctionText& function) {
+  Session& session = scope_.session_;
+  session.functions_exhausted = session.function_calls > most_function_calls;
+  reporter().error("E-too-deep", function.span,
+                   session.functions_exhausted ? fmt::format("more than {} calls of functions", most_function_calls)
+                                               : fmt::format("more than {} parameters or functions within one another", deepest));
+  return std::nullopt;
 }
 
 std::optional<double> Evaluator::of_kind(const Expression& expression) {
@@ -92,12 +108,19 @@ std::optional<double> Evaluator::of_number(const Expression& expression) {
 }
 
 std::optional<double> Evaluator::of_name(const Expression& expression) {
-  if (arguments_ != nullptr) {
-    const auto& formals = arguments_->function->formals;
-    const auto found = std::find_if(formals.begin(), formals.end(), [&](const std::string& f) { return same_name(f, expression.text); });
-    if (found != formals.end()) return arguments_->values[static_cast<std::size_t>(found - formals.begin())];
-  }
+  if (const double* argument = argument_named(expression.text)) return *argument;
   if (const auto [home, entry] = scope_.find(expression.text); entry != nullptr) return home->parameter(*entry, depth_);
+  return of_constant(expression);
+}
+
+const double* Evaluator::argument_named(std::string_view name) const {
+  if (arguments_ == nullptr) return nullptr;
+  const auto& formals = arguments_->function->formals;
+  const auto found = std::find_if(formals.begin(), formals.end(), [&](const std::string& formal) { return same_name(formal, name); });
+  return found != formals.end() ? &arguments_->values[static_cast<std::size_t>(found - formals.begin())] : nullptr;
+}
+
+std::optional<double> Evaluator::of_constant(const Expression& expression) {
   if (same_name(expression.text, "pi")) return std::numbers::pi;
   if (same_name(expression.text, "e")) return std::numbers::e;
   if (same_name(expression.text, "inf")) return inf;
@@ -131,14 +154,14 @@ std::optional<double> Evaluator::of_binary(const Expression& expression) {
   std::optional<double> left = value(*at);
   for (auto operation = spine.rbegin(); operation != spine.rend(); ++operation) {
     const std::optional<double> right = value((*operation)->arguments[1]);
-    if (!left || !right) {
-      left = std::nullopt;
-      continue;
-    }
-    const double result = binary_value((*operation)->text, *left, *right);
-    left = finite(result, **operation, std::isfinite(result) ? "" : why_not_finite(**operation, *right));
+    left = left && right ? of_operation(**operation, *left, *right) : std::nullopt;
   }
   return left;
+}
+
+std::optional<double> Evaluator::of_operation(const Expression& operation, double left, double right) {
+  const double result = binary_value(operation.text, left, right);
+  return finite(result, operation, std::isfinite(result) ? "" : why_not_finite(operation, right));
 }
 
 bool Evaluator::count_is_right(const Expression& expression, std::size_t least, std::size_t most) {
@@ -155,34 +178,41 @@ std::optional<double> Evaluator::of_choice(const Expression& condition, const Ex
   return value(*chosen != 0.0 ? yes : no);
 }
 
-std::optional<std::vector<double>> Evaluator::arguments_of(const Expression& expression) {
-  std::vector<double> values;
+bool Evaluator::arguments_of(const Expression& expression, std::vector<double>& values) {
   for (const Expression& argument : expression.arguments) {
     if (const auto one = value(argument)) values.push_back(*one);
   }
-  if (values.size() != expression.arguments.size()) return std::nullopt;
-  return values;
+  return values.size() == expression.arguments.size();
+}
+
+Evaluator::Callee Evaluator::callee_of(std::string_view name) {
+  const std::string key = without_case(name);
+  for (Scope* at = &scope_; at != nullptr; at = at->outer()) {
+    const auto found = at->definition().functions.find(key);
+    if (found != at->definition().functions.end()) return {.function = &found->second, .home = at};
+  }
+  return {.is_choice = is_choice(key), .builtin = find_builtin(key)};
 }
 
 std::optional<double> Evaluator::of_call(const Expression& expression) {
-  const std::string key = without_case(expression.text);
-  for (Scope* at = &scope_; at != nullptr; at = at->outer()) {
-    const auto found = at->definition().functions.find(key);
-    if (found != at->definition().functions.end()) return of_function(expression, found->second, *at);
-  }
-  if (is_choice(key)) {
+  const Callee callee = callee_of(expression.text);
+  if (callee.function != nullptr) return of_function(expression, *callee.function, *callee.home);
+  if (callee.is_choice) {
     if (!count_is_right(expression, 3, 3)) return std::nullopt;
     return of_choice(expression.arguments[0], expression.arguments[1], expression.arguments[2]);
   }
-  const BuiltinFunction* builtin = find_builtin(key);
-  if (builtin == nullptr) return unknown_function(expression);
-  if (!count_is_right(expression, builtin->least, builtin->most)) return std::nullopt;
-  const auto values = arguments_of(expression);
-  if (!values) return std::nullopt;
-  const double result = builtin->value(*values);
-  if (builtin->passes_infinity && std::isinf(result)) return result;
+  if (callee.builtin == nullptr) return unknown_function(expression);
+  if (!count_is_right(expression, callee.builtin->least, callee.builtin->most)) return std::nullopt;
+  std::vector<double> values;
+  if (!arguments_of(expression, values)) return std::nullopt;
+  return of_builtin(expression, *callee.builtin, values);
+}
+
+std::optional<double> Evaluator::of_builtin(const Expression& expression, const BuiltinFunction& builtin, const std::vector<double>& values) {
+  const double result = builtin.value(values);
+  if (builtin.passes_infinity && std::isinf(result)) return result;
   if (std::isfinite(result)) return result;
-  return finite(result, expression, fmt::format("{}({}) is not a finite number", expression.text, fmt::join(*values, ", ")));
+  return finite(result, expression, fmt::format("{}({}) is not a finite number", expression.text, fmt::join(values, ", ")));
 }
 
 std::optional<double> Evaluator::unknown_function(const Expression& expression) {
@@ -200,16 +230,9 @@ std::optional<double> Evaluator::of_function(const Expression& expression, const
   Session& session = scope_.session_;
   if (!count_is_right(expression, function.formals.size(), function.formals.size())) return std::nullopt;
   if (session.functions_exhausted) return std::nullopt;
-  if (depth_ > deepest || ++session.function_calls > most_function_calls) {
-    session.functions_exhausted = session.function_calls > most_function_calls;
-    reporter().error("E-too-deep", function.span,
-                     session.functions_exhausted ? fmt::format("more than {} calls of functions", most_function_calls)
-                                                 : fmt::format("more than {} parameters or functions within one another", deepest));
-    return std::nullopt;
-  }
-  auto values = arguments_of(expression);
-  if (!values) return std::nullopt;
-  const Arguments arguments{&function, std::move(*values)};
+  if (depth_ > deepest || ++session.function_calls > most_function_calls) return too_many_calls(function);
+  Arguments arguments{&function, {}};
+  if (!arguments_of(expression, arguments.values)) return std::nullopt;
   return Evaluator(home, depth_ + 1, &arguments).value(*function.body);
 }
 

@@ -33,7 +33,11 @@ void Expander::expand(Place& place) {
 void Expander::call(Place& place, const Card& card) {
   const Item* name = called_subcircuit(card);
   const Definition* called = name != nullptr ? find_subcircuit(place.scope.definition(), name->text) : nullptr;
-  if (called != nullptr) return enter(place, card, *name, *called);
+  called != nullptr ? enter(place, card, *name, *called) : unknown_call(place, card, name);
+}
+
+/// Apart from call(), so that what recurses keeps a small frame.
+void Expander::unknown_call(Place& place, const Card& card, const Item* name) {
   circuit_.has_gaps = true;
   if (name == nullptr) {
     if (!card.damaged)
@@ -65,6 +69,16 @@ std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& na
 }
 
 void Expander::enter(Place& place, const Card& card, const Item& name, const Definition& called) {
+  Scope scope(called, &place.scope.enclosing(*called.parent), session_);
+  Place inner{scope, place.prefix + card.name + ".", {}};
+  connect(place, card, name, inner);
+  give_parameters(place, card, name, scope);
+  scope.evaluate_all();
+  expand(inner);
+}
+
+void Expander::connect(Place& place, const Card& card, const Item& name, Place& inner) {
+  const Definition& called = inner.scope.definition();
   const std::vector<const Item*> nodes = actual_nodes(card, name);
   if (nodes.size() != called.ports.size()) circuit_.has_gaps = true;
   if (nodes.size() != called.ports.size() && !card.damaged) {
@@ -72,15 +86,10 @@ void Expander::enter(Place& place, const Card& card, const Item& name, const Def
                      fmt::format("{} gives {} nodes, but {} has {} ({})", card.name, nodes.size(), called.name, called.ports.size(),
                                  fmt::join(called.ports, " ")));
   }
-  Scope scope(called, &place.scope.enclosing(*called.parent), session_);
-  Place inner{scope, place.prefix + card.name + ".", {}};
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const model::NodeIndex node = binder_.node(place, *nodes[k]);
     if (k < called.ports.size()) inner.nodes.emplace(called.ports[k], node);
   }
-  give_parameters(place, card, name, scope);
-  scope.evaluate_all();
-  expand(inner);
 }
 
 void Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {

@@ -14,7 +14,9 @@ class Expander {
 
  private:
   void call(Place& place, const netlist::Card& card);
+  void unknown_call(Place& place, const netlist::Card& card, const netlist::Item* name);
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
+  void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
   void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
   void give(Place& place, const netlist::Item& assignment, Scope& inner);

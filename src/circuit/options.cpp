@@ -13,7 +13,7 @@ using elements::Range;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr double deepest_calls = 10000;
+constexpr double deepest_calls = 1000;
 
 /// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
 constexpr std::string_view honoured[] = {"reltol", "i0", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};

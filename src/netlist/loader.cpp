@@ -179,7 +179,7 @@ void Loader::take_limits(const Card& options) {
     }
   };
   for (const auto& item : options.items) {
-    take(item, "max_include_depth", 1000, limits_.include_depth);
+    take(item, "max_include_depth", 500, limits_.include_depth);
     take(item, "max_parentheses", 1'000'000, limits_.parentheses);
   }
 }

@@ -88,6 +88,8 @@ TEST_CASE("a hundred levels of subcircuits are allowed and no more, also where d
   };
   CHECK(compile_deck(levels(100)).compiled.has_value());
   CHECK(compile_deck(levels(101)).count("E-too-deep") == 1);
+  CHECK(compile_deck(levels(1000) + ".options max_subcircuit_depth=1000\n").compiled.has_value());
+  CHECK(compile_deck(levels(1001) + ".options max_subcircuit_depth=1000\n").count("E-too-deep") == 1);
   // Each call is shallow where it is counted first, but together they are deeper than allowed.
   CHECK(compile_deck(levels(100) + "X2 a 0 t\n.subckt t p q\nX1 p q s100\n.ends\n").count("E-too-deep") == 1);
 }
