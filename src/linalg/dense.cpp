@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "linalg/small.hpp"
+
 namespace pwlsim::linalg {
 
 namespace {
@@ -25,6 +27,21 @@ void clean(M& m, const M& bound, Tolerance tolerance) {
 }
 
 }  // namespace
+
+void multiply(const Matrix& m, const double* x, double* y) {
+  const double* a = m.data();
+  const Eigen::Index columns = m.cols();
+  const bool small = with_length(m.rows(), [&]<int rows>(Length<rows>) {
+    Small<rows> sum;
+    for (Eigen::Index j = 0; j < columns; ++j, a += rows) sum.add_multiple(a, x[j]);
+    sum.store(y);
+  });
+  if (small) return;
+  const Eigen::Index rows = m.rows();
+  std::fill(y, y + rows, 0.0);
+  for (Eigen::Index j = 0; j < columns; ++j, a += rows)
+    for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
+}
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);

@@ -13,18 +13,8 @@ using Wide = long double;
 using WideMatrix = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
 using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 
-/// y = M x for column-major M (rows × columns), without allocation and without the dispatch cost that Eigen
-/// has for the sizes at hand (2 to 10). y must not alias x.
-inline void multiply(const Matrix& m, const double* x, double* y) {
-  const Eigen::Index rows = m.rows();
-  const Eigen::Index columns = m.cols();
-  const double* a = m.data();
-  for (Eigen::Index i = 0; i < rows; ++i) y[i] = 0.0;
-  for (Eigen::Index j = 0; j < columns; ++j, a += rows) {
-    const double xj = x[j];
-    for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * xj;
-  }
-}
+/// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 10). y must not alias x.
+void multiply(const Matrix& m, const double* x, double* y);
 
 /// Row `i` of M times x.
 inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {

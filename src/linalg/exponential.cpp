@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/small.hpp"
+
 namespace pwlsim::linalg {
 
 namespace {
@@ -13,7 +15,24 @@ constexpr int most_terms = 60;
 constexpr double same_interval = 1e-8;     ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
 constexpr std::uint32_t worth_a_matrix = 4;
 
-double largest(const double* x, Eigen::Index n) {
+/// y := Σ (Aτ)^k/k! y, until a term changes nothing.
+template <int length>
+void sum_small_series(const double* a, double tau, double* y) {
+  auto sum = Small<length>::load(y);
+  auto term = sum;
+  double largest_term = term.size();
+  for (int k = 1; k <= most_terms; ++k) {
+    term = product(a, term);
+    term.scale(tau / k);
+    sum.add(term);
+    const double change = term.size();
+    if (change <= negligible * largest_term) break;
+    largest_term = std::max(largest_term, change);
+  }
+  sum.store(y);
+}
+
+double largest_entry(const double* x, Eigen::Index n) {
   double value = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) value = std::max(value, std::abs(x[i]));
   return value;
@@ -33,10 +52,11 @@ Exponential::Exponential(Matrix a, double rate) : a_(std::move(a)), rate_(rate) 
 
 void Exponential::taylor(double tau, double* y, double* work) const {
   const Eigen::Index n = a_.rows();
+  if (with_length(n, [&]<int length>(Length<length>) { sum_small_series<length>(a_.data(), tau, y); })) return;
   double* term = work;
   double* next = work + n;
   std::copy(y, y + n, term);
-  double size = largest(y, n);
+  double size = largest_entry(y, n);
   for (int k = 1; k <= most_terms; ++k) {
     multiply(a_, term, next);
     const double factor = tau / k;
@@ -95,6 +115,12 @@ void Exponential::apply_once(double tau, double* y, double* work) const {
     }
   }
   if (tau > 0.0) taylor(tau, y, work);
+}
+
+bool Exponential::shift(double tau, double* y, double* work) const {
+  if (rate_ * std::abs(tau) > radius) return false;
+  if (a_.rows() > 0) taylor(tau, y, work);
+  return true;
 }
 
 Matrix Exponential::taylor_minus_identity(double tau) const {

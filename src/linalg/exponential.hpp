@@ -23,6 +23,8 @@ class Exponential {
   void apply(double tau, double* y, double* work) const;
   /// The same for a τ that is not expected again.
   void apply_once(double tau, double* y, double* work) const;
+  /// The same for a short τ of either sign; false, and y as it was, where rate·|τ| is beyond the reach of the series.
+  bool shift(double tau, double* y, double* work) const;
   /// e^{Aτ} − I.
   [[nodiscard]] Matrix minus_identity(double tau) const;
 
