@@ -210,8 +210,8 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
   double high = upper;
   double at = guess;
   if (!(at > low && at < high)) at = 0.5 * (low + high);
+  state_at(s, at, at_.data());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    state_at(s, at, at_.data());
     linalg::multiply(m.flow.a(), at_.data(), a1_.data());
     const double value = linalg::row_times(m.guards, row, at_.data());
     const double slope = linalg::row_times(m.guards, row, a1_.data());
@@ -220,10 +220,17 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
     double size = 0.0;
     for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(row, k) * at_[static_cast<std::size_t>(k)]);
     if (std::abs(value) <= root_noise * size) break;
-    double next = slope < 0.0 ? at - value / slope : 0.5 * (low + high);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - at) <= epsilon * (s.tau + at)) break;
+    const double newton = slope < 0.0 ? at - value / slope : low;
+    const bool inside = newton > low && newton < high;
+    const double next = inside ? newton : 0.5 * (low + high);
+    const double step = next - at;
+    if (std::abs(step) <= epsilon * (s.tau + at)) break;
+    linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
+    const double curvature = linalg::row_times(m.guards, row, a2_.data());
+    if (!m.flow.shift(step, at_.data(), work_.data())) state_at(s, next, at_.data());
     at = next;
+    // What the curvature leaves of the value after this step is rounding.
+    if (inside && std::abs(curvature) * step * step <= root_noise * size) break;
   }
   return at;
 }
