@@ -157,7 +157,7 @@ class Distributor {
   Distributor(const Network& network, const Things& things, const Rails& rails, DisjointSets& sets, DisjointSets& parts)
       : network_(network), things_(things), rails_(rails), sets_(sets), parts_(parts), local_(static_cast<std::size_t>(things.count), -1) {}
 
-  std::vector<Island> run() {
+  std::vector<Island> run(const std::function<bool(const Island&)>& must_run) {
     for (std::size_t i = 0; i < network_.nodes.size(); ++i) {
       Island& island = island_of(things_.node + static_cast<int>(i));
       local_[static_cast<std::size_t>(things_.node) + i] = static_cast<int>(island.network.nodes.size());
@@ -179,7 +179,7 @@ class Distributor {
     add_switches();
     add_signals();
     name_islands();
-    mark_needed();
+    mark_needed(must_run);
     return std::move(islands_);
   }
 
@@ -324,9 +324,9 @@ class Distributor {
     }
   }
 
-  void mark_needed() {
+  void mark_needed(const std::function<bool(const Island&)>& must_run) {
     std::vector<char> switch_needed(network_.switches.size(), 0);
-    for (auto& island : islands_) island.needed = !island.network.signals.empty();
+    for (auto& island : islands_) island.needed = !island.network.signals.empty() || (must_run && must_run(island));
     for (bool changed = true; changed;) {
       changed = false;
       for (auto& island : islands_) {
@@ -358,12 +358,12 @@ class Distributor {
 
 }  // namespace
 
-std::vector<Island> split_islands(const Network& network) {
+std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run) {
   const Things things(network);
   const Rails rails(network);
   DisjointSets sets = Connector(network, things, &rails).take();
   DisjointSets parts = Connector(network, things, nullptr).take();
-  return Distributor(network, things, rails, sets, parts).run();
+  return Distributor(network, things, rails, sets, parts).run(must_run);
 }
 
 }  // namespace pwlsim::model

@@ -1,6 +1,7 @@
 #pragma once
 /// Cutting a network into parts that share nothing but ground and nodes held by sources, and finding those that no saved signal needs.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,9 @@ struct Island {
   std::vector<int> copied_branches;  ///< of network.branches: sources of rails that belong to another island
 };
 
-/// Islands in order of their first node. A rail (a node that a source to ground holds at a function of time) joins nothing. A switch control belongs to the island whose quantities it reads: it joins islands
-/// only where it reads several of them. An island is needed when a saved signal reads it, or it drives a switch of a needed one.
-[[nodiscard]] std::vector<Island> split_islands(const Network& network);
+/// Islands in order of their first node. A rail (a node that a source to ground holds at a function of time) joins nothing. A switch
+/// control belongs to the island whose quantities it reads: it joins islands only where it reads several of them. An island is needed
+/// when a saved signal reads it, when it `must_run` for another reason, or when it drives a switch of a needed one.
+[[nodiscard]] std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run = {});
 
 }  // namespace pwlsim::model

@@ -188,3 +188,15 @@ TEST_CASE("a source that shorts itself through a diode has no operating point, a
     CHECK_FALSE(run.answer.message.empty());
   }
 }
+
+TEST_CASE("what no signal depends on is left out where it always has a solution", "[unit]") {
+  Circuit c;
+  c.v("in", "0", sine());
+  c.r("in", "a", 1.0);
+  c.d("a", "b");
+  c.c("b", "0", 1.0);
+  c.save_v("in");
+  const Run run = simulate(c.network(), {1.0, 2, true});
+  CHECK(run.answer.outcome == engine::Outcome::completed);
+  CHECK(has_remark(run.answer, "N-left-out"));
+}

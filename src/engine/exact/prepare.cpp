@@ -32,6 +32,27 @@ std::string elements_of(const model::Island& island, const std::set<std::string>
   return names;
 }
 
+/// Whether the island has a solution from any state, with any sources and switch positions. Sufficient: it is passive and [B; D + Dᵀ] has
+/// full column rank. With G = (sI − A)⁻¹B the matrix M = D + C·G of the rational problem obeys M + Mᵀ ⪰ D + Dᵀ + 2s·GᵀG, so it is then
+/// positive definite at every s > 0 (van der Schaft & Schumacher 1996, §4, have it for B of full column rank).
+bool always_has_solution(const model::System& s) {
+  if (!s.passive) return false;
+  constexpr double rank_tolerance = 1e-9;
+  linalg::Matrix stacked(s.n + s.ports, s.ports);
+  stacked << s.b.topRows(s.n), s.d + s.d.transpose();
+  for (auto half : {stacked.topRows(s.n), stacked.bottomRows(s.ports)}) half.normalize();
+  for (auto column : stacked.colwise()) column.normalize();
+  return linalg::null_space(stacked, rank_tolerance).cols() == 0;
+}
+
+/// What has no solution is an error even where nobody looks at it.
+bool must_run(const model::Island& island) {
+  if (island.network.diodes.empty() && island.network.switches.empty()) return false;
+  Diagnostics ignored;
+  const auto extraction = model::extract(island, ignored);
+  return extraction && !always_has_solution(extraction->system);
+}
+
 }  // namespace
 
 std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
@@ -40,7 +61,7 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
   for (const auto& s : network.switches) result->switches.push_back({s.label.name, s.initially_on, s.on_level, s.off_level, -1, -1});
   for (const auto& s : network.signals) result->signal_names.push_back(s.name);
   const std::size_t errors_before = diagnostics.error_count();
-  std::vector<model::Island> islands = model::split_islands(network);
+  std::vector<model::Island> islands = model::split_islands(network, must_run);
   std::set<std::string> running;
   for (const auto& island : islands)
     if (island.needed)
@@ -51,6 +72,7 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
     if (!island.needed) {
       const std::string names = elements_of(island, running);
       if (!names.empty()) result->remarks.push_back({"N-left-out", fmt::format("left out, because no saved signal depends on it: {}", names)});
+      result->left_out.push_back({std::move(island), std::move(*extraction)});
       continue;
     }
     const auto index = static_cast<int>(result->islands.size());

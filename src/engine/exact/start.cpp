@@ -139,6 +139,36 @@ Vector energy_from(const IslandModel& original, const model::System& forced, con
   return original.extraction.descriptor.reduce * model::initial_state(island);
 }
 
+/// The island with the `ic=` values that `.ic` gives to capacitors and inductors without their own.
+model::Island with_initial_values(const model::Island& original) {
+  model::Island island = original;
+  std::map<int, double> voltage;
+  for (const auto& c : island.network.node_conditions) voltage[c.node] = c.voltage;
+  const auto at = [&](model::NodeIndex node) { return voltage.contains(node) ? voltage.at(node) : 0.0; };
+  for (auto& c : island.network.capacitors)
+    if (!c.has_initial) c.initial_voltage = at(c.p) - at(c.n);
+  for (const auto& c : island.network.current_conditions) {
+    auto& l = island.network.inductors[static_cast<std::size_t>(c.inductor)];
+    if (!l.has_initial) l.initial_current = c.current;
+  }
+  return island;
+}
+
+/// Without the part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow.
+Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& remarks) {
+  const model::Descriptor& d = island.extraction.descriptor;
+  const model::System& s = island.extraction.system;
+  const Vector full = model::initial_state(with_initial_values(island.island));
+  Vector x(s.size());
+  x << d.reduce * full, zeta_before_start(s);
+  const double moved = full.size() > 0 ? (d.store_state * x - full).norm() : 0.0;
+  if (moved > 1e-9 * full.norm() && full.norm() > 0.0)
+    remarks.push_back({"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
+                                                         "as any jump, conserving charge and flux",
+                                                         island_elements(s))});
+  return x.head(s.n);
+}
+
 }  // namespace
 
 Start start_from_operating_point(const ExactModel& model) {
@@ -187,30 +217,8 @@ Start start_from_operating_point(const ExactModel& model) {
 Start start_from_initial_values(const ExactModel& model) {
   Start start;
   for (const auto& s : model.switches) start.on.push_back(s.initially_on);
-  for (const auto& island_model : model.islands) {
-    model::Island island = island_model.island;
-    std::map<int, double> voltage;
-    for (const auto& c : island.network.node_conditions) voltage[c.node] = c.voltage;
-    const auto at = [&](model::NodeIndex node) { return voltage.contains(node) ? voltage.at(node) : 0.0; };
-    for (auto& c : island.network.capacitors)
-      if (!c.has_initial) c.initial_voltage = at(c.p) - at(c.n);
-    for (const auto& c : island.network.current_conditions) {
-      auto& l = island.network.inductors[static_cast<std::size_t>(c.inductor)];
-      if (!l.has_initial) l.initial_current = c.current;
-    }
-    const model::Descriptor& d = island_model.extraction.descriptor;
-    const model::System& s = island_model.extraction.system;
-    const Vector full = model::initial_state(island);
-    start.xi.push_back(d.reduce * full);
-    // The part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow.
-    Vector x(s.size());
-    x << start.xi.back(), zeta_before_start(s);
-    const double moved = full.size() > 0 ? (d.store_state * x - full).norm() : 0.0;
-    if (moved > 1e-9 * full.norm() && full.norm() > 0.0)
-      start.answer.remarks.push_back({"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
-                                                                        "as any jump, conserving charge and flux",
-                                                                        island_elements(s))});
-  }
+  for (const auto& island : model.islands) start.xi.push_back(projected_initial_state(island, start.answer.remarks));
+  for (const auto& island : model.left_out) projected_initial_state(island, start.answer.remarks);
   return start;
 }
 
