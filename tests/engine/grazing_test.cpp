@@ -31,12 +31,15 @@ struct ClampedTank {
   static double energy(double v, double i) { return v * v + inductance / capacitance * i * i; }
 };
 
+/// Only at phase 0 do the start values, rounded to doubles, have the amplitude 1 exactly. At others they may exceed the clamp by a few
+/// roundings; it then truly conducts, for √(2ε)/ω, and the pair of events is as right as none.
 void check_tank(double phase, double periods, double bound) {
   const ClampedTank tank(phase);
   const double stop = periods * ClampedTank::period;
   const Run run = simulate(tank.circuit.network(), {stop, 97});
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  CHECK(run.answer.statistics.events == 0);
+  CHECK(run.answer.statistics.events % 2 == 0);
+  CHECK((phase != 0.0 || run.answer.statistics.events == 0));
   CHECK(run.answer.statistics.jumps == 0);
   for (const auto& row : run.rows) {
     INFO("t = " << row[0]);
