@@ -46,6 +46,58 @@ Restricted restrict_to(const System& s, const IndexSet& active) {
   return r;
 }
 
+/// The flow y' = A y and what bounds it.
+void set_flow(const System& system, Mode& m, Matrix a) {
+  const Matrix a1 = a.topLeftCorner(m.n1, m.n1);
+  double rate = linalg::norm_bound(a1);
+  const double own_rate = rate;
+  for (const auto& block : system.exosystem->blocks())
+    if (block.kind == Exosystem::Block::Kind::oscillation || block.kind == Exosystem::Block::Kind::decay) rate = std::max(rate, block.rate);
+  if (!system.passive) {
+    m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
+    if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
+  }
+  m.piecewise_linear = m.n1 == 0;
+  for (const auto& block : system.exosystem->blocks())
+    m.piecewise_linear &= block.kind != Exosystem::Block::Kind::oscillation && block.kind != Exosystem::Block::Kind::decay;
+  m.absolute_a = a.cwiseAbs();
+  m.norm_a = a.norm();
+  m.flow = linalg::Exponential(std::move(a), rate);
+}
+
+/// Norms and kinds of the guard rows.
+void finish_rows(const System& system, Mode& m) {
+  const auto& blocks = system.exosystem->blocks();
+  const auto count = m.guards.rows();
+  m.guard_norm = m.guards.rowwise().norm();
+  const double largest = system.diodes > 0 ? m.guard_norm.head(system.diodes).maxCoeff() : 0.0;
+  // A diode row that is nothing but rounding of the largest: an indeterminate port.
+  for (int i = 0; i < system.diodes; ++i)
+    if (m.guard_norm[i] <= row_noise * largest) {
+      m.guards.row(i).setZero();
+      m.guard_norm[i] = 0.0;
+    }
+  const Matrix slope = m.guards * m.flow.a();
+  for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
+  m.guard_twin.resize(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Eigen::Index twin = i < system.diodes ? i : system.diodes;
+    while (twin < i && m.guards.row(twin) != m.guards.row(i)) ++twin;
+    m.guard_twin[static_cast<std::size_t>(i)] = static_cast<int>(twin);
+  }
+  m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
+  m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
+  m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    // Of a ramp only the value's column carries a derivative beyond the first slope.
+    const int width = blocks[b].kind == Exosystem::Block::Kind::ramp ? 1 : blocks[b].size();
+    const int first = m.n1 + blocks[b].first;
+    const auto column = static_cast<Eigen::Index>(b);
+    m.guard_block_norm.col(column) = m.guards.middleCols(first, width).rowwise().norm();
+    m.input_block_norm[column] = m.flow.a().block(0, first, m.n1, width).norm();
+  }
+}
+
 class Builder {
  public:
   Builder(const System& system, const IndexSet& active) : s_(system), r_(restrict_to(system, active)) {
@@ -74,7 +126,6 @@ class Builder {
   void reduce_coordinates();
   void build_flow();
   void build_rows();
-  void finish_rows();
   [[nodiscard]] Vector in_mode(const Vector& state_row) const;
   [[nodiscard]] Vector output_in_mode(const OutputRow& row) const;
 
@@ -143,7 +194,9 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
   if (smallest < jump_rank_tolerance) return false;
   condition_ = std::max(condition_, gain_lu.maxPivot() / smallest);
   const Matrix drift = constraint * (s_.a + r_.b * kj_);
-  kj_ -= right * gain_lu.solve(drift);
+  const Matrix drift_bound = constraint.cwiseAbs() * (s_.a.cwiseAbs() + r_.b.cwiseAbs() * kj_.cwiseAbs());
+  const Matrix correction = right * gain_lu.solve(drift);
+  kj_ = cleaned(kj_ - correction, kj_.cwiseAbs() + right.cwiseAbs() * (gain_lu.inverse().cwiseAbs() * drift_bound));
   mode_->projector = Matrix::Identity(s_.size(), s_.size()) - jump * gain_lu.solve(constraint);
   constraints_ = constraint;
   return true;
@@ -190,12 +243,15 @@ void Builder::reduce_coordinates() {
   m.n1 = s_.n - fixed;
   m.ny = m.n1 + s_.n_zeta;
   if (!m.constrained) return;
-  const Matrix on_state = constraints_.leftCols(s_.n);
-  Eigen::HouseholderQR<Matrix> qr(on_state.transpose());
-  const Matrix q = qr.householderQ();
-  m.basis = cleaned(q.rightCols(m.n1), Matrix::Ones(s_.n, m.n1));
-  const Matrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
-  m.lift = -q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
+  // In extended precision: a row that vanishes on V must be seen to.
+  using linalg::WideMatrix;
+  const WideMatrix on_state = constraints_.leftCols(s_.n).cast<linalg::Wide>();
+  Eigen::HouseholderQR<WideMatrix> qr(on_state.transpose());
+  const WideMatrix q = qr.householderQ();
+  m.basis = cleaned(q.rightCols(m.n1).cast<double>(), Matrix::Ones(s_.n, m.n1));
+  const WideMatrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
+  const WideMatrix on_sources = constraints_.rightCols(s_.n_zeta).cast<linalg::Wide>();
+  m.lift = (-q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(on_sources)).cast<double>();
 }
 
 void Builder::build_flow() {
@@ -212,21 +268,7 @@ void Builder::build_flow() {
     a.topRightCorner(m.n1, s_.n_zeta) = clean_product(m.basis.transpose(), forced);
     a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
   }
-  const Matrix a1 = a.topLeftCorner(m.n1, m.n1);
-  double rate = linalg::norm_bound(a1);
-  const double own_rate = rate;
-  for (const auto& block : s_.exosystem->blocks())
-    if (block.kind == Exosystem::Block::Kind::oscillation || block.kind == Exosystem::Block::Kind::decay) rate = std::max(rate, block.rate);
-  if (!s_.passive) {
-    m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
-    if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
-  }
-  m.piecewise_linear = m.n1 == 0;
-  for (const auto& block : s_.exosystem->blocks())
-    m.piecewise_linear &= block.kind != Exosystem::Block::Kind::oscillation && block.kind != Exosystem::Block::Kind::decay;
-  m.absolute_a = a.cwiseAbs();
-  m.norm_a = a.norm();
-  m.flow = linalg::Exponential(std::move(a), rate);
+  set_flow(s_, m, std::move(a));
 }
 
 Vector Builder::in_mode(const Vector& row) const {
@@ -273,43 +315,15 @@ void Builder::build_rows() {
   }
   m.outputs.resize(static_cast<Eigen::Index>(s_.outputs.size()), m.ny);
   for (std::size_t i = 0; i < s_.outputs.size(); ++i) m.outputs.row(static_cast<Eigen::Index>(i)) = output_in_mode(s_.outputs[i]).transpose();
-  finish_rows();
-}
-
-void Builder::finish_rows() {
-  Mode& m = *mode_;
-  const auto& blocks = s_.exosystem->blocks();
-  const auto count = m.guards.rows();
-  m.guard_norm = m.guards.rowwise().norm();
-  const double largest = s_.diodes > 0 ? m.guard_norm.head(s_.diodes).maxCoeff() : 0.0;
-  // A diode row that is nothing but rounding of the largest: an indeterminate port.
-  for (int i = 0; i < s_.diodes; ++i)
-    if (m.guard_norm[i] <= row_noise * largest) {
-      m.guards.row(i).setZero();
-      m.guard_norm[i] = 0.0;
-    }
-  const Matrix slope = m.guards * m.flow.a();
-  for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
-  m.guard_twin.resize(static_cast<std::size_t>(count));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Eigen::Index twin = i < s_.diodes ? i : s_.diodes;
-    while (twin < i && m.guards.row(twin) != m.guards.row(i)) ++twin;
-    m.guard_twin[static_cast<std::size_t>(i)] = static_cast<int>(twin);
-  }
-  m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
-  m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
-  m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    // Of a ramp only the value's column carries a derivative beyond the first slope.
-    const int width = blocks[b].kind == Exosystem::Block::Kind::ramp ? 1 : blocks[b].size();
-    const int first = m.n1 + blocks[b].first;
-    const auto column = static_cast<Eigen::Index>(b);
-    m.guard_block_norm.col(column) = m.guards.middleCols(first, width).rowwise().norm();
-    m.input_block_norm[column] = m.flow.a().block(0, first, m.n1, width).norm();
-  }
+  finish_rows(s_, m);
 }
 
 }  // namespace
+
+void finish_mode(const System& system, Mode& mode, Matrix a) {
+  set_flow(system, mode, std::move(a));
+  finish_rows(system, mode);
+}
 
 std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
 

@@ -17,7 +17,14 @@
 
 namespace pwlsim::model {
 
+struct SlowPart;
+
 struct Mode {
+  Mode();
+  ~Mode();
+  Mode(const Mode&) = delete;
+  Mode& operator=(const Mode&) = delete;
+
   IndexSet active;
   bool regular = false;
   bool unique_inputs = true;   ///< false: some u of the mode is not unique
@@ -46,11 +53,16 @@ struct Mode {
   mutable std::uint64_t visits = 0;
   bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
   mutable double reach = 6.0;     ///< rate·h that the locator's series decided last in this mode
+  mutable std::vector<std::unique_ptr<SlowPart>> slow_parts;  ///< found when a segment turns out long in the mode's own time
+  mutable bool slow_parts_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
 };
 
 /// Builds the mode of `active`; `regular` is false where V ⊕ T is not the whole space.
 [[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
+
+/// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
+void finish_mode(const System& system, Mode& mode, Matrix a);
 
 /// x -> y and back. x has system.size() entries, y has mode.ny.
 void to_mode(const System& system, const Mode& mode, const double* x, double* y);

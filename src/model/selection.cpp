@@ -10,8 +10,8 @@ namespace pwlsim::model {
 
 namespace {
 
-/// ‖P x − x‖ below this fraction of ‖x‖ is no jump.
-constexpr double consistency_tolerance = 1e-9;
+/// ‖P x − x‖ below this multiple of a mode's rounding level, against ‖x‖, is no jump.
+constexpr double consistency_per_noise = 30.0;
 constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
 constexpr int most_jumps = 20;
@@ -62,7 +62,8 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
     change += (projected[i] - x[i]) * (projected[i] - x[i]);
     norm += x[i] * x[i];
   }
-  return change <= consistency_tolerance * consistency_tolerance * norm;
+  const double tolerance = consistency_per_noise * mode.noise * verifier_.relaxation();
+  return change <= tolerance * tolerance * norm;
 }
 
 bool Selector::accepts(const Mode& mode, const double* x) {
@@ -70,8 +71,9 @@ bool Selector::accepts(const Mode& mode, const double* x) {
   if (system_.diodes == 0) return true;
   to_mode(system_, mode, x, y_.data());
   verifier_.departures(mode, y_.data(), diode_rows_, departures_.data());
-  // A guard that was seen to cross cannot stay as it is, even where rounding of fast parts hides its slope here.
-  if (trigger_ >= 0 && mode.active.contains(trigger_) == trigger_side_ && departures_[static_cast<std::size_t>(trigger_)].order < 0 &&
+  // A guard that was seen to cross cannot stay as it is, even where rounding of fast parts hides its slope here; unless nothing else
+  // is left, and it was at rest.
+  if (trigger_ >= 0 && verifier_.relaxation() == 1.0 && mode.active.contains(trigger_) == trigger_side_ && departures_[static_cast<std::size_t>(trigger_)].order < 0 &&
       mode.guard_norm[trigger_] > 0.0)
     return false;
   return std::none_of(departures_.begin(), departures_.end(), [](const Departure& d) { return d.value < 0.0; });
@@ -229,7 +231,7 @@ std::vector<IndexSet> Selector::candidates(const IndexSet& wanted, const Problem
 
 /// First-order impulses u = μδ must push the way complementarity allows: x⁺ − x⁻ = B_J μ and D_JJ μ = 0 with μ ≥ 0 on active diodes,
 /// and D_iJ μ ≥ 0, the impulse of y, on the others. Where μ is not unique, the least.
-bool Selector::impulse_allowed(const Mode& m, const Vector& jump) const {
+bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jump) const {
   const auto size = static_cast<Eigen::Index>(system_.size());
   std::vector<int> active;
   for (int i = 0; i < system_.ports; ++i)
@@ -252,12 +254,14 @@ bool Selector::impulse_allowed(const Mode& m, const Vector& jump) const {
   Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(effect);
   decomposition.setThreshold(impulse_rank_tolerance);
   const Vector scaled = decomposition.solve(wanted);
-  const bool first_order = (effect * scaled - wanted).norm() <= impulse_tolerance * wanted.norm();
+  // A small jump is the difference of large states.
+  const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
+  const bool first_order = (effect * scaled - wanted).norm() <= tolerance * wanted.norm();
   if (!first_order) return true;
   Vector impulse = Vector::Zero(system_.ports);
   for (Eigen::Index i = 0; i < q; ++i) impulse[active[static_cast<std::size_t>(i)]] = scale[i] * scaled[i];
   const Vector response = system_.d * impulse;
-  const double least_impulse = -impulse_tolerance * impulse.cwiseAbs().maxCoeff();
+  const double least_impulse = -tolerance * impulse.cwiseAbs().maxCoeff();
   const double least_response = least_impulse * system_.d.cwiseAbs().maxCoeff();
   for (int i = 0; i < system_.diodes; ++i)
     if (m.active.contains(i) ? impulse[i] < least_impulse : response[i] < least_response) return false;
@@ -283,7 +287,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
         return &m;
       }
       const Vector jump = Eigen::Map<const Vector>(projected_.data(), size) - Eigen::Map<const Vector>(x, size);
-      if (!impulse_allowed(m, jump)) continue;
+      if (!impulse_allowed(m, x, jump)) continue;
       if (&m == previous || factor >= trusted_s_factor) {
         // Once more: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
         linalg::multiply(m.projector, projected_.data(), x);

@@ -59,7 +59,7 @@ class Selector {
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
-  bool impulse_allowed(const Mode& mode, const Vector& jump) const;
+  bool impulse_allowed(const Mode& mode, const double* x, const Vector& jump) const;
   void series(const double* x, double s, Problem& problem);
   void without_switches(const IndexSet& wanted, Problem& problem) const;
   std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);

@@ -99,7 +99,7 @@ Matrix feedback_on(const Matrix& v, const Matrix& a, const Matrix& b, const Matr
     const Long rest = right.cast<long double>() - scaled.cast<long double>() * x.cast<long double>();
     x += inverse * rest.cast<double>();
   }
-  return x * v.transpose();
+  return linalg::cleaned(x * v.transpose(), x.cwiseAbs() * v.cwiseAbs().transpose());
 }
 
 bool reaches_sources(const Matrix& v, int n_zeta) {

@@ -15,8 +15,9 @@ using linalg::Vector;
 constexpr std::size_t most_samples = 16;
 constexpr std::size_t most_first_visits = 32;
 constexpr int most_panels = 8;          ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
-/// A row whose terms never exceed this fraction of the island's largest carries nothing but rounding and is judged against that.
-constexpr double idle_row = 1e-6;
+/// A row whose terms never exceed this fraction of the island's largest is judged against that fraction: what it carries may be the
+/// rounding of the largest.
+constexpr double idle_row = 1e-3;
 constexpr double panel_rate = 0.5;       ///< rate·panel: eight Gauss points are exact to rounding there
 
 /// Gauss–Legendre, 8 points on [−1, 1] (Abramowitz & Stegun, table 25.4).
@@ -101,9 +102,9 @@ Residuals kirchhoff(const IslandModel& island, const Point& p) {
   return r;
 }
 
-double worst_relative(const Vector& residual, const Vector& size) {
+double worst_relative(const Vector& residual, const Vector& size, double unit) {
   double worst = 0.0;
-  const double floor = size.size() > 0 ? idle_row * size.maxCoeff() : 0.0;
+  const double floor = idle_row * std::max(unit, size.size() > 0 ? size.maxCoeff() : 0.0);
   for (Eigen::Index i = 0; i < residual.size(); ++i)
     if (size[i] > 0.0) worst = std::max(worst, residual[i] / std::max(size[i], floor));
   return worst;
@@ -156,10 +157,10 @@ void CertificateRecorder::start(const IslandModel& island, const double* x) {
 
 void CertificateRecorder::add(const IslandModel& island, const Segment& segment, double length) {
   const auto keep = [&](std::vector<Sample>& list) {
-    const auto ny = static_cast<std::ptrdiff_t>(segment.mode->ny);
-    list.push_back({&island, segment.mode, {segment.y0.begin(), segment.y0.begin() + ny}, length});
+    const auto ny = static_cast<std::ptrdiff_t>(segment.whole->ny);
+    list.push_back({&island, segment.whole, {segment.y0.begin(), segment.y0.begin() + ny}, length});
   };
-  if (segment.mode->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
+  if (segment.whole->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
   if (seen_++ % stride_ != 0) return;
   keep(samples_);
   if (samples_.size() < most_samples) return;
@@ -198,7 +199,10 @@ Certificate CertificateRecorder::check() const {
   }
   for (const auto& [island, scale] : scales) {
     const auto& [row, rate] = rows[island];
-    certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row), worst_relative(rate, scale.rate)});
+    // Rates that the island's largest voltage would make: at rest they are rounding of that.
+    const Matrix& sx = island->extraction.descriptor.sx;
+    const double unit_rate = sx.size() > 0 && scale.row.size() > 0 ? idle_row * scale.row.maxCoeff() * sx.cwiseAbs().maxCoeff() : 0.0;
+    certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row, 0.0), worst_relative(rate, scale.rate, unit_rate)});
     const double idle = idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
     const double energy = std::max(scale.energy, 0.5 * idle * idle);
     if (energy > 0.0) certificate.energy = std::max(certificate.energy, energies[island] / energy);

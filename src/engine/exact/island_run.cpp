@@ -68,9 +68,10 @@ void IslandRun::open(double time) {
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
   } else {
     const double tau = time - segment_.anchor;
-    // The march may have stepped past this instant; then the anchor is the place to start from.
-    if (tau < segment_.tau) std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), y.begin());
-    m.flow.apply(tau < segment_.tau ? tau : tau - segment_.tau, y.data(), work_.data());
+    // The march may have stepped past this instant, or go on in a slow part; then the anchor is the place to start from.
+    const bool from_anchor = tau < segment_.tau || segment_.part != nullptr;
+    if (from_anchor) std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), y.begin());
+    m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
   }
   model::from_mode(system_, m, y.data(), x.data());
 }
@@ -202,7 +203,8 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   open_ = false;
   event_ = {};
   const auto ny = static_cast<std::size_t>(mode->ny);
-  segment_.mode = mode;
+  segment_.mode = segment_.whole = mode;
+  segment_.part = nullptr;
   segment_.anchor = time;
   if (segment_.y0.size() < x.size()) {
     segment_.y0.resize(x.size());

@@ -18,6 +18,9 @@ constexpr double root_noise = 4.0 * epsilon;
 constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
+/// So many intervals in, a segment is worth looking for slow parts; what they may be off by, in time, against the segment's length.
+constexpr std::uint64_t intervals_before_parts = 6;
+constexpr double parting_error = 1e-9;
 /// Intervals a segment may take before its guards are sampled instead (and the run says so), and how finely.
 constexpr std::uint64_t most_intervals = 20000;
 constexpr double sampled_intervals = 1024.0;
@@ -374,11 +377,26 @@ Located Locator::locate(Segment& s, double end) {
     return located;
   }
   prepare(s);
+  located = march(s, end);
+  if (located.found && s.part) leave_slow_part(s, located);
+  return located;
+}
+
+Located Locator::march(Segment& s, double end) {
+  Located located;
   if (s.mode->piecewise_linear) return straight_lines(s, end);
   const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
   const bool undecided_start = std::any_of(s.departures.begin(), s.departures.end(), [](const auto& d) { return d.order < 0; });
   while (s.certified < end) {
+    if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
+      if (s.rows.empty()) {
+        s.certified = end;
+        return located;
+      }
+      if (s.mode->piecewise_linear) return straight_lines(s, end);
+      series_intervals = 0;
+    }
     const double rest = end - s.tau;
     derive(s);
     bound_second(s, rest);
@@ -387,6 +405,7 @@ Located Locator::locate(Segment& s, double end) {
       return located;
     }
     if (!s.mode->stiff && !undecided_start && march_by_series(s, end, located)) {
+      ++s.intervals;
       // A segment that long in the mode's own time means fast parts that do not matter: low orders step over those.
       if (++series_intervals > most_series_intervals) s.mode->stiff = true;
       if (located.found) return located;
@@ -395,6 +414,66 @@ Located Locator::locate(Segment& s, double end) {
     if (march_by_bounds(s, end, shortest, located)) return located;
   }
   return located;
+}
+
+/// Goes on in the slowest part whose fast remainder has died out; true when the part is a new one.
+bool Locator::enter_slow_part(Segment& s) {
+  const Mode& whole = *s.whole;
+  if (!whole.slow_parts_known) {
+    whole.slow_parts = model::slow_parts(*s.system, whole);
+    whole.slow_parts_known = true;
+  }
+  if (whole.slow_parts.empty() || s.part == whole.slow_parts.back().get()) return false;
+  const auto ny = static_cast<std::size_t>(whole.ny);
+  whole_y_.resize(ny);
+  slow_y_.resize(ny);
+  if (s.part) s.part->to_whole(s.y.data(), whole_y_.data());
+  else std::copy_n(s.y.begin(), ny, whole_y_.begin());
+  for (auto part = whole.slow_parts.rbegin(); part != whole.slow_parts.rend() && part->get() != s.part; ++part) {
+    if (!(*part)->enter(whole_y_.data(), slow_y_.data())) continue;
+    s.part = part->get();
+    s.mode = &s.part->mode;
+    s.step = 0.0;
+    std::copy_n(slow_y_.begin(), static_cast<std::size_t>(s.mode->ny), s.y.begin());
+    drop_idle_rows(s);
+    return true;
+  }
+  return false;
+}
+
+/// Guards that the slow part does not move stay where they are.
+void Locator::drop_idle_rows(Segment& s) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    if (s.mode->guard_constant[static_cast<std::size_t>(s.rows[i])] != 0) continue;
+    s.rows[kept] = s.rows[i];
+    s.departures[kept++] = s.departures[i];
+  }
+  s.rows.resize(kept);
+  s.departures.resize(kept);
+}
+
+/// The state of the whole mode at the event that its slow part has found: Newton's method on the whole flow from the anchor, so that
+/// nothing of the parting's rounding stays.
+void Locator::leave_slow_part(const Segment& s, Located& located) {
+  const Mode& whole = *s.whole;
+  const auto ny = static_cast<std::size_t>(whole.ny);
+  const auto at = [&](double tau) {
+    std::copy_n(s.y0.begin(), ny, whole_y_.begin());
+    whole.flow.apply_once(tau, whole_y_.data(), work_.data());
+  };
+  at(located.tau);
+  for (int round = 0; located.row >= 0 && round < 3; ++round) {
+    linalg::multiply(whole.flow.a(), whole_y_.data(), slow_y_.data());
+    const double slope = linalg::row_times(whole.guards, located.row, slow_y_.data());
+    const double value = linalg::row_times(whole.guards, located.row, whole_y_.data());
+    const double next = located.tau - value / slope;
+    if (value == 0.0 || !(std::abs(next - located.tau) <= parting_error * located.tau) || next == located.tau) break;
+    located.tau = next;
+    at(next);
+  }
+  event_.assign(whole_y_.begin(), whole_y_.begin() + static_cast<std::ptrdiff_t>(ny));
+  located.y = event_.data();
 }
 
 }  // namespace pwlsim::engine

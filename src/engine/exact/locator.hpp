@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/mode.hpp"
+#include "model/slow_part.hpp"
 #include "model/verify.hpp"
 
 namespace pwlsim::engine {
@@ -19,7 +20,9 @@ namespace pwlsim::engine {
 /// A segment: one mode from its anchor on. `tau` counts from the anchor.
 struct Segment {
   const model::System* system = nullptr;
-  const model::Mode* mode = nullptr;
+  const model::Mode* mode = nullptr;      ///< what is marched: the mode itself, or a slow part of it
+  const model::Mode* whole = nullptr;     ///< the mode itself
+  const model::SlowPart* part = nullptr;  ///< of which `mode` is the mode; y is then in its coordinates
   double anchor = 0.0;               ///< absolute time, s
   std::vector<double> y0;            ///< state at the anchor
   std::vector<int> rows;             ///< guard rows in force
@@ -77,6 +80,10 @@ class Locator {
   bool march_by_series(Segment& segment, double end, Located& located);
   Located straight_lines(Segment& segment, double end);
   void accept(Segment& segment, double h, double end);
+  Located march(Segment& segment, double end);
+  bool enter_slow_part(Segment& segment);
+  void drop_idle_rows(Segment& segment);
+  void leave_slow_part(const Segment& segment, Located& located);
   void differentiate(const Segment& segment);
   void series_state(const Segment& segment, double step, double* out);
   struct Isolated {
@@ -94,6 +101,7 @@ class Locator {
 
   std::size_t size_ = 0;                    ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
+  std::vector<double> whole_y_, slow_y_;    ///< of a segment that enters or leaves a slow part
   std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
   std::vector<double> derivatives_;        ///< A^j y at the interval's start, j = 0 … order + 1
   std::vector<double> guard_derivatives_;  ///< rows × (order + 1)
