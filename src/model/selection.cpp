@@ -251,8 +251,9 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jum
   }
   Vector wanted = Vector::Zero(size + q);
   wanted.head(size) = jump / root;
-  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(effect);
-  decomposition.setThreshold(impulse_rank_tolerance);
+  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
+  decomposition.setThreshold(impulse_rank_tolerance);  // before compute(), which leaves undone what its rank does not call for
+  decomposition.compute(effect);
   const Vector scaled = decomposition.solve(wanted);
   // A small jump is the difference of large states.
   const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
