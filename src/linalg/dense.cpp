@@ -48,7 +48,29 @@ Matrix cleaned(Matrix m, const Matrix& bound) {
   return m;
 }
 
-Matrix clean_product(const Matrix& x, const Matrix& y) { return cleaned(Matrix(x * y), Matrix(x.cwiseAbs() * y.cwiseAbs())); }
+Matrix clean_product(const Matrix& x, const Matrix& y) { return clean_sum(Matrix::Zero(x.rows(), y.cols()), x, y); }
+
+/// Column by column, without the temporaries of an expression in whole matrices.
+Matrix clean_sum(Matrix base, const Matrix& x, const Matrix& y) {
+  const Eigen::Index rows = base.rows();
+  Vector bound(rows);
+  for (Eigen::Index j = 0; j < base.cols(); ++j) {
+    double* sum = base.data() + j * rows;
+    for (Eigen::Index i = 0; i < rows; ++i) bound[i] = std::abs(sum[i]);
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      const double factor = y(k, j);
+      if (factor == 0.0) continue;
+      const double* column = x.data() + k * rows;
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        sum[i] += column[i] * factor;
+        bound[i] += std::abs(column[i] * factor);
+      }
+    }
+    for (Eigen::Index i = 0; i < rows; ++i)
+      if (std::abs(sum[i]) <= clean_tolerance * bound[i]) sum[i] = 0.0;
+  }
+  return base;
+}
 
 WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound) {
   clean(m, bound, wide_clean_tolerance);

@@ -34,6 +34,8 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
 /// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
 inline constexpr double clean_tolerance = 1e-14;
 [[nodiscard]] Matrix clean_product(const Matrix& x, const Matrix& y);
+/// B + X·Y with every entry below clean_tolerance·(|B| + |X||Y|) set to zero.
+[[nodiscard]] Matrix clean_sum(Matrix base, const Matrix& x, const Matrix& y);
 
 /// M with entries below clean_tolerance·bound set to zero, entry by entry.
 [[nodiscard]] Matrix cleaned(Matrix m, const Matrix& bound);

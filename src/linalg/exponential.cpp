@@ -32,6 +32,42 @@ void sum_small_series(const double* a, double tau, double* y) {
   sum.store(y);
 }
 
+/// e^{Aτ} − I, column by column.
+template <int length>
+void small_minus_identity(const double* a, double tau, double* x) {
+  for (int j = 0; j < length; ++j, x += length) {
+    auto term = Small<length>::load(a + j * length);
+    term.scale(tau);
+    auto sum = term;
+    double largest_term = term.size();
+    for (int k = 2; k <= most_terms; ++k) {
+      term = product(a, term);
+      term.scale(tau / k);
+      sum.add(term);
+      const double change = term.size();
+      if (change <= negligible * largest_term) break;
+      largest_term = std::max(largest_term, change);
+    }
+    sum.store(x);
+  }
+}
+
+/// e^{2Aτ} − I from X = e^{Aτ} − I.
+Matrix squared(const Matrix& x) {
+  Matrix result = 2.0 * x;
+  const Eigen::Index n = x.rows();
+  const bool small = with_length(n, [&]<int length>(Length<length>) {
+    for (int j = 0; j < length; ++j) {
+      double* column = result.data() + j * length;
+      auto sum = Small<length>::load(column);
+      for (int k = 0; k < length; ++k) sum.add_multiple(x.data() + k * length, x(k, j));
+      sum.store(column);
+    }
+  });
+  if (!small) result += x * x;
+  return result;
+}
+
 double largest_entry(const double* x, Eigen::Index n) {
   double value = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) value = std::max(value, std::abs(x[i]));
@@ -124,8 +160,10 @@ bool Exponential::shift(double tau, double* y, double* work) const {
 }
 
 Matrix Exponential::taylor_minus_identity(double tau) const {
+  Matrix sum(a_.rows(), a_.cols());
+  if (with_length(a_.rows(), [&]<int length>(Length<length>) { small_minus_identity<length>(a_.data(), tau, sum.data()); })) return sum;
   Matrix term = a_ * tau;
-  Matrix sum = term;
+  sum = term;
   for (int k = 2; k <= most_terms; ++k) {
     term = (a_ * term) * (tau / k);
     sum += term;
@@ -139,7 +177,7 @@ const Matrix& Exponential::power(int p) const {
   if (found != powers_.end()) return found->second;
   if (p <= base_) return powers_[p] = taylor_minus_identity(std::ldexp(1.0, p));
   const Matrix& half = power(p - 1);
-  return powers_[p] = 2.0 * half + half * half;
+  return powers_[p] = squared(half);
 }
 
 Matrix Exponential::minus_identity(double tau) const {
@@ -147,7 +185,7 @@ Matrix Exponential::minus_identity(double tau) const {
   if (n == 0 || tau == 0.0) return Matrix::Zero(n, n);
   const int halvings = rate_ * tau > 0.5 * radius ? static_cast<int>(std::ceil(std::log2(rate_ * tau / (0.5 * radius)))) : 0;
   Matrix x = taylor_minus_identity(std::ldexp(tau, -halvings));
-  for (int i = 0; i < halvings; ++i) x = 2.0 * x + x * x;
+  for (int i = 0; i < halvings; ++i) x = squared(x);
   return x;
 }
 

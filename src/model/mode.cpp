@@ -11,6 +11,7 @@ namespace pwlsim::model {
 namespace {
 
 using linalg::clean_product;
+using linalg::clean_sum;
 using linalg::cleaned;
 
 /// Pivots of D_JJ (order one by construction) below this are zero.
@@ -126,8 +127,7 @@ class Builder {
   void reduce_coordinates();
   void build_flow();
   void build_rows();
-  [[nodiscard]] Vector in_mode(const Vector& state_row) const;
-  [[nodiscard]] Vector output_in_mode(const OutputRow& row) const;
+  [[nodiscard]] Matrix in_mode(const Matrix& state_rows, const Matrix& input_rows) const;
 
   const System& s_;
   Restricted r_;
@@ -256,8 +256,7 @@ void Builder::reduce_coordinates() {
 
 void Builder::build_flow() {
   Mode& m = *mode_;
-  const Matrix bk = s_.b * m.k;
-  const Matrix full = cleaned(s_.a + bk, s_.a.cwiseAbs() + s_.b.cwiseAbs() * m.k.cwiseAbs());
+  const Matrix full = clean_sum(s_.a, s_.b, m.k);
   Matrix a = full;
   if (m.constrained) {
     const int n = s_.n;
@@ -271,50 +270,52 @@ void Builder::build_flow() {
   set_flow(s_, m, std::move(a));
 }
 
-Vector Builder::in_mode(const Vector& row) const {
+/// Rows that read x and u as rows that read y.
+Matrix Builder::in_mode(const Matrix& state_rows, const Matrix& input_rows) const {
   const Mode& m = *mode_;
-  if (!m.constrained) return row;
-  Vector result(m.ny);
-  const Matrix on_state = row.head(s_.n).transpose();
-  result.head(m.n1) = clean_product(on_state, m.basis).transpose();
-  const Matrix lifted = on_state * m.lift;
-  const Matrix bound = on_state.cwiseAbs() * m.lift.cwiseAbs() + row.tail(s_.n_zeta).cwiseAbs().transpose();
-  result.tail(s_.n_zeta) = cleaned(lifted + Matrix(row.tail(s_.n_zeta).transpose()), bound).transpose();
+  Matrix full = clean_sum(state_rows, input_rows, m.k);
+  if (!m.constrained) return full;
+  Matrix result(full.rows(), m.ny);
+  const Matrix on_state = full.leftCols(s_.n);
+  result.leftCols(m.n1) = clean_product(on_state, m.basis);
+  result.rightCols(s_.n_zeta) = clean_sum(full.rightCols(s_.n_zeta), on_state, m.lift);
   return result;
-}
-
-Vector Builder::output_in_mode(const OutputRow& row) const {
-  Vector full = row.state + mode_->k.transpose() * row.input;
-  const Vector bound = row.state.cwiseAbs() + mode_->k.cwiseAbs().transpose() * row.input.cwiseAbs();
-  for (Eigen::Index i = 0; i < full.size(); ++i)
-    if (std::abs(full[i]) <= linalg::clean_tolerance * bound[i]) full[i] = 0.0;
-  return in_mode(full);
 }
 
 void Builder::build_rows() {
   Mode& m = *mode_;
   const auto controls = static_cast<int>(s_.controls.size());
-  m.guards.resize(s_.diodes + 2 * controls, m.ny);
+  const auto outputs = static_cast<int>(s_.outputs.size());
+  Matrix state = Matrix::Zero(s_.diodes + controls + outputs, s_.size());
+  Matrix input = Matrix::Zero(state.rows(), s_.ports);
   for (int i = 0; i < s_.diodes; ++i) {
-    const Vector row = m.active.contains(i)
-                           ? in_mode(m.k.row(i).transpose())
-                           : output_in_mode({s_.c.row(i).transpose(), s_.d.row(i).transpose()});
-    m.guards.row(i) = row.transpose();
+    if (m.active.contains(i)) {
+      input(i, i) = 1.0;
+    } else {
+      state.row(i) = s_.c.row(i);
+      input.row(i) = s_.d.row(i);
+    }
   }
+  for (int i = 0; i < controls + outputs; ++i) {
+    const OutputRow& row = i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
+    state.row(s_.diodes + i) = row.state.transpose();
+    input.row(s_.diodes + i) = row.input.transpose();
+  }
+  const Matrix rows = in_mode(state, input);
+  m.guards.resize(s_.diodes + 2 * controls, m.ny);
+  m.guards.topRows(s_.diodes) = rows.topRows(s_.diodes);
   for (int i = 0; i < controls; ++i) {
     const Control& control = s_.controls[static_cast<std::size_t>(i)];
-    const Vector value = output_in_mode(control.value);
     const int constant = s_.exosystem->constant();
     const int on_row = s_.diodes + 2 * i;
-    m.guards.row(on_row) = value.transpose();
-    m.guards.row(on_row + 1) = -value.transpose();
+    m.guards.row(on_row) = rows.row(s_.diodes + i);
+    m.guards.row(on_row + 1) = -rows.row(s_.diodes + i);
     if (constant >= 0) {
       m.guards(on_row, m.n1 + constant) -= control.off_level;
       m.guards(on_row + 1, m.n1 + constant) += control.on_level;
     }
   }
-  m.outputs.resize(static_cast<Eigen::Index>(s_.outputs.size()), m.ny);
-  for (std::size_t i = 0; i < s_.outputs.size(); ++i) m.outputs.row(static_cast<Eigen::Index>(i)) = output_in_mode(s_.outputs[i]).transpose();
+  m.outputs = rows.bottomRows(outputs);
   finish_rows(s_, m);
 }
 
