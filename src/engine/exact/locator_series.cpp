@@ -17,7 +17,11 @@ using model::Mode;
 constexpr int order = 10;
 constexpr double exact_reach = 0.14;  ///< rate·step up to which the series of this order is exact to rounding
 constexpr double longest_reach = 12.0;  ///< rate·h beyond which the remainder never passes
-constexpr int most_halvings = 8;      ///< of it, before the tests of low order take over
+constexpr double shorter = 0.7;       ///< of an interval that could not be decided
+constexpr double longer = 1.15;       ///< of the reach, after an interval decided at once
+constexpr int most_shortenings = 16;  ///< before the tests of low order take over
+constexpr double beyond_end = 1.25;   ///< of what is left: tried where a guard seems to be zero at the very end
+constexpr double bracket_margin = 0.02;  ///< of the interval, behind an isolated root
 constexpr int most_depth = 6;         ///< of subdivision
 constexpr double factorial_next = 39916800.0;  ///< (order + 1)!
 
@@ -62,6 +66,8 @@ struct Piece {
 /// Walks from left to right; positive everywhere, or the first place where it is not. `rest` bounds the remainder, `rest_slope` its
 /// derivative over the whole unit interval.
 Piece walk(const Coefficients& b, double rest, double rest_slope, double low, double high, int depth) {
+  // Every verdict needs a value above the remainder at the left end, which subdividing does not move.
+  if (!(b[0] > rest)) return {Shape::unclear, low, high};
   double least = b[0], steepest = INFINITY, flattest = -INFINITY;
   for (std::size_t k = 1; k < b.size(); ++k) {
     least = std::min(least, b[k]);
@@ -70,8 +76,8 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   }
   if (least > rest) return {Shape::positive, low, high};
   const double slope = rest_slope * (high - low) / order;
-  if (flattest < -slope && b[0] > rest && b[order] < -rest) return {Shape::one_root, low, high};
-  if (steepest > slope && b[0] > rest) return {Shape::positive, low, high};
+  if (flattest < -slope && b[order] < -rest) return {Shape::one_root, low, high};
+  if (steepest > slope) return {Shape::positive, low, high};
   if (depth == most_depth) return {Shape::unclear, low, high};
   Coefficients left{}, right{};
   split(b, left, right);
@@ -79,6 +85,14 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   const Piece first = walk(left, rest, rest_slope, low, middle, depth + 1);
   if (first.shape != Shape::positive) return first;
   return walk(right, rest, rest_slope, middle, high, depth + 1);
+}
+
+double remainder_power(double h) { return std::pow(h, order + 1) / factorial_next; }
+
+double value_at(const Coefficients& c, double place) {
+  double value = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) value = value * place + c[k];
+  return value;
 }
 
 /// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket.
@@ -152,19 +166,24 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
   if (start == 0 && c[0] - others > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
   // What a value of this guard is worth, against which its own rounding counts.
   rest += noise_of(s, s.rows[i]) * (start > 0 ? 0.0 : 0.1);
-  const Piece piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
+  Piece piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
   if (piece.shape == Shape::positive) return {Verdict::excluded, 0.0, 0.0, 0.0};
   if (piece.shape == Shape::unclear) return {Verdict::undecided, 0.0, 0.0, 0.0};
-  return {Verdict::one_root, piece.low * h, piece.high * h, polynomial_root(c, piece.low, piece.high) * h};
+  const double root = polynomial_root(c, piece.low, piece.high);
+  const double behind = root + bracket_margin;
+  if (behind < piece.high && value_at(c, behind) < -rest) piece.high = behind;
+  return {Verdict::one_root, piece.low * h, piece.high * h, root * h};
 }
 
 /// One interval; false when the series cannot decide even a short one.
 bool Locator::march_by_series(Segment& s, double end, Located& located) {
   const double rest = end - s.tau;
   const double rate = s.mode->flow.rate();
-  double h = rate > 0.0 ? std::min(rest, s.mode->reach / rate) : rest;
+  const double longest = rate > 0.0 ? s.mode->reach / rate : INFINITY;
+  double h = std::min(rest, longest);
   differentiate(s);
-  for (int halving = 0; halving <= most_halvings; ++halving, h *= 0.5) {
+  for (int attempt = 0; attempt <= most_shortenings; ++attempt) {
+    if (attempt > 0) h = attempt == 1 && h == rest && beyond_end * rest <= longest ? beyond_end * rest : std::min(h, rest) * shorter;
     ++intervals_;
     double first = INFINITY;
     Isolated root;
@@ -172,19 +191,22 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     bool clear = true;
     const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
     const Bound bound = bound_of(s, order + 1, last, h);
-    const double power = std::pow(h, order + 1) / factorial_next;
+    double length = h;  // behind the first root so far nothing matters
+    double power = remainder_power(length);
     for (std::size_t i = 0; clear && i < s.rows.size(); ++i) {
-      const Isolated found = isolate_root(s, i, h, bound_at(s, bound, s.rows[i]) * power);
+      const Isolated found = isolate_root(s, i, length, bound_at(s, bound, s.rows[i]) * power);
       clear = found.verdict != Verdict::undecided;
       if (found.verdict != Verdict::one_root || found.guess >= first) continue;
       first = found.guess;
       root = found;
       which = i;
+      length = found.upper;
+      power = remainder_power(length);
     }
     if (!clear) continue;
     // The next interval of this mode begins with what served here, and a little more where it served at once.
-    if (halving > 0) s.mode->reach = rate * h;
-    else if (h < rest) s.mode->reach = std::min(1.5 * s.mode->reach, longest_reach);
+    if (attempt > 0) s.mode->reach = rate * h;
+    else if (h < rest) s.mode->reach = std::min(longer * s.mode->reach, longest_reach);
     if (!(first < INFINITY)) {
       series_state(s, h, ye_.data());
       accept(s, h, end);
