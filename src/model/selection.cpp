@@ -327,22 +327,29 @@ const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int 
 /// differs (the split between parallel diodes, the potential of a floating part).
 bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {
   const Vector start = Eigen::Map<const Vector>(x, system_.size());
-  const Matrix fa = system_.a + system_.b * a.k;
-  const Matrix fb = system_.a + system_.b * b.k;
-  Vector za = start;
-  Vector zb = start;
+  Vector za = start, zb = start, moved(start.size());
+  Vector ua(system_.ports), ub(system_.ports), ya(system_.ports), dy(system_.ports);
+  const auto differentiate = [&](Vector& z, const Vector& u) {
+    linalg::multiply(system_.a, z.data(), moved.data());
+    linalg::multiply(system_.b, u.data(), z.data());
+    z = (z + moved) / rate_;
+  };
   double size = start.norm();
   for (int j = 0; j <= system_.size(); ++j) {
     if ((za - zb).norm() > alike_tolerance * size) return false;
-    const Vector ua = a.k * za;
-    const Vector ub = b.k * zb;
+    linalg::multiply(a.k, za.data(), ua.data());
+    linalg::multiply(b.k, zb.data(), ub.data());
+    linalg::multiply(system_.c, za.data(), ya.data());
+    const double port_size = std::max({ua.cwiseAbs().maxCoeff(), ub.cwiseAbs().maxCoeff(), ya.cwiseAbs().maxCoeff()});
+    moved = za - zb;
+    linalg::multiply(system_.c, moved.data(), dy.data());
     const Vector du = ua - ub;
-    const Vector dy = system_.c * (za - zb) + system_.d * du;
-    const double port_size = std::max({ua.cwiseAbs().maxCoeff(), ub.cwiseAbs().maxCoeff(), (system_.c * za).cwiseAbs().maxCoeff()});
+    linalg::multiply(system_.d, du.data(), ya.data());
+    dy += ya;
     for (int i = 0; i < system_.ports; ++i)
       if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size) return false;
-    za = fa * za / rate_;
-    zb = fb * zb / rate_;
+    differentiate(za, ua);
+    differentiate(zb, ub);
     size = std::max({size * 1e-3, za.norm(), zb.norm()});
   }
   return true;

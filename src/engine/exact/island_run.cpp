@@ -190,6 +190,11 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
     if (std::find(control_rows_.begin(), control_rows_.end(), twin) == control_rows_.end()) control_rows_.push_back(twin);
   }
   if (control_rows_.empty()) return;
+  if (mode->piecewise_linear) {  // straight lines are solved, not searched
+    rows.insert(rows.end(), control_rows_.begin(), control_rows_.end());
+    departures.resize(rows.size());
+    return;
+  }
   departures_.resize(control_rows_.size());
   verifier_.departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
   for (std::size_t i = 0; i < control_rows_.size(); ++i) {
