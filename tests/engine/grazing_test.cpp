@@ -83,6 +83,34 @@ TEST_CASE("a tank between clamps keeps its energy over 100,000 periods", "[long]
   check_tank(phase, 1e5, 1e-8);
 }
 
+// v'' = −v + A sin t from rest: v = A(sin t − t cos t)/2, whose peaks reach the clamp after 31,831 periods.
+TEST_CASE("a clamp is found that a slowly growing oscillation reaches at last", "[hard]") {
+  constexpr long double amplitude = 1e-5L;
+  const auto v = [](long double t) { return amplitude * (std::sin(t) - t * std::cos(t)) / 2; };
+  long double peak = std::numbers::pi_v<long double>;
+  while (v(peak) <= 1) peak += 2 * std::numbers::pi_v<long double>;
+  long double low = peak - 1, high = peak;
+  for (int i = 0; i < 100; ++i) {
+    const long double middle = (low + high) / 2;
+    (v(middle) < 1 ? low : high) = middle;
+  }
+  Circuit c;
+  c.v("s", "0", sine(static_cast<double>(amplitude)));
+  c.l("s", "a", 1.0);
+  c.c("a", "0", 1.0);
+  c.v("k", "0", model::Dc{1.0});
+  c.d("a", "k");
+  c.save_v("a");
+  const Run run = simulate(c.network(), {static_cast<double>(peak) + 3.0, 1, true, true});
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.remarks.empty());
+  const auto times = event_times(run);
+  REQUIRE(times.size() == 2);
+  const auto rounding = static_cast<double>(low) * 1e-16;  // of the phase, and so of v
+  const auto slope = static_cast<double>((v(low + 1e-6L) - v(low - 1e-6L)) / 2e-6L);
+  CHECK(std::abs(times[0] - static_cast<double>(low)) <= 10.0 * rounding / slope);
+}
+
 // Hard case 31: x = A sin t. A = 1 + ε hits the stop at asin(1/A), the speed jumps to zero and x = cos(t − t_c) leaves at once.
 TEST_CASE("31: a stop that is barely reached, or barely not", "[hard]") {
   const double excess = GENERATE(1e-2, 1e-4, 1e-6, 1e-8, 1e-9);

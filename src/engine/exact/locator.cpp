@@ -21,9 +21,15 @@ constexpr int most_series_intervals = 40;
 /// So many intervals in, a segment is worth looking for slow parts; what they may be off by, in time, against the segment's length.
 constexpr std::uint64_t intervals_before_parts = 6;
 constexpr double parting_error = 1e-9;
-/// Intervals a segment may take before its guards are sampled instead (and the run says so), and how finely.
-constexpr std::uint64_t most_intervals = 20000;
+/// So many intervals in, a segment that would need more than `most_intervals` has its guards sampled instead (and the run says so),
+/// and how finely. A lossless ring that is followed for 10⁵ periods takes some 10⁶.
+constexpr std::uint64_t intervals_before_sampling = 20000;
+constexpr double most_intervals = 1e8;
 constexpr double sampled_intervals = 1024.0;
+
+bool has_to_sample(const Segment& s, double end) {
+  return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
+}
 
 }  // namespace
 
@@ -295,13 +301,14 @@ bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& 
   const double rest = end - s.tau;
   // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
   double h = s.step > 0.0 ? std::min(2.0 * s.step, rest) : rest;
-  if (s.intervals > most_intervals) h = std::max(h, rest / sampled_intervals);
+  const bool sampled = has_to_sample(s, end);
+  if (sampled) h = std::max(h, rest / sampled_intervals);
   if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
   for (bool decided = false; !decided;) {
     bound_second(s, h);
     if (try_interval(s, h, end, located, decided)) return true;
     if (decided) break;
-    if (s.intervals > most_intervals) {
+    if (sampled) {
       if (sample_interval(s, h, end, located)) return true;
       break;
     }
