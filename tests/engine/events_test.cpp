@@ -50,6 +50,14 @@ TEST_CASE("what happens at t = 0 is no event, what happens at the end is one", "
   CHECK(run.rows.at(0)[1] == 1.0);
 }
 
+TEST_CASE("events before the first output time have no rows, but count", "[unit]") {
+  const Run run = simulate(loaded_source(pulse(0.5, 0.0, 1.0, 2.0)).network(), {4.0, 2, true, true, 2.0});
+  std::vector<double> times;
+  for (const auto& row : run.rows) times.push_back(row[0]);
+  CHECK(times == std::vector<double>{2.0, 2.5, 2.5, 3.0, 3.5, 3.5, 4.0});
+  CHECK(run.answer.statistics.events == 4);
+}
+
 TEST_CASE("jumps of two sources at one instant are one event", "[unit]") {
   Circuit c = loaded_source(pulse(0.5, 0.0, 1.0, 2.0));
   c.v("d", "0", pulse(0.5, 0.0, 0.25, 2.0));

@@ -40,7 +40,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
   tolerance_ = merge_fraction * request.stop;
-  if (request.grid.rows > 0) row_time_ = request.grid.time(0);
+  if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
   if (request.grid.rows > 2)
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
 }
@@ -127,14 +127,15 @@ bool Transient::handle(double time) {
   for (const auto& island : islands_)
     any |= island.next_break() <= time + tolerance_ || (island.has_event() && island.event_time() <= time);
   if (!any) return true;
-  if (request_.events) fill_row(time, row_before_.data());
+  const bool has_rows = request_.events && time >= first_row_time_ - tolerance_;
+  if (has_rows) fill_row(time, row_before_.data());
   open_event_islands(time, instant);
   if (!settle(instant, false)) return false;
   const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
   if (!happened) return watch_accumulation(instant);  // nothing but a corner of a source
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
-  if (request_.events) {
+  if (has_rows) {
     // On the grid the row's own time is written.
     const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
     row_before_[0] = last_event_row_ = on_grid ? row_time_ : time;

@@ -63,7 +63,7 @@ class Transient {
   std::vector<double> rows_, row_before_;
   std::size_t buffered_ = 0;
   std::uint64_t next_row_ = 0;
-  double row_time_ = 0.0;
+  double row_time_ = 0.0, first_row_time_ = 0.0;
   double last_event_row_ = -1.0;            ///< time of the last row written after an event
   double crowd_start_ = 0.0;
   std::uint64_t crowd_ = 0;
