@@ -43,6 +43,14 @@ void multiply(const Matrix& m, const double* x, double* y) {
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
+Matrix product(const Matrix& x, const Matrix& y) {
+  Matrix result(x.rows(), y.cols());
+  for (Eigen::Index j = 0; j < y.cols(); ++j) multiply(x, y.data() + j * y.rows(), result.data() + j * x.rows());
+  return result;
+}
+
+Matrix absolute_product(const Matrix& x, const Matrix& y) { return product(x.cwiseAbs(), y.cwiseAbs()); }
+
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);
   return m;

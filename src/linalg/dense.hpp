@@ -31,6 +31,10 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return std::sqrt(sum);
 }
 
+/// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
+[[nodiscard]] Matrix product(const Matrix& x, const Matrix& y);
+[[nodiscard]] Matrix absolute_product(const Matrix& x, const Matrix& y);
+
 /// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
 inline constexpr double clean_tolerance = 1e-14;
 [[nodiscard]] Matrix clean_product(const Matrix& x, const Matrix& y);

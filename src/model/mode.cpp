@@ -10,9 +10,11 @@ namespace pwlsim::model {
 
 namespace {
 
+using linalg::absolute_product;
 using linalg::clean_product;
 using linalg::clean_sum;
 using linalg::cleaned;
+using linalg::product;
 
 /// Pivots of D_JJ (order one by construction) below this are zero.
 constexpr double feedthrough_tolerance = 1e-10;
@@ -99,6 +101,21 @@ void finish_rows(const System& system, Mode& m) {
   }
 }
 
+/// Basis of {y : yᵀM = 0} from P M Q = L U: the rows of L⁻¹P behind the rank.
+Matrix left_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
+  const auto q = lu.matrixLU().rows();
+  Matrix kernel = Matrix::Identity(q, q).rightCols(q - rank);
+  lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(kernel);
+  return lu.permutationP().transpose() * kernel;
+}
+
+/// Entries (i, j) that are rounding of row_size_i·column_size_j become zero.
+void clean_against(Matrix& m, const Vector& row_size, const Vector& column_size) {
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      if (std::abs(m(i, j)) <= linalg::clean_tolerance * row_size[i] * column_size[j]) m(i, j) = 0.0;
+}
+
 class Builder {
  public:
   Builder(const System& system, const IndexSet& active) : s_(system), r_(restrict_to(system, active)) {
@@ -166,18 +183,14 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
   Matrix right = zero ? Matrix(Matrix::Identity(q, q)) : Matrix(lu.kernel());
   Matrix left = right;
   if (!zero) {
-    Eigen::FullPivLU<Matrix> transposed(r_.d.transpose());
-    transposed.setThreshold(feedthrough_tolerance / transposed.maxPivot());
-    left = transposed.kernel();
-    if (left.cols() != right.cols()) return false;
+    left = left_kernel(lu, rank);
     kj_ = -lu.solve(r_.c);
   }
   // An entry of a null vector is exact to the rounding of its largest.
-  const auto rounding = [](const Matrix& vectors) {
-    return Matrix(Vector::Ones(vectors.rows()) * vectors.cwiseAbs().colwise().maxCoeff());
-  };
-  Matrix constraint = cleaned(left.transpose() * r_.c, rounding(left).transpose() * r_.c.cwiseAbs());
-  Matrix jump = cleaned(r_.b * right, r_.b.cwiseAbs() * rounding(right));
+  Matrix constraint = product(left.transpose(), r_.c);
+  clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
+  Matrix jump = product(r_.b, right);
+  clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
   const auto count = right.cols();
   Vector row_norm(count), column_norm(count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -188,16 +201,19 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
   constraint.array().colwise() /= row_norm.array();
   jump.array().rowwise() /= column_norm.transpose().array();
   right.array().rowwise() /= column_norm.transpose().array();
-  const Matrix gain = constraint * jump;
-  Eigen::FullPivLU<Matrix> gain_lu(gain);
+  const Eigen::FullPivLU<Matrix> gain_lu(product(constraint, jump));
   const double smallest = std::abs(gain_lu.matrixLU()(count - 1, count - 1));
   if (smallest < jump_rank_tolerance) return false;
   condition_ = std::max(condition_, gain_lu.maxPivot() / smallest);
-  const Matrix drift = constraint * (s_.a + r_.b * kj_);
-  const Matrix drift_bound = constraint.cwiseAbs() * (s_.a.cwiseAbs() + r_.b.cwiseAbs() * kj_.cwiseAbs());
-  const Matrix correction = right * gain_lu.solve(drift);
-  kj_ = cleaned(kj_ - correction, kj_.cwiseAbs() + right.cwiseAbs() * (gain_lu.inverse().cwiseAbs() * drift_bound));
-  mode_->projector = Matrix::Identity(s_.size(), s_.size()) - jump * gain_lu.solve(constraint);
+  const auto size = static_cast<Eigen::Index>(s_.size());
+  Matrix bound = s_.a.cwiseAbs();
+  bound += absolute_product(r_.b, kj_);
+  Matrix wanted(count, 2 * size + count);  // R(A + BK), R and 1
+  wanted << product(constraint, s_.a + product(r_.b, kj_)), constraint, Matrix::Identity(count, count);
+  const Matrix solved = gain_lu.solve(wanted);
+  bound = absolute_product(right, absolute_product(solved.rightCols(count), absolute_product(constraint, bound))) + kj_.cwiseAbs();
+  kj_ = cleaned(kj_ - product(right, solved.leftCols(size)), bound);
+  mode_->projector = Matrix::Identity(size, size) - product(jump, solved.middleCols(size, size));
   constraints_ = constraint;
   return true;
 }
