@@ -9,11 +9,13 @@ namespace pwlsim::linalg {
 
 namespace {
 
-using FullSvd = Eigen::JacobiSVD<Matrix, Eigen::FullPivHouseholderQRPreconditioner>;
+template <class M>
+using FullSvd = Eigen::JacobiSVD<M, Eigen::FullPivHouseholderQRPreconditioner>;
 
-Eigen::Index numerical_rank(const Vector& singular_values, double tolerance, double scale) {
+template <class Values>
+Eigen::Index numerical_rank(const Values& singular_values, double tolerance, double scale) {
   if (singular_values.size() == 0) return 0;
-  const double threshold = tolerance * (scale > 0.0 ? scale : singular_values[0]);
+  const auto threshold = tolerance * (scale > 0.0 ? static_cast<typename Values::Scalar>(scale) : singular_values[0]);
   Eigen::Index rank = 0;
   while (rank < singular_values.size() && singular_values[rank] > threshold) ++rank;
   return rank;
@@ -24,6 +26,54 @@ void clean(M& m, const M& bound, Tolerance tolerance) {
   for (Eigen::Index j = 0; j < m.cols(); ++j)
     for (Eigen::Index i = 0; i < m.rows(); ++i)
       if (std::abs(m(i, j)) <= tolerance * bound(i, j)) m(i, j) = 0;
+}
+
+/// B + X·Y, cleaned, column by column, without the temporaries of an expression in whole matrices.
+template <class M, class Scalar>
+M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
+  const Eigen::Index rows = base.rows();
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> bound(rows);
+  for (Eigen::Index j = 0; j < base.cols(); ++j) {
+    Scalar* sum = base.data() + j * rows;
+    for (Eigen::Index i = 0; i < rows; ++i) bound[i] = std::abs(sum[i]);
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      const Scalar factor = y(k, j);
+      if (factor == 0) continue;
+      const Scalar* column = x.data() + k * rows;
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        sum[i] += column[i] * factor;
+        bound[i] += std::abs(column[i] * factor);
+      }
+    }
+    for (Eigen::Index i = 0; i < rows; ++i)
+      if (std::abs(sum[i]) <= tolerance * bound[i]) sum[i] = 0;
+  }
+  return base;
+}
+
+template <class M>
+M null_space_of(const M& m, double tolerance, double scale) {
+  if (m.cols() == 0) return M(0, 0);
+  if (m.rows() == 0) return M::Identity(m.cols(), m.cols());
+  const FullSvd<M> svd(m, Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, scale);
+  return svd.matrixV().rightCols(m.cols() - rank);
+}
+
+template <class M>
+M range_space_of(const M& m, double tolerance, double scale) {
+  if (m.cols() == 0 || m.rows() == 0) return M(m.rows(), 0);
+  const FullSvd<M> svd(m, Eigen::ComputeFullU);
+  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
+}
+
+template <class M>
+M pseudo_inverse_of(const M& m, double tolerance) {
+  if (m.cols() == 0 || m.rows() == 0) return M::Zero(m.cols(), m.rows());
+  const FullSvd<M> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
+  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
+         svd.matrixU().leftCols(rank).transpose();
 }
 
 }  // namespace
@@ -43,41 +93,31 @@ void multiply(const Matrix& m, const double* x, double* y) {
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
-Matrix product(const Matrix& x, const Matrix& y) {
-  Matrix result(x.rows(), y.cols());
-  for (Eigen::Index j = 0; j < y.cols(); ++j) multiply(x, y.data() + j * y.rows(), result.data() + j * x.rows());
+WideMatrix product(const WideMatrix& x, const WideMatrix& y) {
+  const Eigen::Index rows = x.rows();
+  WideMatrix result = WideMatrix::Zero(rows, y.cols());
+  for (Eigen::Index j = 0; j < y.cols(); ++j)
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      const Wide factor = y(k, j);
+      if (factor == 0) continue;
+      for (Eigen::Index i = 0; i < rows; ++i) result(i, j) += x(i, k) * factor;
+    }
   return result;
 }
 
-Matrix absolute_product(const Matrix& x, const Matrix& y) { return product(x.cwiseAbs(), y.cwiseAbs()); }
+WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product(x.cwiseAbs(), y.cwiseAbs()); }
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);
   return m;
 }
 
+Matrix clean_sum(Matrix base, const Matrix& x, const Matrix& y) { return clean_sum_of(std::move(base), x, y, clean_tolerance); }
+
 Matrix clean_product(const Matrix& x, const Matrix& y) { return clean_sum(Matrix::Zero(x.rows(), y.cols()), x, y); }
 
-/// Column by column, without the temporaries of an expression in whole matrices.
-Matrix clean_sum(Matrix base, const Matrix& x, const Matrix& y) {
-  const Eigen::Index rows = base.rows();
-  Vector bound(rows);
-  for (Eigen::Index j = 0; j < base.cols(); ++j) {
-    double* sum = base.data() + j * rows;
-    for (Eigen::Index i = 0; i < rows; ++i) bound[i] = std::abs(sum[i]);
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
-      const double factor = y(k, j);
-      if (factor == 0.0) continue;
-      const double* column = x.data() + k * rows;
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        sum[i] += column[i] * factor;
-        bound[i] += std::abs(column[i] * factor);
-      }
-    }
-    for (Eigen::Index i = 0; i < rows; ++i)
-      if (std::abs(sum[i]) <= clean_tolerance * bound[i]) sum[i] = 0.0;
-  }
-  return base;
+WideMatrix wide_clean_sum(WideMatrix base, const WideMatrix& x, const WideMatrix& y) {
+  return clean_sum_of(std::move(base), x, y, wide_clean_tolerance);
 }
 
 WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound) {
@@ -86,30 +126,15 @@ WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound) {
 }
 
 WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y) {
-  return wide_cleaned(WideMatrix(x * y), WideMatrix(x.cwiseAbs() * y.cwiseAbs()));
+  return wide_clean_sum(WideMatrix::Zero(x.rows(), y.cols()), x, y);
 }
 
-Matrix null_space(const Matrix& m, double tolerance, double scale) {
-  if (m.cols() == 0) return Matrix(0, 0);
-  if (m.rows() == 0) return Matrix::Identity(m.cols(), m.cols());
-  const FullSvd svd(m, Eigen::ComputeFullV);
-  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, scale);
-  return svd.matrixV().rightCols(m.cols() - rank);
-}
-
-Matrix range_space(const Matrix& m, double tolerance, double scale) {
-  if (m.cols() == 0 || m.rows() == 0) return Matrix(m.rows(), 0);
-  const FullSvd svd(m, Eigen::ComputeFullU);
-  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
-}
-
-Matrix pseudo_inverse(const Matrix& m, double tolerance) {
-  if (m.cols() == 0 || m.rows() == 0) return Matrix::Zero(m.cols(), m.rows());
-  const FullSvd svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
-  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
-         svd.matrixU().leftCols(rank).transpose();
-}
+Matrix null_space(const Matrix& m, double tolerance, double scale) { return null_space_of(m, tolerance, scale); }
+Matrix range_space(const Matrix& m, double tolerance, double scale) { return range_space_of(m, tolerance, scale); }
+Matrix pseudo_inverse(const Matrix& m, double tolerance) { return pseudo_inverse_of(m, tolerance); }
+WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale) { return null_space_of(m, tolerance, scale); }
+WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale) { return range_space_of(m, tolerance, scale); }
+WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance) { return pseudo_inverse_of(m, tolerance); }
 
 double spectral_norm(const Matrix& m) {
   if (m.size() == 0) return 0.0;

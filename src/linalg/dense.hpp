@@ -32,8 +32,8 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
 }
 
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
-[[nodiscard]] Matrix product(const Matrix& x, const Matrix& y);
-[[nodiscard]] Matrix absolute_product(const Matrix& x, const Matrix& y);
+[[nodiscard]] WideMatrix product(const WideMatrix& x, const WideMatrix& y);
+[[nodiscard]] WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y);
 
 /// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
 inline constexpr double clean_tolerance = 1e-14;
@@ -46,6 +46,7 @@ inline constexpr double clean_tolerance = 1e-14;
 
 /// The same in extended precision, at its own level.
 inline constexpr Wide wide_clean_tolerance = 1e-16L;
+[[nodiscard]] WideMatrix wide_clean_sum(WideMatrix base, const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound);
 
@@ -57,6 +58,11 @@ inline constexpr Wide wide_clean_tolerance = 1e-16L;
 
 /// Moore–Penrose pseudoinverse, same rule with the largest singular value as scale.
 [[nodiscard]] Matrix pseudo_inverse(const Matrix& m, double tolerance);
+
+/// The three in extended precision.
+[[nodiscard]] WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale = 0.0);
+[[nodiscard]] WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale = 0.0);
+[[nodiscard]] WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance);
 
 /// Largest singular value; 0 for an empty matrix.
 [[nodiscard]] double spectral_norm(const Matrix& m);

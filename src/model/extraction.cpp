@@ -346,15 +346,21 @@ void Extractor::finish() {
   add_ports();
 
   const WideMatrix one_plus_d = WideMatrix::Identity(k, k) + d_;
-  system.a = Matrix::Zero(size, size);
-  system.a.topLeftCorner(n, n) = wide_cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs()).cast<double>();
-  system.a.topRightCorner(n, nz) = wide_cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs()).cast<double>();
-  system.a.bottomRightCorner(nz, nz) = assembly_.exosystem->a();
-  system.b = Matrix::Zero(size, k);
-  system.b.topRows(n) = -wide_clean_product(b_, one_plus_d).cast<double>();
-  system.c.resize(k, size);
-  system.c << c_.cast<double>(), f1_.cast<double>();
-  system.d = d_.cast<double>();
+  auto unrounded = std::make_shared<Unrounded>();
+  unrounded->a = WideMatrix::Zero(size, size);
+  unrounded->a.topLeftCorner(n, n) = wide_cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs());
+  unrounded->a.topRightCorner(n, nz) = wide_cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs());
+  unrounded->a.bottomRightCorner(nz, nz) = assembly_.exosystem->a().cast<Wide>();
+  unrounded->b = WideMatrix::Zero(size, k);
+  unrounded->b.topRows(n) = -wide_clean_product(b_, one_plus_d);
+  unrounded->c.resize(k, size);
+  unrounded->c << c_, f1_;
+  unrounded->d = d_;
+  system.a = unrounded->a.cast<double>();
+  system.b = unrounded->b.cast<double>();
+  system.c = unrounded->c.cast<double>();
+  system.d = unrounded->d.cast<double>();
+  system.unrounded = std::move(unrounded);
 
   const auto m = assembly_.unknowns();
   descriptor.g = assembly_.g.cast<double>();

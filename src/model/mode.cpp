@@ -11,18 +11,26 @@ namespace pwlsim::model {
 namespace {
 
 using linalg::absolute_product;
-using linalg::clean_product;
-using linalg::clean_sum;
-using linalg::cleaned;
 using linalg::product;
+using linalg::wide_clean_product;
+using linalg::wide_clean_sum;
+using linalg::wide_cleaned;
+using linalg::Wide;
+using linalg::WideMatrix;
+using linalg::WideVector;
 
-/// Pivots of D_JJ (order one by construction) below this are zero.
-constexpr double feedthrough_tolerance = 1e-10;
+/// Pivots of D_JJ (order one by construction) below this are zero; where D was rounded to double, and where it was not.
+constexpr Wide feedthrough_tolerance = 1e-10L;
+constexpr Wide unrounded_feedthrough_tolerance = 1e-13L;
 /// Rank of the normalised matrix of first Markov parameters on the kernel of D_JJ.
 constexpr double jump_rank_tolerance = 1e-9;
 /// Relative rounding of a guard: the floor, and what a condition number κ adds (30 ulp each).
 constexpr double noise_floor = 3e-14;
 constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
+/// Rounding of a solution of D_JJ u = −C_J x, against its bound.
+constexpr Wide solution_noise = 1e-14L;
+constexpr Wide unrounded_solution_noise = 4e-18L;
+constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
 /// Diode rows below this fraction of the largest are its rounding.
 constexpr double row_noise = 1e-15;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
@@ -30,16 +38,16 @@ constexpr double growth_tolerance = 1e-10;
 
 struct Restricted {
   std::vector<int> j;
-  Matrix b, c, d;
+  WideMatrix b, c, d;
 };
 
-Restricted restrict_to(const System& s, const IndexSet& active) {
+Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
   Restricted r;
-  for (int i = 0; i < s.ports; ++i)
+  for (int i = 0; i < static_cast<int>(s.d.rows()); ++i)
     if (active.contains(i)) r.j.push_back(i);
   const auto q = static_cast<Eigen::Index>(r.j.size());
-  r.b.resize(s.size(), q);
-  r.c.resize(q, s.size());
+  r.b.resize(s.a.rows(), q);
+  r.c.resize(q, s.a.rows());
   r.d.resize(q, q);
   for (Eigen::Index a = 0; a < q; ++a) {
     r.b.col(a) = s.b.col(r.j[static_cast<std::size_t>(a)]);
@@ -47,6 +55,11 @@ Restricted restrict_to(const System& s, const IndexSet& active) {
     for (Eigen::Index b = 0; b < q; ++b) r.d(a, b) = s.d(r.j[static_cast<std::size_t>(a)], r.j[static_cast<std::size_t>(b)]);
   }
   return r;
+}
+
+std::shared_ptr<const Unrounded> unrounded_matrices(const System& s) {
+  if (s.unrounded) return s.unrounded;
+  return std::make_shared<Unrounded>(Unrounded{s.a.cast<Wide>(), s.b.cast<Wide>(), s.c.cast<Wide>(), s.d.cast<Wide>()});
 }
 
 /// The flow y' = A y and what bounds it.
@@ -102,23 +115,25 @@ void finish_rows(const System& system, Mode& m) {
 }
 
 /// Basis of {y : yᵀM = 0} from P M Q = L U: the rows of L⁻¹P behind the rank.
-Matrix left_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
+WideMatrix left_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank) {
   const auto q = lu.matrixLU().rows();
-  Matrix kernel = Matrix::Identity(q, q).rightCols(q - rank);
+  WideMatrix kernel = WideMatrix::Identity(q, q).rightCols(q - rank);
   lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(kernel);
   return lu.permutationP().transpose() * kernel;
 }
 
 /// Entries (i, j) that are rounding of row_size_i·column_size_j become zero.
-void clean_against(Matrix& m, const Vector& row_size, const Vector& column_size) {
+void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& column_size) {
   for (Eigen::Index j = 0; j < m.cols(); ++j)
     for (Eigen::Index i = 0; i < m.rows(); ++i)
-      if (std::abs(m(i, j)) <= linalg::clean_tolerance * row_size[i] * column_size[j]) m(i, j) = 0.0;
+      if (std::abs(m(i, j)) <= linalg::wide_clean_tolerance * row_size[i] * column_size[j]) m(i, j) = 0.0;
 }
 
 class Builder {
  public:
-  Builder(const System& system, const IndexSet& active) : s_(system), r_(restrict_to(system, active)) {
+  Builder(const System& system, const IndexSet& active) : s_(system), w_(unrounded_matrices(system)), r_(restrict_to(*w_, active)) {
+    feedthrough_tolerance_ = system.unrounded ? unrounded_feedthrough_tolerance : feedthrough_tolerance;
+    noise_per_condition_ = system.unrounded ? unrounded_noise_per_condition : noise_per_condition;
     mode_ = std::make_unique<Mode>();
     mode_->active = active;
     mode_->input_unique.assign(static_cast<std::size_t>(system.ports), 1);
@@ -127,7 +142,7 @@ class Builder {
   std::unique_ptr<Mode> run() {
     mode_->regular = solve_inputs();
     if (!mode_->regular) return std::move(mode_);
-    mode_->noise = std::max(noise_floor, noise_per_condition * condition_);
+    mode_->noise = std::max(noise_floor, noise_per_condition_ * condition_);
     spread_inputs();
     reduce_coordinates();
     build_flow();
@@ -137,62 +152,71 @@ class Builder {
 
  private:
   bool solve_inputs();
-  bool solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank);
+  bool solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank);
   bool solve_generally();
-  void take_least_norm(const Matrix& free_directions);
+  void take_least_norm(const WideMatrix& free_directions);
   void spread_inputs();
   void reduce_coordinates();
   void build_flow();
   void build_rows();
-  [[nodiscard]] Matrix in_mode(const Matrix& state_rows, const Matrix& input_rows) const;
+  [[nodiscard]] Matrix in_mode(const WideMatrix& state_rows, const WideMatrix& input_rows) const;
 
   const System& s_;
+  std::shared_ptr<const Unrounded> w_;
   Restricted r_;
   std::unique_ptr<Mode> mode_;
-  Matrix kj_;           ///< u_J = kj·x
-  Matrix constraints_;  ///< rows spanning the complement of V
+  WideMatrix kj_;           ///< u_J = kj·x
+  WideMatrix k_;            ///< u = k·x
+  WideMatrix constraints_;  ///< rows spanning the complement of V
+  WideMatrix basis_, lift_; ///< of the mode, unrounded
+  Wide feedthrough_tolerance_ = 0;
+  double noise_per_condition_ = 0.0;
   double condition_ = 1.0;
 };
 
 bool Builder::solve_inputs() {
   const auto q = r_.d.rows();
-  kj_ = Matrix::Zero(q, s_.size());
-  constraints_ = Matrix(0, s_.size());
+  kj_ = WideMatrix::Zero(q, s_.size());
+  constraints_ = WideMatrix(0, s_.size());
   if (q == 0) return true;
-  Eigen::FullPivLU<Matrix> lu(r_.d);
+  Eigen::FullPivLU<WideMatrix> lu(r_.d);
   int rank = 0;
-  if (lu.maxPivot() > feedthrough_tolerance) {
-    lu.setThreshold(feedthrough_tolerance / lu.maxPivot());
+  if (lu.maxPivot() > feedthrough_tolerance_) {
+    lu.setThreshold(feedthrough_tolerance_ / lu.maxPivot());
     rank = static_cast<int>(lu.rank());
   }
   if (rank == q) {
-    Matrix inverse = lu.inverse();
-    inverse = cleaned(inverse, inverse.cwiseAbs() * r_.d.cwiseAbs() * inverse.cwiseAbs());
-    kj_ = -clean_product(inverse, r_.c);
+    const WideMatrix inverse = lu.inverse();
+    kj_ = -product(inverse, r_.c);
+    // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
+    const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
+    const Wide level = s_.unrounded ? unrounded_solution_noise : solution_noise;
+    for (Eigen::Index i = 0; i < kj_.size(); ++i)
+      if (std::abs(kj_.data()[i]) <= level * bound.data()[i]) kj_.data()[i] = 0;
     // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
-    condition_ = (inverse.cwiseAbs() * r_.d.cwiseAbs()).rowwise().sum().maxCoeff();
+    condition_ = static_cast<double>(absolute_product(inverse, r_.d).rowwise().sum().maxCoeff());
     return true;
   }
   return solve_with_kernel(lu, rank) || solve_generally();
 }
 
 /// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
-bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
+bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank) {
   const auto q = r_.d.rows();
   const bool zero = rank == 0;
-  Matrix right = zero ? Matrix(Matrix::Identity(q, q)) : Matrix(lu.kernel());
-  Matrix left = right;
+  WideMatrix right = zero ? WideMatrix(WideMatrix::Identity(q, q)) : WideMatrix(lu.kernel());
+  WideMatrix left = right;
   if (!zero) {
     left = left_kernel(lu, rank);
     kj_ = -lu.solve(r_.c);
   }
   // An entry of a null vector is exact to the rounding of its largest.
-  Matrix constraint = product(left.transpose(), r_.c);
+  WideMatrix constraint = product(left.transpose(), r_.c);
   clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
-  Matrix jump = product(r_.b, right);
+  WideMatrix jump = product(r_.b, right);
   clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
   const auto count = right.cols();
-  Vector row_norm(count), column_norm(count);
+  WideVector row_norm(count), column_norm(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     row_norm[i] = constraint.row(i).head(s_.n).norm();
     column_norm[i] = jump.col(i).norm();
@@ -201,27 +225,27 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<Matrix>& lu, int rank) {
   constraint.array().colwise() /= row_norm.array();
   jump.array().rowwise() /= column_norm.transpose().array();
   right.array().rowwise() /= column_norm.transpose().array();
-  const Eigen::FullPivLU<Matrix> gain_lu(product(constraint, jump));
-  const double smallest = std::abs(gain_lu.matrixLU()(count - 1, count - 1));
+  const Eigen::FullPivLU<WideMatrix> gain_lu(product(constraint, jump));
+  const Wide smallest = std::abs(gain_lu.matrixLU()(count - 1, count - 1));
   if (smallest < jump_rank_tolerance) return false;
-  condition_ = std::max(condition_, gain_lu.maxPivot() / smallest);
+  condition_ = std::max(condition_, static_cast<double>(gain_lu.maxPivot() / smallest));
   const auto size = static_cast<Eigen::Index>(s_.size());
-  Matrix bound = s_.a.cwiseAbs();
+  WideMatrix bound = w_->a.cwiseAbs();
   bound += absolute_product(r_.b, kj_);
-  Matrix wanted(count, 2 * size + count);  // R(A + BK), R and 1
-  wanted << product(constraint, s_.a + product(r_.b, kj_)), constraint, Matrix::Identity(count, count);
-  const Matrix solved = gain_lu.solve(wanted);
+  WideMatrix wanted(count, 2 * size + count);  // R(A + BK), R and 1
+  wanted << product(constraint, w_->a + product(r_.b, kj_)), constraint, WideMatrix::Identity(count, count);
+  const WideMatrix solved = gain_lu.solve(wanted);
   bound = absolute_product(right, absolute_product(solved.rightCols(count), absolute_product(constraint, bound))) + kj_.cwiseAbs();
-  kj_ = cleaned(kj_ - product(right, solved.leftCols(size)), bound);
-  mode_->projector = Matrix::Identity(size, size) - product(jump, solved.middleCols(size, size));
+  kj_ = wide_cleaned(kj_ - product(right, solved.leftCols(size)), bound);
+  mode_->projector = (WideMatrix::Identity(size, size) - product(jump, solved.middleCols(size, size))).cast<double>();
   constraints_ = constraint;
   return true;
 }
 
 bool Builder::solve_generally() {
-  const Subspaces subspaces = find_subspaces(s_, r_.b, r_.c, r_.d);
+  const Subspaces subspaces = find_subspaces(w_->a, r_.b, r_.c, r_.d, s_.n_zeta);
   if (!subspaces.regular) return false;
-  mode_->projector = subspaces.projector;
+  mode_->projector = subspaces.projector.cast<double>();
   kj_ = subspaces.feedback;
   constraints_ = subspaces.constraints;
   condition_ = subspaces.condition;
@@ -231,25 +255,26 @@ bool Builder::solve_generally() {
 
 /// Inputs are free along Y = ker [B_J; D_JJ]; what they move is (u_J, D·u_J), and the least norm of all of it is taken:
 /// parallel diodes share their current.
-void Builder::take_least_norm(const Matrix& free_directions) {
+void Builder::take_least_norm(const WideMatrix& free_directions) {
   mode_->unique_inputs = false;
-  Matrix d_columns(s_.ports, static_cast<Eigen::Index>(r_.j.size()));
-  for (std::size_t a = 0; a < r_.j.size(); ++a) d_columns.col(static_cast<Eigen::Index>(a)) = s_.d.col(r_.j[a]);
+  WideMatrix d_columns(s_.ports, static_cast<Eigen::Index>(r_.j.size()));
+  for (std::size_t a = 0; a < r_.j.size(); ++a) d_columns.col(static_cast<Eigen::Index>(a)) = w_->d.col(r_.j[a]);
   const auto q = kj_.rows();
-  Matrix moved(q + s_.ports, free_directions.cols());
-  moved << free_directions, clean_product(d_columns, free_directions);
-  Matrix base(q + s_.ports, s_.size());
-  base << kj_, s_.c + d_columns * kj_;
-  kj_ -= free_directions * (linalg::pseudo_inverse(moved, 1e-10) * base);
+  WideMatrix moved(q + s_.ports, free_directions.cols());
+  moved << free_directions, wide_clean_product(d_columns, free_directions);
+  WideMatrix base(q + s_.ports, s_.size());
+  base << kj_, w_->c + d_columns * kj_;
+  kj_ -= free_directions * (linalg::wide_pseudo_inverse(moved, 1e-10) * base);
   for (std::size_t a = 0; a < r_.j.size(); ++a)
-    if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > 1e-9) mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
+    if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > 1e-9L) mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
   for (int i = 0; i < s_.ports; ++i)
-    if (moved.row(q + i).cwiseAbs().maxCoeff() > 1e-9) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
+    if (moved.row(q + i).cwiseAbs().maxCoeff() > 1e-9L) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
 }
 
 void Builder::spread_inputs() {
-  mode_->k = Matrix::Zero(s_.ports, s_.size());
-  for (std::size_t a = 0; a < r_.j.size(); ++a) mode_->k.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a));
+  k_ = WideMatrix::Zero(s_.ports, s_.size());
+  for (std::size_t a = 0; a < r_.j.size(); ++a) k_.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a));
+  mode_->k = k_.cast<double>();
 }
 
 void Builder::reduce_coordinates() {
@@ -259,42 +284,41 @@ void Builder::reduce_coordinates() {
   m.n1 = s_.n - fixed;
   m.ny = m.n1 + s_.n_zeta;
   if (!m.constrained) return;
-  // In extended precision: a row that vanishes on V must be seen to.
-  using linalg::WideMatrix;
-  const WideMatrix on_state = constraints_.leftCols(s_.n).cast<linalg::Wide>();
+  const WideMatrix on_state = constraints_.leftCols(s_.n);
   Eigen::HouseholderQR<WideMatrix> qr(on_state.transpose());
   const WideMatrix q = qr.householderQ();
-  m.basis = cleaned(q.rightCols(m.n1).cast<double>(), Matrix::Ones(s_.n, m.n1));
+  basis_ = wide_cleaned(q.rightCols(m.n1), WideMatrix::Ones(s_.n, m.n1));
   const WideMatrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
-  const WideMatrix on_sources = constraints_.rightCols(s_.n_zeta).cast<linalg::Wide>();
-  m.lift = (-q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(on_sources)).cast<double>();
+  lift_ = -q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
+  m.basis = basis_.cast<double>();
+  m.lift = lift_.cast<double>();
 }
 
 void Builder::build_flow() {
   Mode& m = *mode_;
-  const Matrix full = clean_sum(s_.a, s_.b, m.k);
-  Matrix a = full;
-  if (m.constrained) {
-    const int n = s_.n;
-    a = Matrix::Zero(m.ny, m.ny);
-    a.topLeftCorner(m.n1, m.n1) = clean_product(clean_product(m.basis.transpose(), full.topLeftCorner(n, n)), m.basis);
-    const Matrix forced = clean_product(full.topLeftCorner(n, n), m.lift) + full.topRightCorner(n, s_.n_zeta) -
-                          clean_product(m.lift, s_.exosystem->a());
-    a.topRightCorner(m.n1, s_.n_zeta) = clean_product(m.basis.transpose(), forced);
-    a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
-  }
-  set_flow(s_, m, std::move(a));
+  const int n = s_.n;
+  const WideMatrix full = wide_clean_sum(w_->a, w_->b, k_);
+  if (!m.constrained) return set_flow(s_, m, full.cast<double>());
+  WideMatrix a = WideMatrix::Zero(m.ny, m.ny);
+  const WideMatrix own = full.topLeftCorner(n, n);
+  const WideMatrix across = basis_.transpose();
+  const WideMatrix sources = s_.exosystem->a().cast<Wide>();
+  a.topLeftCorner(m.n1, m.n1) = wide_clean_product(wide_clean_product(across, own), basis_);
+  const WideMatrix forced = wide_clean_product(own, lift_) + full.topRightCorner(n, s_.n_zeta) - wide_clean_product(lift_, sources);
+  a.topRightCorner(m.n1, s_.n_zeta) = wide_clean_product(across, forced);
+  a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = sources;
+  set_flow(s_, m, a.cast<double>());
 }
 
 /// Rows that read x and u as rows that read y.
-Matrix Builder::in_mode(const Matrix& state_rows, const Matrix& input_rows) const {
+Matrix Builder::in_mode(const WideMatrix& state_rows, const WideMatrix& input_rows) const {
   const Mode& m = *mode_;
-  Matrix full = clean_sum(state_rows, input_rows, m.k);
-  if (!m.constrained) return full;
+  const WideMatrix full = wide_clean_sum(state_rows, input_rows, k_);
+  if (!m.constrained) return full.cast<double>();
   Matrix result(full.rows(), m.ny);
-  const Matrix on_state = full.leftCols(s_.n);
-  result.leftCols(m.n1) = clean_product(on_state, m.basis);
-  result.rightCols(s_.n_zeta) = clean_sum(full.rightCols(s_.n_zeta), on_state, m.lift);
+  const WideMatrix on_state = full.leftCols(s_.n);
+  result.leftCols(m.n1) = wide_clean_product(on_state, basis_).cast<double>();
+  result.rightCols(s_.n_zeta) = wide_clean_sum(full.rightCols(s_.n_zeta), on_state, lift_).cast<double>();
   return result;
 }
 
@@ -302,20 +326,20 @@ void Builder::build_rows() {
   Mode& m = *mode_;
   const auto controls = static_cast<int>(s_.controls.size());
   const auto outputs = static_cast<int>(s_.outputs.size());
-  Matrix state = Matrix::Zero(s_.diodes + controls + outputs, s_.size());
-  Matrix input = Matrix::Zero(state.rows(), s_.ports);
+  WideMatrix state = WideMatrix::Zero(s_.diodes + controls + outputs, s_.size());
+  WideMatrix input = WideMatrix::Zero(state.rows(), s_.ports);
   for (int i = 0; i < s_.diodes; ++i) {
     if (m.active.contains(i)) {
       input(i, i) = 1.0;
     } else {
-      state.row(i) = s_.c.row(i);
-      input.row(i) = s_.d.row(i);
+      state.row(i) = w_->c.row(i);
+      input.row(i) = w_->d.row(i);
     }
   }
   for (int i = 0; i < controls + outputs; ++i) {
     const OutputRow& row = i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
-    state.row(s_.diodes + i) = row.state.transpose();
-    input.row(s_.diodes + i) = row.input.transpose();
+    state.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
+    input.row(s_.diodes + i) = row.input.transpose().cast<Wide>();
   }
   const Matrix rows = in_mode(state, input);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);

@@ -7,22 +7,24 @@ namespace pwlsim::model {
 
 namespace {
 
-using linalg::null_space;
-using linalg::range_space;
+using linalg::wide_null_space;
+using linalg::WideMatrix;
+using linalg::WideVector;
+using linalg::wide_range_space;
 
 constexpr double rank_tolerance = 1e-10;   ///< of unit vectors and equilibrated rows
 constexpr double noise_row = 1e-12;        ///< rows and columns below this, after scaling, are rounding
 constexpr double largest_condition = 1e12; ///< of [V T]
 
 /// Rows divided by their largest entry, rows of rounding dropped.
-Matrix equilibrated(const Matrix& m, Matrix* companion = nullptr) {
+WideMatrix equilibrated(const WideMatrix& m, WideMatrix* companion = nullptr) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < m.rows(); ++i)
     if (m.cols() > 0 && m.row(i).cwiseAbs().maxCoeff() > noise_row) kept.push_back(i);
-  Matrix result(static_cast<Eigen::Index>(kept.size()), m.cols());
-  Matrix other(static_cast<Eigen::Index>(kept.size()), companion ? companion->cols() : 0);
+  WideMatrix result(static_cast<Eigen::Index>(kept.size()), m.cols());
+  WideMatrix other(static_cast<Eigen::Index>(kept.size()), companion ? companion->cols() : 0);
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    const double scale = m.row(kept[i]).cwiseAbs().maxCoeff();
+    const linalg::Wide scale = m.row(kept[i]).cwiseAbs().maxCoeff();
     const auto row = static_cast<Eigen::Index>(i);
     result.row(row) = m.row(kept[i]) / scale;
     if (companion) other.row(row) = companion->row(kept[i]) / scale;
@@ -31,111 +33,106 @@ Matrix equilibrated(const Matrix& m, Matrix* companion = nullptr) {
   return result;
 }
 
-Matrix complement_rows(const Matrix& v, Eigen::Index size) {
-  if (v.cols() == size) return Matrix(0, size);
-  if (v.cols() == 0) return Matrix::Identity(size, size);
-  return null_space(v.transpose(), rank_tolerance).transpose();
+WideMatrix complement_rows(const WideMatrix& v, Eigen::Index size) {
+  if (v.cols() == size) return WideMatrix(0, size);
+  if (v.cols() == 0) return WideMatrix::Identity(size, size);
+  return wide_null_space(v.transpose(), rank_tolerance).transpose();
 }
 
-Matrix consistent_subspace(const Matrix& a, const Matrix& b, const Matrix& c, const Matrix& d) {
+WideMatrix consistent_subspace(const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
   const auto size = a.rows();
-  Matrix v = Matrix::Identity(size, size);
+  WideMatrix v = WideMatrix::Identity(size, size);
   while (v.cols() > 0) {
-    const Matrix q = complement_rows(v, size);
-    Matrix block(q.rows() + c.rows(), v.cols() + b.cols());
+    const WideMatrix q = complement_rows(v, size);
+    WideMatrix block(q.rows() + c.rows(), v.cols() + b.cols());
     block << q * a * v, q * b, c * v, d;
-    const Matrix kernel = null_space(equilibrated(block), rank_tolerance);
-    const Matrix next = range_space(v * kernel.topRows(v.cols()), rank_tolerance, 1.0);
+    const WideMatrix kernel = wide_null_space(equilibrated(block), rank_tolerance);
+    const WideMatrix next = wide_range_space(v * kernel.topRows(v.cols()), rank_tolerance, 1.0);
     if (next.cols() == v.cols()) break;
     v = next;
   }
   return v;
 }
 
-Matrix jump_subspace(const Matrix& a, const Matrix& b, const Matrix& c, const Matrix& d) {
+WideMatrix jump_subspace(const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
   const auto size = a.rows();
-  Matrix t(size, 0);
+  WideMatrix t(size, 0);
   for (;;) {
-    Matrix row(c.rows(), t.cols() + d.cols());
+    WideMatrix row(c.rows(), t.cols() + d.cols());
     row << c * t, d;
-    const Matrix kernel = null_space(row, rank_tolerance, 1.0);
-    Matrix direction(size, t.cols() + b.cols());
+    const WideMatrix kernel = wide_null_space(row, rank_tolerance, 1.0);
+    WideMatrix direction(size, t.cols() + b.cols());
     direction << a * t, b;
-    const Matrix image = direction * kernel;
-    Matrix both(size, t.cols() + image.cols());
+    const WideMatrix image = direction * kernel;
+    WideMatrix both(size, t.cols() + image.cols());
     both.leftCols(t.cols()) = t;
     Eigen::Index kept = t.cols();
     for (Eigen::Index j = 0; j < image.cols(); ++j) {
-      const double norm = image.col(j).norm();
+      const linalg::Wide norm = image.col(j).norm();
       if (norm > noise_row) both.col(kept++) = image.col(j) / norm;
     }
-    const Matrix next = range_space(both.leftCols(kept), rank_tolerance, 1.0);
+    const WideMatrix next = wide_range_space(both.leftCols(kept), rank_tolerance, 1.0);
     if (next.cols() == t.cols()) return t;
     t = next;
   }
 }
 
-double condition_of(const Matrix& m) {
+double condition_of(const WideMatrix& m) {
   if (m.size() == 0) return 1.0;
-  const Vector values = Eigen::JacobiSVD<Matrix>(m).singularValues();
-  return values[values.size() - 1] > 0.0 ? values[0] / values[values.size() - 1] : INFINITY;
+  const WideVector values = Eigen::JacobiSVD<WideMatrix>(m).singularValues();
+  return values[values.size() - 1] > 0.0 ? static_cast<double>(values[0] / values[values.size() - 1]) : INFINITY;
 }
 
-/// Minimum-norm least squares with one step of refinement in extended precision.
-Matrix feedback_on(const Matrix& v, const Matrix& a, const Matrix& b, const Matrix& c, const Matrix& d, double& condition) {
+/// Minimum-norm least squares.
+WideMatrix feedback_on(const WideMatrix& v, const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d, double& condition) {
   const auto size = a.rows();
-  const Matrix q = complement_rows(v, size);
-  Matrix left(q.rows() + d.rows(), b.cols());
+  const WideMatrix q = complement_rows(v, size);
+  WideMatrix left(q.rows() + d.rows(), b.cols());
   left << q * b, d;
-  Matrix right(left.rows(), v.cols());
+  WideMatrix right(left.rows(), v.cols());
   right << -q * a * v, -c * v;
-  const Matrix scaled = equilibrated(left, &right);
-  if (scaled.rows() == 0) return Matrix::Zero(b.cols(), size);
-  const Matrix inverse = linalg::pseudo_inverse(scaled, rank_tolerance);
-  condition = std::max(condition, linalg::spectral_norm(inverse) * linalg::spectral_norm(scaled));
-  Matrix x = inverse * right;
-  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  for (int round = 0; round < 2; ++round) {
-    const Long rest = right.cast<long double>() - scaled.cast<long double>() * x.cast<long double>();
-    x += inverse * rest.cast<double>();
-  }
-  return linalg::cleaned(x * v.transpose(), x.cwiseAbs() * v.cwiseAbs().transpose());
+  const WideMatrix scaled = equilibrated(left, &right);
+  if (scaled.rows() == 0) return WideMatrix::Zero(b.cols(), size);
+  const WideMatrix inverse = linalg::wide_pseudo_inverse(scaled, rank_tolerance);
+  condition = std::max(condition, linalg::spectral_norm(inverse.cast<double>()) * linalg::spectral_norm(scaled.cast<double>()));
+  const WideMatrix x = inverse * right;
+  return linalg::wide_cleaned(x * v.transpose(), x.cwiseAbs() * v.cwiseAbs().transpose());
 }
 
-bool reaches_sources(const Matrix& v, int n_zeta) {
+bool reaches_sources(const WideMatrix& v, int n_zeta) {
   if (n_zeta == 0) return true;
   if (v.cols() < n_zeta) return false;
-  return range_space(Matrix(v.bottomRows(n_zeta)), rank_tolerance).cols() == n_zeta;
+  return wide_range_space(WideMatrix(v.bottomRows(n_zeta)), rank_tolerance).cols() == n_zeta;
 }
 
 }  // namespace
 
-Subspaces find_subspaces(const System& system, const Matrix& b0, const Matrix& c0, const Matrix& d) {
-  const auto size = static_cast<Eigen::Index>(system.size());
+Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideMatrix& c0, const WideMatrix& d, int n_zeta) {
+  const auto size = a0.rows();
   Subspaces result;
-  double rate = linalg::spectral_norm(system.a);
+  double rate = linalg::spectral_norm(a0.cast<double>());
   if (!(rate > 0.0)) rate = 1.0;
-  const double root = std::sqrt(rate);
-  const Matrix a = system.a / rate;
-  const Matrix b = b0 / root;
-  const Matrix c = c0 / root;
+  const linalg::Wide root = std::sqrt(static_cast<linalg::Wide>(rate));
+  const WideMatrix a = a0 / rate;
+  const WideMatrix b = b0 / root;
+  const WideMatrix c = c0 / root;
 
-  const Matrix v = consistent_subspace(a, b, c, d);
-  const Matrix t = jump_subspace(a, b, c, d);
+  const WideMatrix v = consistent_subspace(a, b, c, d);
+  const WideMatrix t = jump_subspace(a, b, c, d);
   result.dim_v = static_cast<int>(v.cols());
   result.dim_t = static_cast<int>(t.cols());
-  if (v.cols() + t.cols() != size || !reaches_sources(v, system.n_zeta)) return result;
-  Matrix both(size, size);
+  if (v.cols() + t.cols() != size || !reaches_sources(v, n_zeta)) return result;
+  WideMatrix both(size, size);
   both << v, t;
   result.condition = condition_of(both);
   if (!(result.condition < largest_condition)) return result;
-  const Matrix inverse = size > 0 ? Matrix(both.inverse()) : both;
+  const WideMatrix inverse = size > 0 ? WideMatrix(both.inverse()) : both;
   result.projector = v * inverse.topRows(v.cols());
   result.feedback = root * feedback_on(v, a, b, c, d, result.condition);
   result.constraints = complement_rows(v, size);
-  Matrix effect(size + d.rows(), b.cols());
+  WideMatrix effect(size + d.rows(), b.cols());
   effect << b, d;
-  result.free_inputs = null_space(effect, rank_tolerance);
+  result.free_inputs = wide_null_space(effect, rank_tolerance);
   result.regular = true;
   return result;
 }

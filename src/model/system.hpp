@@ -41,6 +41,11 @@ struct Control {
   double on_level = 0.0, off_level = 0.0;
 };
 
+/// A, B, C, D before they are rounded to double.
+struct Unrounded {
+  linalg::WideMatrix a, b, c, d;
+};
+
 struct System {
   std::string name;  ///< of the island, for messages
   int n = 0;         ///< energy states
@@ -48,6 +53,7 @@ struct System {
   int diodes = 0;
   int ports = 0;     ///< diodes + switches
   Matrix a, b, c, d;
+  std::shared_ptr<const Unrounded> unrounded;  ///< empty for a system that was made in double
   Vector x0;         ///< start of ξ with uic (n)
   std::vector<Port> port;
   std::vector<int> switch_number;     ///< of port diodes + i: number of the switch in the whole model

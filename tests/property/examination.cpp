@@ -17,7 +17,7 @@ using Kind = Part::Kind;
 
 constexpr double certificate_bound = 1e-9;  ///< relative residuals
 constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
-constexpr double nothing = 1e-18;           ///< V or A: less than this is what rounding leaves of sources of volts and milliamperes
+constexpr double nothing = 1e-9;            ///< V or A: less than this is what rounding leaves of sources of volts and milliamperes
 constexpr double small_share = 1e-3;        ///< see scales()
 constexpr double energy_slack = 1e-11;      ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;

@@ -129,6 +129,10 @@ class Generator {
         part.initial = at_rest ? 0.0 : rounded(random_.between(-1.0, 1.0) * voltage_unit / resistance_unit);
         break;
       case Kind::diode:
+        if (recipe_.real_diodes > 0.0 && random_.chance(recipe_.real_diodes)) {
+          part.value = rounded(std::pow(10.0, random_.between(-3.0, 0.0)));
+          part.leak = rounded(std::pow(10.0, random_.between(5.0, 9.0)));
+        }
         break;
       case Kind::switch_:
         set_pulse(part, 0.0, 1.0);
@@ -223,7 +227,8 @@ class Emitter {
         state_[index] = builder_.add(model::Inductor{label, p, n, part.value, true, part.initial});
         return;
       case Kind::diode:
-        builder_.add(model::Diode{label, p, n, 0.0, 0.0});
+        builder_.add(model::Diode{label, p, n, part.value, 0.0});
+        if (part.leak > 0.0) builder_.add(model::Resistor{label, p, n, part.leak});
         return;
       case Kind::switch_:
         emit_switch(part, p, n);
@@ -315,7 +320,12 @@ std::string to_deck(const RandomNetwork& network) {
         saved += part.kind == Kind::inductor ? fmt::format(" i({})", part.name) : fmt::format(" v({},{})", node_text(part.p), node_text(part.n));
         break;
       case Kind::diode:
-        deck += head + " DI\n";
+        if (part.leak > 0.0) {
+          // The deck's Ron is the slope of both together.
+          deck += fmt::format("{} D{}\n.model D{} D(Ron={} Roff={})\n", head, part.name, part.name, part.value * part.leak / (part.value + part.leak), part.leak);
+        } else {
+          deck += head + " DI\n";
+        }
         break;
       case Kind::switch_:
         deck += fmt::format("{} g{} 0 SWI\nVG{} g{} 0 {}\n", head, part.name, part.name, part.name, part.waveform);

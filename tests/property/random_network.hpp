@@ -36,7 +36,8 @@ struct Part {
   Kind kind = Kind::resistor;
   std::string name;
   int p = 0, n = 0;      ///< nodes; 0 is ground
-  double value = 0.0;    ///< Ω, F, H; of a voltage source its series resistance, of a switch nothing
+  double value = 0.0;    ///< Ω, F, H; of a voltage source its series resistance, of a diode its Ron, of a switch nothing
+  double leak = 0.0;     ///< Ω, of a diode: its Roff; 0: none
   double initial = 0.0;  ///< V of a capacitor, A of an inductor, with uic
   std::string waveform;  ///< of a source, or of the clock of a switch (threshold 0.5), as the deck writes it
   model::SourceFunction function;
@@ -59,6 +60,7 @@ struct Recipe {
   double floating = 0.1;      ///< of networks that nothing but diodes and switches may tie to ground
   int most_nodes = 8, most_diodes = 6, most_switches = 2;
   double spread = 3.0;        ///< values lie within ± so many decades
+  double real_diodes = 0.0;   ///< of diodes with Ron between 1 mΩ and 1 Ω and Roff between 100 kΩ and 1 GΩ
 };
 
 [[nodiscard]] RandomNetwork make_random_network(std::uint64_t seed, const Recipe& recipe);

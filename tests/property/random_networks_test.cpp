@@ -64,3 +64,10 @@ TEST_CASE("networks that float when their diodes and switches block", "[property
   recipe.switch_ = 2.0;
   check_family(recipe, 40'001, 400, 0);
 }
+
+TEST_CASE("networks of diodes with forward and reverse resistance: modes up to 10^12 times faster than what one looks at", "[property]") {
+  Recipe recipe;
+  recipe.diode = 5.0;
+  recipe.real_diodes = 0.8;
+  check_family(recipe, 50'001, 500, 6);
+}

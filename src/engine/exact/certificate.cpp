@@ -14,6 +14,7 @@ using linalg::Vector;
 
 constexpr std::size_t most_samples = 16;
 constexpr std::size_t most_first_visits = 32;
+constexpr double sum_rounding = 64.0 * 2.220446049250313e-16;  ///< of a sum of terms, against the sum of their magnitudes
 constexpr int most_panels = 8;          ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 /// A row whose terms never exceed this fraction of the island's largest is judged against that fraction: what it carries may be the
 /// rounding of the largest.
@@ -72,11 +73,16 @@ struct Scale {
   }
 };
 
+/// Beyond what rounding of the sums that u and y are can make: the current through a milliohm is a difference of large voltages.
 double complementarity(const model::System& s, const model::Mode& mode, const Point& p) {
   double worst = 0.0;
+  const Vector size_u = mode.k.cwiseAbs() * p.x.cwiseAbs();
+  const Vector size_y = s.c.cwiseAbs() * p.x.cwiseAbs() + s.d.cwiseAbs() * size_u;
   for (int i = 0; i < s.ports; ++i) {
-    const double forced = mode.active.contains(i) ? p.y[i] : p.u[i];
-    worst = std::max(worst, i < s.diodes ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(forced));
+    const bool active = mode.active.contains(i);
+    const double violation = i < s.diodes ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(active ? p.y[i] : p.u[i]);
+    const double rounding = sum_rounding * (p.u[i] < p.y[i] ? size_u[i] : size_y[i]);
+    worst = std::max(worst, violation - rounding);
   }
   return worst;
 }

@@ -59,6 +59,7 @@ void IslandRun::open(double time) {
   if (open_) return;
   open_ = true;
   trigger = -1;
+  undecided_ = false;
   const model::Mode& m = *mode;
   auto& y = segment_.y;
   wanted = m.active;
@@ -66,6 +67,7 @@ void IslandRun::open(double time) {
   if (event_.found && event_time_ == time) {
     std::copy(event_.y, event_.y + m.ny, y.begin());
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
+    undecided_ = event_.row < 0;
   } else {
     const double tau = time - segment_.anchor;
     // The march may have stepped past this instant, or go on in a slow part; then the anchor is the place to start from.
@@ -91,7 +93,11 @@ model::Selected IslandRun::select() {
     same.mode = mode;
     return same;
   }
+  const model::Mode* before = mode;
   const model::Selected result = selector_.select(x.data(), wanted, trigger);
+  const bool same = result.mode == before && result.jumps == 0;
+  rests_ = same ? trigger : -1;
+  all_rest_ = same && undecided_;
   trigger = -1;
   verifier_.relax(result.relaxation, selector_.largest_state());
   if (result.mode) {
@@ -177,7 +183,8 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
       control_rows_.push_back(i);
       continue;
     }
-    const model::Departure& d = selector_.departures()[static_cast<std::size_t>(i)];
+    model::Departure d = selector_.departures()[static_cast<std::size_t>(i)];
+    if (i == rests_ || (all_rest_ && d.order > 0)) d.order = -1;
     if (d.order < 0 && mode->guard_norm[i] == 0.0) continue;
     rows.push_back(i);
     departures.push_back(d);

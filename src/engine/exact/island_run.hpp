@@ -80,6 +80,9 @@ class IslandRun {
   Located event_;
   double event_time_ = 0.0;
   bool open_ = false;
+  bool undecided_ = false;  ///< the event at hand is only where the locator could not tell
+  bool all_rest_ = false;   ///< and nothing came of it: guards at zero count from where they are visibly negative
+  int rests_ = -1;  ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_;
   double row_time_ = 0.0;
