@@ -65,7 +65,7 @@ class Assembler {
     if (other.kind == nullptr) return;
     if (kind.control == Control::element_list && other.kind->letter != 'L') {
       reporter_.error("E-coupling", reference.span, fmt::format("{} is a {}: only inductors can be coupled", other.name, other.kind->name));
-    } else if (kind.control == Control::element && !other.kind->controls_others) {
+    } else if (kind.control != Control::element_list && !other.kind->controls_others) {
       reporter_.error(
           "E-no-current", reference.span,
           fmt::format("{} is a {}: its current cannot control another; try a 0 V source in series with it", other.name, other.kind->name));
@@ -127,7 +127,9 @@ class Assembler {
     const elements::Kind& kind = *instance.kind;
     const std::size_t controls = kind.control == Control::node_pair ? instance.control_nodes.size() : instance.references.size();
     if (instance.nodes.size() != static_cast<std::size_t>(kind.terminals)) return false;
+    if (kind.tail == elements::Tail::formula || instance.formula) return instance.formula.has_value();
     if (kind.control != Control::none && controls == 0) return false;
+    if (kind.tail == elements::Tail::block) return instance.model >= 0 && !instance.inputs.empty();
     if (kind.tail == elements::Tail::model) return instance.model >= 0;
     return kind.tail != elements::Tail::gain || instance.coefficients.size() == controls + 1;
   }

@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/bind_block.hpp"
 #include "circuit/bind_source.hpp"
 #include "circuit/card_cursor.hpp"
 #include "circuit/cards.hpp"
+#include "circuit/formula_reader.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
 
@@ -25,7 +27,8 @@ using netlist::Item;
 using ItemKind = Item::Kind;
 
 /// Forms of E, F, G and H that take an expression or a table, and those that are no piecewise-linear circuit elements.
-constexpr std::string_view expression_forms[] = {"value", "vol", "cur", "table", "v", "i"};
+constexpr std::string_view voltage_forms[] = {"value", "vol", "v"};
+constexpr std::string_view current_forms[] = {"value", "cur", "i"};
 constexpr std::string_view foreign_forms[] = {"laplace", "freq", "chebyshev"};
 
 bool is_one_of(std::span<const std::string_view> list, std::string_view word) {
@@ -39,11 +42,17 @@ class CardBinding {
       : binder_(binder), place_(place), card_(card), instance_(instance), kind_(*instance.kind), cursor_(card.items) {}
 
   void bind() {
+    if (kind_.tail == Tail::block) {
+      if (bind_block(binder_, place_, cursor_, card_, instance_)) rest();
+      return;
+    }
     if (!terminals()) return;
     if (kind_.tail == Tail::gain) {
       if (gain()) rest();
     } else if (kind_.tail == Tail::waveform) {
       if (bind_source(cursor_, place_.scope, reporter(), card_, instance_)) binder_.note_two_values(card_);
+    } else if (kind_.tail == Tail::formula) {
+      if (formula()) rest();
     } else if (control() && tail()) {
       rest();
     }
@@ -177,9 +186,10 @@ class CardBinding {
   }
 
   bool gain() {
-    if (at_form()) return refuse_form(*cursor_.peek());
+    if (at_form()) return form();
     if (cursor_.at(ItemKind::group) && same_name(cursor_.peek()->text, "poly")) return polynomial();
     if (!control()) return false;
+    if (at_table()) return table(nullptr);
     if (!cursor_.at_positional()) return missing("E-missing-value", "a gain");
     const std::optional<Number> number = place_.scope.number(*cursor_.next());
     instance_.coefficients = {0.0, number ? number->value : 0.0};
@@ -189,16 +199,80 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr || (!is_one_of(expression_forms, item->text) && !is_one_of(foreign_forms, item->text))) return false;
+    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_one_of(foreign_forms, item->text))) return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
   }
 
-  bool refuse_form(const Item& item) {
-    const bool not_yet = is_one_of(expression_forms, item.text);
-    reporter().error(not_yet ? "E-not-supported-yet" : "E-not-supported", item.span,
-                     fmt::format("{} with {} is not supported{}; usage: {}", card_.name, item.text, not_yet ? " yet" : "", kind_.usage));
-    return false;
+  bool gives_current() const { return kind_.letter == 'G' || kind_.letter == 'F'; }
+  bool is_value_form(std::string_view word) const { return gives_current() ? is_one_of(current_forms, word) : is_one_of(voltage_forms, word); }
+  bool at_table() const { return cursor_.peek() != nullptr && same_name(cursor_.peek()->text, "table"); }
+
+  bool form() {
+    const Item& item = *cursor_.next();
+    if (same_name(item.text, "table")) return table(&item);
+    if (is_one_of(foreign_forms, item.text)) {
+      reporter().error("E-not-supported", item.span, fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
+      return false;
+    }
+    const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
+    return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
+  }
+
+  bool expression(const Item& item, bool is_current) {
+    FormulaReader reader(binder_, place_, instance_);
+    if (item.kind == ItemKind::expression) return reader.read(*item.expression, is_current);
+    const std::optional<Number> number = place_.scope.number(item);
+    if (!number) return false;
+    return reader.read({netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span}, is_current);
+  }
+
+  /// V={…} or I={…} of B, in any place behind the nodes.
+  bool formula() {
+    const Item* given = nullptr;
+    for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k) {
+      const Item& item = *cursor_.peek(k);
+      if (!is_b_value(item)) continue;
+      if (given != nullptr) return unexpected(item);
+      given = &item;
+    }
+    if (given == nullptr) return missing("E-missing-value", "V={expression} or I={expression}");
+    return given->items.empty() ? missing("E-missing-value", "an expression") : expression(given->items[0], same_name(given->text, "i"));
+  }
+
+  bool is_b_value(const Item& item) const {
+    return kind_.tail == Tail::formula && item.kind == ItemKind::assignment && (same_name(item.text, "v") || same_name(item.text, "i"));
+  }
+
+  /// TABLE {x} = (x1,y1) (x2,y2) … behind `head`; without one table=(…) behind a control.
+  bool table(const Item* head) {
+    const Item* x = nullptr;
+    if (head != nullptr && head->kind != ItemKind::assignment) {
+      x = cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
+      if (x == nullptr) return missing("E-missing-value", "an expression in braces behind TABLE");
+    } else if (head != nullptr && kind_.control != Control::element && instance_.control_nodes.empty()) {
+      return missing("E-missing-node", "a pair of controlling nodes before table=");
+    } else if (head == nullptr) {
+      head = cursor_.next();
+    }
+    std::vector<double> numbers;
+    for (const Item& item : head->items)
+      if (!table_numbers(item, numbers)) return false;
+    while (cursor_.at_positional())
+      if (!table_numbers(*cursor_.next(), numbers)) return false;
+    if (numbers.empty() || numbers.size() % 2 != 0) return missing("E-missing-value", "pairs of numbers in its table");
+    std::vector<elements::TablePoint> points;
+    for (std::size_t k = 0; k < numbers.size(); k += 2) points.push_back({numbers[k], numbers[k + 1]});
+    if (!check_table(points, head->span, reporter())) return false;
+    return FormulaReader(binder_, place_, instance_).read_table(x != nullptr ? x->expression.get() : nullptr, points, gives_current());
+  }
+
+  bool table_numbers(const Item& item, std::vector<double>& numbers) {
+    if (item.kind == ItemKind::group && item.text.empty())
+      return std::all_of(item.items.begin(), item.items.end(), [&](const Item& inner) { return table_numbers(inner, numbers); });
+    const std::optional<Number> number = place_.scope.number(item);
+    if (number) numbers.push_back(number->value);
+    return number.has_value();
   }
 
   bool polynomial() {
@@ -241,6 +315,7 @@ class CardBinding {
   void rest() {
     ValueReader reader(place_.scope, reporter(), card_.name);
     while (const Item* item = cursor_.next()) {
+      if (is_b_value(*item)) continue;
       if (item->kind == ItemKind::assignment) {
         reader.assignment(*item, instance_.values);
       } else if (item->kind == ItemKind::word && at_known_flag(*item)) {

@@ -42,7 +42,6 @@ constexpr CardKind kinds[] = {
 };
 
 constexpr RefusedElement refused[] = {
-    {'A', "A (XSPICE block)", true},        {'B', "B (source with an expression)", true},
     {'J', "J (junction transistor)", true}, {'M', "M (MOSFET)", true},
     {'Q', "Q (bipolar transistor)", true},  {'N', "N (compiled model)", false},
     {'O', "O (lossy line)", false},         {'P', "P (coupled line)", false},
@@ -55,8 +54,7 @@ constexpr std::string_view library_names[] = {"mosfet", "igbt", "thyristor", "op
 constexpr std::string_view foreign_types[] = {
     "R",       "RES",     "C",          "CAP",        "L",     "IND",      "CORE",     "URC",    "LTRA",     "TRN",
     "NMOS",    "PMOS",    "VDMOS",      "NPN",        "PNP",   "LPNP",     "NJF",      "PJF",    "NMF",      "PMF",
-    "NIGBT",   "PIGBT",   "NHFET",      "PHFET",      "gain",  "summer",   "mult",     "divide", "int",      "limit",
-    "hyst",    "pwl",     "s_xfer",     "d_dt",       "relay", "deadzone", "friction", "slew",   "climit",   "ilimit",
+    "NIGBT",   "PIGBT",   "NHFET",      "PHFET",   "mult",     "divide", "slew",   "climit",   "ilimit",
     "sidiode", "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple",  "sine",     "square", "triangle",
 };
 

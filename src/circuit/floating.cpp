@@ -50,6 +50,10 @@ void join(const Circuit& circuit, Groups& groups) {
     if (instance.nodes.size() == 2 && ties(instance)) groups.join(instance.nodes[0], instance.nodes[1]);
   }
   for (const Instance& instance : circuit.instances) {
+    for (const elements::BlockInput& input : instance.inputs)
+      if (input.is_current && input.reference < 0) groups.join(input.nodes.p, input.nodes.n);
+  }
+  for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() == 2 && !ties(instance) && feels_difference(instance, groups))
       groups.join(instance.nodes[0], instance.nodes[1]);
   }

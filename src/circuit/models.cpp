@@ -150,7 +150,7 @@ std::optional<elements::Model> Models::read(Scope& scope, const Card& card) {
   std::vector<std::string> ignored;
   for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
     const elements::Values own = own_values(*link, *kind, ignored, reporter_);
-    for (const auto& given : own.all()) model.values.set(given.parameter->name, given.value, given.span);
+    for (const auto& given : own.all()) model.values.set_list(given.parameter->name, given.list, given.span);
   }
   Diagnostics scratch;
   warn_ignored(ignored, model, scratch);

@@ -20,6 +20,7 @@ class Models {
   /// The index in circuit.models of the model `name` as seen from `scope`, for an element of `kind`; -1 after an error.
   [[nodiscard]] int use(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
 
+  [[nodiscard]] const elements::Model& at(int index) const { return circuit_.models[static_cast<std::size_t>(index)]; }
   [[nodiscard]] static bool known(Scope& scope, const netlist::Item& name);
 
   /// Errors in the models of `file` that nothing used: a mistake is one even where it has no effect.

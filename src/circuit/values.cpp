@@ -30,6 +30,8 @@ void ValueReader::assignment(const Item& item, elements::Values& values, std::ve
     refuse(item, *parameter);
   } else if (values.has(parameter->name)) {
     reporter_.error("E-duplicate-parameter", item.span, fmt::format("{} of {} is given twice", item.text, owner_));
+  } else if (parameter->is_list && item.items[0].kind == Item::Kind::vector) {
+    store_list(item.items[0], *parameter, values);
   } else {
     store(item.items[0], *parameter, values);
   }
@@ -38,14 +40,26 @@ void ValueReader::assignment(const Item& item, elements::Values& values, std::ve
 void ValueReader::positional(const Item& item, const Parameter& parameter, elements::Values& values) { store(item, parameter, values); }
 
 void ValueReader::store(const Item& value, const Parameter& parameter, elements::Values& values) {
+  if (const std::optional<double> number = checked(value, parameter)) values.set(parameter.name, *number, value.span);
+}
+
+void ValueReader::store_list(const Item& values, const Parameter& parameter, elements::Values& result) {
+  std::vector<double> list;
+  for (const Item& item : values.items)
+    if (const std::optional<double> number = checked(item, parameter)) list.push_back(*number);
+  if (values.items.empty()) reporter_.error("E-missing-value", values.span, fmt::format("{} of {} has no value", parameter.name, owner_));
+  if (!list.empty()) result.set_list(parameter.name, std::move(list), values.span);
+}
+
+std::optional<double> ValueReader::checked(const Item& value, const Parameter& parameter) {
   const std::optional<Number> number = scope_.number(value, parameter.infinity_allowed);
-  if (!number) return;
+  if (!number) return std::nullopt;
   warn_of_femto(value, *number, parameter.unit, reporter_);
   if (!elements::in_range(parameter, number->value)) {
     reporter_.error("E-range", value.span,
                     fmt::format("{} of {} {}, not {}", parameter.name, owner_, elements::range_words(parameter.range), number->value));
   }
-  values.set(parameter.name, number->value, value.span);
+  return number->value;
 }
 
 /// A refused parameter may stand where it has the value it has anyway.

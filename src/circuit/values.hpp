@@ -23,6 +23,8 @@ class ValueReader {
  private:
   void report_unknown(const netlist::Item& item, elements::ParameterTable table);
   void refuse(const netlist::Item& item, const elements::Parameter& parameter);
+  void store_list(const netlist::Item& values, const elements::Parameter& parameter, elements::Values& result);
+  [[nodiscard]] std::optional<double> checked(const netlist::Item& value, const elements::Parameter& parameter);
   void store(const netlist::Item& value, const elements::Parameter& parameter, elements::Values& values);
 
   Scope& scope_;

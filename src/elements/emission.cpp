@@ -13,6 +13,11 @@ model::Label Emission::label(std::string_view part) const {
   return {std::move(name), instance().span};
 }
 
+void Emission::mark_followed() {
+  for (const Instance& instance : instances_)
+    for (const Reference& reference : instance.references) followed_[static_cast<std::size_t>(reference.index)] = 1;
+}
+
 model::LinearForm voltage_control(const Instance& instance) {
   model::LinearForm form;
   if (instance.coefficients[0] != 0.0) form.push_back(model::constant(instance.coefficients[0]));

@@ -25,7 +25,9 @@ class Emission {
   /// `emitted` holds one entry an instance of the circuit; the lists outlive the Emission.
   Emission(const std::vector<Instance>& instances, const std::vector<Model>& models, std::vector<Emitted>& emitted, model::Builder& builder,
            Diagnostics& diagnostics)
-      : instances_(instances), models_(models), emitted_(emitted), builder_(builder), diagnostics_(diagnostics) {}
+      : instances_(instances), models_(models), emitted_(emitted), builder_(builder), diagnostics_(diagnostics), followed_(instances.size(), 0) {
+    mark_followed();
+  }
 
   void select(std::size_t index) { index_ = index; }
 
@@ -43,6 +45,8 @@ class Emission {
   [[nodiscard]] model::NodeIndex inner_node(std::string_view part) { return builder_.inner_node(label(part)); }
 
   [[nodiscard]] Emitted& result() { return emitted_[index_]; }
+  /// Whether another element, or this one itself, follows the element's current.
+  [[nodiscard]] bool is_referenced() const { return followed_[index_] != 0; }
   [[nodiscard]] const Instance& referenced(std::size_t k) const { return instances_[reference(k)]; }
   [[nodiscard]] const Emitted& referenced_result(std::size_t k) const { return emitted_[reference(k)]; }
 
@@ -52,11 +56,14 @@ class Emission {
  private:
   [[nodiscard]] std::size_t reference(std::size_t k) const { return static_cast<std::size_t>(instance().references[k].index); }
 
+  void mark_followed();
+
   const std::vector<Instance>& instances_;
   const std::vector<Model>& models_;
   std::vector<Emitted>& emitted_;
   model::Builder& builder_;
   Diagnostics& diagnostics_;
+  std::vector<char> followed_;  ///< instances whose current another follows
   std::size_t index_ = 0;
 };
 

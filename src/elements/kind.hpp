@@ -10,12 +10,14 @@
 
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
+#include "elements/formula.hpp"
 #include "elements/parameter.hpp"
 #include "model/network.hpp"
 
 namespace pwlsim::elements {
 
 class Emission;
+struct Block;
 struct Instance;
 struct Model;
 
@@ -31,6 +33,7 @@ struct ModelKind {
   ParameterTable parameters;
   /// Turns what was written into what emit reads, and says what was changed. May be null.
   void (*complete)(Model& model, const Settings& settings, Diagnostics& diagnostics) = nullptr;
+  const Block* block = nullptr;  ///< of an A element: from its input to its output
 };
 
 struct Model {
@@ -51,7 +54,9 @@ enum class Control {
 /// What stands behind terminals and control.
 enum class Tail {
   value,     ///< the first parameter of the table, with or without its name; then `name=value`
-  gain,      ///< one gain, or the coefficients of POLY
+  gain,      ///< one gain, or the coefficients of POLY, or a formula behind value= or TABLE
+  formula,   ///< V={…} or I={…}; then `name=value`
+  block,     ///< no nodes before it: an input, or [inputs], an output, and the name of a model
   waveform,  ///< [DC] value, AC, SIN(…) and the like; then `name=value`
   model      ///< the name of a model, [area], on/off; then `name=value`
 };
@@ -88,6 +93,13 @@ struct Reference {
   int index = -1;
 };
 
+/// What an A element reads: a voltage, the current through a short circuit of its own, or that of another element.
+struct BlockInput {
+  bool is_current = false;
+  NodePair nodes;
+  int reference = -1;  ///< within Instance::references
+};
+
 /// One element of a flat circuit.
 struct Instance {
   const Kind* kind = nullptr;
@@ -98,6 +110,9 @@ struct Instance {
   std::vector<Reference> references;
   Values values;
   std::vector<double> coefficients;  ///< Tail::gain: the constant part, then one number a control
+  std::optional<Formula> formula;
+  bool formula_is_current = false;  ///< also of the output of an A element
+  std::vector<BlockInput> inputs;
   std::optional<model::SourceFunction> waveform;
   int model = -1;            ///< index within the circuit's models
   std::optional<bool> flag;  ///< on / off as written

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "base/names.hpp"
 
@@ -47,15 +48,16 @@ std::string_view range_words(Range range) {
   return "";
 }
 
-void Values::set(std::string_view name, double value, SourceSpan span) {
+void Values::set_list(std::string_view name, std::vector<double> list, SourceSpan span) {
   const Parameter* parameter = find_parameter(table_, name);
-  assert(parameter != nullptr);
+  assert(parameter != nullptr && !list.empty());
+  const double first = list[0];
   for (Given& given : given_) {
     if (given.parameter != parameter) continue;
-    given = {parameter, value, span};
+    given = {parameter, first, span, std::move(list)};
     return;
   }
-  given_.push_back({parameter, value, span});
+  given_.push_back({parameter, first, span, std::move(list)});
 }
 
 const Values::Given* Values::find(std::string_view name) const {
@@ -68,6 +70,11 @@ double Values::get(std::string_view name) const {
   const Parameter* parameter = find_parameter(table_, name);
   assert(parameter != nullptr);
   return parameter->fallback;
+}
+
+std::vector<double> Values::list(std::string_view name) const {
+  if (const Given* given = find(name)) return given->list;
+  return {get(name)};
 }
 
 SourceSpan Values::span(std::string_view name) const {

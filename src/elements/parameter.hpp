@@ -25,6 +25,7 @@ struct Parameter {
   bool infinity_allowed = false;
   std::string_view text;  ///< one sentence
   Use use = Use::honoured;
+  bool is_list = false;  ///< takes [ … ] too; every member keeps to the range
 };
 
 using ParameterTable = std::span<const Parameter>;
@@ -42,19 +43,22 @@ class Values {
  public:
   struct Given {
     const Parameter* parameter = nullptr;
-    double value = 0.0;
+    double value = 0.0;  ///< of a list its first member
     SourceSpan span;
+    std::vector<double> list;
   };
 
   Values() = default;
   explicit Values(ParameterTable table) : table_(table) {}
 
   /// `name` must be in the table. A second value for one name replaces the first.
-  void set(std::string_view name, double value, SourceSpan span = {});
+  void set(std::string_view name, double value, SourceSpan span = {}) { set_list(name, {value}, span); }
+  void set_list(std::string_view name, std::vector<double> list, SourceSpan span = {});
   [[nodiscard]] const Given* find(std::string_view name) const;
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != nullptr; }
   /// `name` must be in the table.
   [[nodiscard]] double get(std::string_view name) const;
+  [[nodiscard]] std::vector<double> list(std::string_view name) const;
   /// Where the value stands; unknown where the fallback rules.
   [[nodiscard]] SourceSpan span(std::string_view name) const;
   [[nodiscard]] const std::vector<Given>& all() const { return given_; }

@@ -32,6 +32,7 @@ class Builder {
   int add(Branch item) { return append(network_.branches, std::move(item)); }
   int add(Injection item) { return append(network_.injections, std::move(item)); }
   int add(Diode item) { return append(network_.diodes, std::move(item)); }
+  int add(Complementarity item) { return append(network_.complementarities, std::move(item)); }
   int add(Switch item) { return append(network_.switches, std::move(item)); }
   int add(Source item) { return append(network_.sources, std::move(item)); }
   int add(Signal item) { return append(network_.signals, std::move(item)); }

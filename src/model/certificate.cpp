@@ -36,6 +36,7 @@ bool has_passive_parts_only(const Network& network) {
   };
   for (std::size_t i = 0; i < network.branches.size(); ++i)
     if (!branch_has_no_gain(i)) return false;
+  if (!network.complementarities.empty()) return false;
   return std::all_of(network.injections.begin(), network.injections.end(), is_source) &&
          std::all_of(network.resistors.begin(), network.resistors.end(), no_gain) &&
          std::all_of(network.diodes.begin(), network.diodes.end(), no_gain) &&

@@ -39,6 +39,8 @@ bool needs_constant(const Network& network) {
     if (has_one(b.voltage)) return true;
   for (const auto& i : network.injections)
     if (has_one(i.current)) return true;
+  for (const auto& c : network.complementarities)
+    if (has_one(c.slack)) return true;
   for (const auto& s : network.signals)
     if (has_one(s.form)) return true;
   return false;
@@ -52,11 +54,12 @@ std::vector<SourceFunction> functions_of(const Network& network) {
 
 }  // namespace
 
-Assembly::Assembly(const Network& net, bool constant_wanted) : network(net) {
+Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) : network(net) {
   exosystem = std::make_shared<Exosystem>(functions_of(network), constant_wanted || needs_constant(network));
   choose_scales();
   factor_inductances();
   number_unknowns();
+  scale_inputs(input_factor);
   const int m = unknowns_;
   g = WideMatrix::Zero(m, m);
   f = WideMatrix::Zero(m, stores());
@@ -209,9 +212,49 @@ void Assembly::add_port(int port, NodeIndex p, NodeIndex n, double resistance, d
   if (drop != 0.0) hw(column, exosystem->constant()) -= drop;
 }
 
+/// Largest coefficients become one: of a slack in its row; of an input where it is a voltage or a current, else in the slacks that hold it.
+void Assembly::scale_inputs(Wide input_factor) {
+  const std::size_t count = network.complementarities.size();
+  std::vector<Wide> in_circuit(count, 0.0), in_slacks(count, 0.0);
+  const auto weigh = [](std::vector<Wide>& largest, const LinearForm& form, Wide factor) {
+    for (const auto& term : form)
+      if (term.kind == Term::Kind::slack_input)
+        largest[static_cast<std::size_t>(term.index)] = std::max(largest[static_cast<std::size_t>(term.index)], std::abs(factor * term.coefficient));
+  };
+  for (const auto& b : network.branches) weigh(in_circuit, b.voltage, 1.0L);
+  for (const auto& i : network.injections) weigh(in_circuit, i.current, static_cast<Wide>(r0));
+  input_scale_.assign(count, 1.0L);
+  slack_scale_.assign(count, 1.0L);
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinearForm& slack = network.complementarities[i].slack;
+    const FormRow row = row_of(slack);
+    Wide largest = 0.0;
+    for (int j = 0; j < unknowns_; ++j)
+      if (j < port_column(first_complementarity()) || j >= port_column(first_switch())) largest = std::max(largest, std::abs(row.z_part[j]));
+    if (largest > 0.0) slack_scale_[i] = 1.0L / largest;
+    weigh(in_slacks, slack, slack_scale_[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Wide largest = in_circuit[i] > 0.0 ? in_circuit[i] : in_slacks[i];
+    input_scale_[i] = (largest > 0.0 ? 1.0L / largest : 1.0L) / input_factor;
+  }
+}
+
+/// −slack − u − a = 0 in the place of a diode's v − R0·i − a = 0.
+void Assembly::add_complementarity(int port, int index) {
+  const int column = port_column(port);
+  const FormRow row = row_of(network.complementarities[static_cast<std::size_t>(index)].slack);
+  const Wide scale = slack_scale_[static_cast<std::size_t>(index)];
+  g.row(column) -= scale * row.z_part.transpose();
+  hw.row(column) -= scale * row.zeta_part.transpose();
+  g(column, column) -= 1.0L;
+  ha(column, port) = -1.0;
+}
+
 void Assembly::add_ports() {
   int port = 0;
   for (const auto& d : network.diodes) add_port(port++, d.p, d.n, d.resistance, d.drop);
+  for (std::size_t i = 0; i < network.complementarities.size(); ++i) add_complementarity(port++, static_cast<int>(i));
   for (const auto& s : network.switches) add_port(port++, s.p, s.n, s.resistance, s.drop);
 }
 
@@ -221,7 +264,9 @@ Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
     const Wide c = term.coefficient;
     const int i = term.index;
     switch (term.kind) {
-      case Term::Kind::one: row.zeta_part[exosystem->constant()] += c; break;
+      case Term::Kind::one:
+        if (c != 0.0) row.zeta_part[exosystem->constant()] += c;
+        break;
       case Term::Kind::source: row.zeta_part += c * exosystem->rows().row(i).transpose().cast<Wide>(); break;
       case Term::Kind::node_voltage:
         if (i != ground) row.z_part[i] += c;
@@ -240,7 +285,8 @@ Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
       case Term::Kind::inductor_current: row.z_part[first_inductor_ + i] += c / r0; break;
       case Term::Kind::branch_current: row.z_part[first_branch_ + i] += c / r0; break;
       case Term::Kind::diode_current: row.z_part[port_column(i)] += c / r0; break;
-      case Term::Kind::switch_current: row.z_part[port_column(static_cast<int>(network.diodes.size()) + i)] += c / r0; break;
+      case Term::Kind::switch_current: row.z_part[port_column(first_switch() + i)] += c / r0; break;
+      case Term::Kind::slack_input: row.z_part[port_column(first_complementarity() + i)] += c * input_scale_[static_cast<std::size_t>(i)]; break;
     }
   }
   return row;
@@ -288,9 +334,13 @@ std::string Assembly::current_owner(int index) const {
   if (index < first_rate_) return network.inductors[index - first_inductor_].label.name;
   if (index < first_branch_) return {};
   if (index < first_port_) return network.branches[index - first_branch_].label.name;
-  const int port = index - first_port_;
-  const auto diodes = static_cast<int>(network.diodes.size());
-  return port < diodes ? network.diodes[port].label.name : network.switches[port - diodes].label.name;
+  return port_label(index - first_port_).name;
+}
+
+const Label& Assembly::port_label(int port) const {
+  if (port < first_complementarity()) return network.diodes[static_cast<std::size_t>(port)].label;
+  if (port < first_switch()) return network.complementarities[static_cast<std::size_t>(port - first_complementarity())].label;
+  return network.switches[static_cast<std::size_t>(port - first_switch())].label;
 }
 
 }  // namespace pwlsim::model

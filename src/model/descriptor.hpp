@@ -1,7 +1,8 @@
 #pragma once
 /// Rows of a network before any reduction:  x' = S_x z,  0 = F x + G z + H_a a + H_w ζ.
 /// z holds, in this order: node voltages; then currents times R0 of low resistors, capacitors, inductors; inductor rates
-/// (τ0·x̂', scaled); currents times R0 of branches, diodes, switches. All of it in volts.
+/// (τ0·x̂', scaled); currents times R0 of branches and diodes, scaled inputs of complementarities, currents times R0 of switches.
+/// All of it in volts. A complementarity is a port with u for its current and minus its slack for its voltage.
 
 #include <vector>
 
@@ -14,7 +15,8 @@ using linalg::WideMatrix;
 using linalg::WideVector;
 
 struct Assembly {
-  Assembly(const Network& network, bool needs_constant);
+  /// `input_factor`: of the unknowns of complementarities; any positive number describes the same network.
+  Assembly(const Network& network, bool needs_constant, Wide input_factor = 1.0L);
 
   /// value = z_part·z + zeta_part·ζ of a linear form, in SI units.
   struct FormRow {
@@ -27,9 +29,12 @@ struct Assembly {
   [[nodiscard]] Vector store_sign() const;
   /// Name of the element whose current is unknown `index` of z ("" for the rest).
   [[nodiscard]] std::string current_owner(int index) const;
+  [[nodiscard]] int first_complementarity() const { return static_cast<int>(network.diodes.size()); }
+  [[nodiscard]] int first_switch() const { return first_complementarity() + static_cast<int>(network.complementarities.size()); }
+  [[nodiscard]] const Label& port_label(int port) const;
   [[nodiscard]] int port_column(int port) const { return first_port_ + port; }
   [[nodiscard]] int stores() const { return static_cast<int>(network.capacitors.size()) + inductor_factor.cols(); }
-  [[nodiscard]] int ports() const { return static_cast<int>(network.diodes.size() + network.switches.size()); }
+  [[nodiscard]] int ports() const { return first_switch() + static_cast<int>(network.switches.size()); }
   [[nodiscard]] int unknowns() const { return unknowns_; }
 
   const Network& network;
@@ -49,9 +54,13 @@ struct Assembly {
   void add_stores();
   void add_branches_and_injections();
   void add_ports();
+  void scale_inputs(Wide input_factor);
+  void add_complementarity(int port, int index);
   void add_port(int port, NodeIndex p, NodeIndex n, double resistance, double drop);
   [[nodiscard]] bool is_low(double resistance) const;
 
+  std::vector<Wide> slack_scale_;   ///< of each complementarity: one over the largest coefficient of its slack
+  std::vector<Wide> input_scale_;   ///< u per volt of its unknown
   std::vector<int> low_resistor_;  ///< resistor -> its unknown, −1: a conductance
   int first_low_ = 0, first_capacitor_ = 0, first_inductor_ = 0, first_rate_ = 0, first_branch_ = 0, first_port_ = 0, unknowns_ = 0;
 };

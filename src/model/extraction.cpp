@@ -26,6 +26,8 @@ constexpr double constraint_tolerance = 1e-12;
 /// An entry of D (of order one by construction) below this is rounding.
 constexpr Wide port_noise = 1e-15L;
 constexpr int largest_index = 6;
+/// A second weight of the inputs of complementarities, a ratio of no small integers.
+constexpr Wide other_input_factor = 0.7548776662466927L;
 
 /// Left null vectors of g by full pivoting: exact for incidence numbers; column j has its 1 at row pivot_rows[j].
 struct LeftNull {
@@ -177,14 +179,14 @@ bool Extractor::take_constraints(const LeftNull& null) {
 }
 
 void Extractor::report_improper(const WideMatrix& na) {
-  std::string names;
+  std::string names, last;
   SourceSpan span;
   for (Eigen::Index j = 0; j < na.cols(); ++j) {
     if (na.col(j).cwiseAbs().maxCoeff() == 0.0) continue;
-    const auto i = static_cast<std::size_t>(j);
-    const bool diode = i < network_.diodes.size();
-    const Label& label = diode ? network_.diodes[i].label : network_.switches[i - network_.diodes.size()].label;
+    const Label& label = assembly_.port_label(static_cast<int>(j));
     if (!span.known()) span = label.span;
+    if (!last.empty() && last == label.name) continue;  // of an element with several ports
+    last = label.name;
     names += (names.empty() ? "" : ", ") + label.name;
   }
   diagnostics_.error("E-improper", span, fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
@@ -320,13 +322,10 @@ void Extractor::choose_causality() {
 
 void Extractor::add_ports() {
   System& system = result_.system;
-  system.diodes = static_cast<int>(network_.diodes.size());
+  system.diodes = assembly_.first_switch();
   system.ports = assembly_.ports();
-  for (const auto& d : network_.diodes) system.port.push_back({d.label.name, d.label.span, false});
-  for (const auto& s : network_.switches) {
-    system.port.push_back({s.label.name, s.label.span, false});
-    system.switch_inverted.push_back(s.inverted);
-  }
+  for (int i = 0; i < system.ports; ++i) system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, false});
+  for (const auto& s : network_.switches) system.switch_inverted.push_back(s.inverted);
   for (int j = 0; j < system.ports; ++j) system.port[static_cast<std::size_t>(j)].input_is_current = theta_[j] < 0.0;
   system.switch_number = island_.switch_number;
 }
@@ -420,8 +419,14 @@ std::optional<Extraction> extract(const Island& island, Diagnostics& diagnostics
   for (const auto& control : island.controls) needs_constant |= control.on_level != 0.0 || control.off_level != 0.0;
   for (const auto& control : island.controls)
     for (const auto& term : control.value) needs_constant |= term.kind == Term::Kind::one;
+  const bool may_retry = !island.network.complementarities.empty();
+  Diagnostics first_try;
   const Assembly assembly(island.network, needs_constant);
-  return Extractor(island, assembly, diagnostics).run();
+  auto extraction = Extractor(island, assembly, may_retry ? first_try : diagnostics).run();
+  if (extraction || !may_retry) return extraction;
+  // A slack of −u cancels against the port's own termination, or another such sum does: at another weight it does not.
+  const Assembly other(island.network, needs_constant, other_input_factor);
+  return Extractor(island, other, diagnostics).run();
 }
 
 }  // namespace pwlsim::model

@@ -42,6 +42,7 @@ class Things {
     branch = take(n.branches.size());
     injection = take(n.injections.size());
     diode = take(n.diodes.size());
+    complementarity = take(n.complementarities.size());
     switch_ = take(n.switches.size());
     source = take(n.sources.size());
     count = next;
@@ -58,10 +59,11 @@ class Things {
       case Term::Kind::branch_current: return branch + term.index;
       case Term::Kind::diode_current: return diode + term.index;
       case Term::Kind::switch_current: return switch_ + term.index;
+      case Term::Kind::slack_input: return complementarity + term.index;
     }
     return -1;
   }
-  int node, resistor, capacitor, inductor, branch, injection, diode, switch_, source, count;
+  int node, resistor, capacitor, inductor, branch, injection, diode, complementarity, switch_, source, count;
 };
 
 /// A node held at a voltage of time alone by a source to ground. What hangs on a rail from different sides shares nothing: every part
@@ -75,6 +77,7 @@ struct Rails {
     };
     for (const auto& b : n.branches) read(b.voltage);
     for (const auto& i : n.injections) read(i.current);
+    for (const auto& c : n.complementarities) read(c.slack);
     for (const auto& s : n.switches) read(s.control);
     for (std::size_t i = 0; i < n.branches.size(); ++i) {
       const Branch& b = n.branches[i];
@@ -110,6 +113,8 @@ class Connector {
     for (const auto& k : network.couplings) sets_.join(things.inductor + k.inductor_a, things.inductor + k.inductor_b);
     for (std::size_t i = 0; i < network.branches.size(); ++i) form(network.branches[i].voltage, things.branch + static_cast<int>(i));
     for (std::size_t i = 0; i < network.injections.size(); ++i) form(network.injections[i].current, things.injection + static_cast<int>(i));
+    for (std::size_t i = 0; i < network.complementarities.size(); ++i)
+      form(network.complementarities[i].slack, things.complementarity + static_cast<int>(i));
     for (const auto& s : network.switches) control(s.control);
   }
   [[nodiscard]] DisjointSets take() { return std::move(sets_); }
@@ -169,6 +174,7 @@ class Distributor {
     copy(network_.branches, things_.branch, &Network::branches);
     copy(network_.injections, things_.injection, &Network::injections);
     copy(network_.diodes, things_.diode, &Network::diodes);
+    copy_complementarities();
     copy(network_.switches, things_.switch_, &Network::switches);
     for (const auto& k : network_.couplings) {
       const int a = things_.inductor + k.inductor_a;
@@ -209,6 +215,15 @@ class Distributor {
       auto& target = islands_[which].network.*list;
       local_[static_cast<std::size_t>(thing)] = static_cast<int>(target.size());
       target.push_back(std::move(element));
+    }
+  }
+
+  void copy_complementarities() {
+    for (std::size_t i = 0; i < network_.complementarities.size(); ++i) {
+      const int thing = things_.complementarity + static_cast<int>(i);
+      auto& list = island_of(thing).network.complementarities;
+      local_[static_cast<std::size_t>(thing)] = static_cast<int>(list.size());
+      list.push_back(network_.complementarities[i]);
     }
   }
 
@@ -258,6 +273,8 @@ class Distributor {
     }
     for (auto& i : island.network.injections)
       for (auto& term : i.current) term = translated(term, island);
+    for (auto& c : island.network.complementarities)
+      for (auto& term : c.slack) term = translated(term, island);
   }
 
   void add_conditions() {
@@ -320,6 +337,7 @@ class Distributor {
       const Network& n = island.network;
       if (!n.nodes.empty()) island.name = "node " + n.nodes.front().name;
       else if (!n.branches.empty()) island.name = n.branches.front().label.name;
+      else if (!n.complementarities.empty()) island.name = n.complementarities.front().label.name;
       else island.name = "the sources";
     }
   }

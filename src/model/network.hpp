@@ -17,7 +17,18 @@ inline constexpr NodeIndex ground = -1;
 
 /// One term coefficient·quantity. `index` counts within the list of that kind in Network (ignored for `one`).
 struct Term {
-  enum class Kind { one, node_voltage, resistor_current, capacitor_current, inductor_current, branch_current, diode_current, switch_current, source };
+  enum class Kind {
+    one,
+    node_voltage,
+    resistor_current,
+    capacitor_current,
+    inductor_current,
+    branch_current,
+    diode_current,
+    switch_current,
+    slack_input,  ///< u of a Complementarity
+    source
+  };
   Kind kind = Kind::one;
   int index = 0;
   double coefficient = 0.0;
@@ -90,6 +101,11 @@ struct Switch {
   bool initially_on = false;  ///< inside the band at the start
   bool inverted = false;
 };
+/// 0 ≤ u ⊥ slack ≥ 0, u a number of its own that any form may hold, `slack` too.
+struct Complementarity {
+  Label label;
+  LinearForm slack;
+};
 struct Source {
   Label label;
   SourceFunction function;
@@ -121,6 +137,7 @@ struct Network {
   std::vector<Branch> branches;
   std::vector<Injection> injections;
   std::vector<Diode> diodes;
+  std::vector<Complementarity> complementarities;
   std::vector<Switch> switches;
   std::vector<Source> sources;
   std::vector<Signal> signals;

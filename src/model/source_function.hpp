@@ -12,6 +12,7 @@ inline constexpr double forever = std::numeric_limits<double>::infinity();
 
 struct Dc {
   double value = 0.0;
+  bool operator==(const Dc&) const = default;
 };
 
 /// offset + amplitude·exp(−damping·(t−delay))·sin(2π·frequency·(t−delay) + phase) from `delay` on, for `cycles` periods
@@ -20,12 +21,14 @@ struct Sin {
   double offset = 0.0, amplitude = 0.0, frequency = 0.0, delay = 0.0, damping = 0.0;
   double phase = 0.0;  ///< radians
   double cycles = forever;
+  bool operator==(const Sin&) const = default;
 };
 
 /// Edge n starts at delay + n·period. rise, fall = 0: a true jump. period = forever: one pulse. width = forever: stays at `pulsed`.
 struct Pulse {
   double initial = 0.0, pulsed = 0.0, delay = 0.0, rise = 0.0, fall = 0.0, width = forever, period = forever;
   double cycles = forever;
+  bool operator==(const Pulse&) const = default;
 };
 
 /// Corner points (time, value), times not decreasing; equal times are a true jump. Constant before the first and after the last point.
@@ -33,15 +36,18 @@ struct Pulse {
 struct Pwl {
   struct Point {
     double time = 0.0, value = 0.0;
+    bool operator==(const Point&) const = default;
   };
   std::vector<Point> points;
   double repeats = 0.0;
   double repeat_from = 0.0;
+  bool operator==(const Pwl&) const = default;
 };
 
 /// v1 until td1; v1 + (v2−v1)(1−e^{−(t−td1)/tau1}) until td2; plus (v1−v2)(1−e^{−(t−td2)/tau2}) from td2 on.
 struct Exp {
   double v1 = 0.0, v2 = 0.0, td1 = 0.0, tau1 = 0.0, td2 = 0.0, tau2 = 0.0;
+  bool operator==(const Exp&) const = default;
 };
 
 using SourceFunction = std::variant<Dc, Sin, Pulse, Pwl, Exp>;

@@ -2,7 +2,7 @@
 /// A linear complementarity system with sources in its state and with externally driven switches:
 ///
 ///     x' = A x + B u,   y = C x + D u,   x = (ξ, ζ),
-///     ports 0 … diodes−1:        0 ≤ u ⊥ y ≥ 0,
+///     ports 0 … diodes−1:        0 ≤ u ⊥ y ≥ 0   (first the network's diodes, then its complementarities),
 ///     ports diodes … ports−1:    u = 0 or y = 0, as its switch says,
 ///
 /// ξ (n): energy coordinates, so that the stored energy is ½·τ0·|ξ|²/R0 for circuits; ζ (n_ζ): exosystem.

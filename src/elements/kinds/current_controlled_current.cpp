@@ -1,13 +1,15 @@
-#include "elements/emission.hpp"
+#include "elements/formula_emission.hpp"
 
 namespace pwlsim::elements {
 namespace {
 
 void emit(Emission& emission) {
+  if (emission.instance().formula) return add_formula_source(emission, true);
   emission.result().item = emission.builder().add(model::Injection{emission.label(), emission.p(), emission.n(), {}});
 }
 
 void connect(Emission& emission) {
+  if (const auto& formula = emission.instance().formula) return set_source_value(emission, emit_formula(emission, *formula), true);
   const model::LinearForm current = current_control(emission);
   emission.builder().network().injections[static_cast<std::size_t>(emission.result().item)].current = current;
   emission.result().current = current;
@@ -19,8 +21,8 @@ Kind current_controlled_current() {
   Kind kind;
   kind.name = "current-controlled current source";
   kind.letter = 'F';
-  kind.usage = "F<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn";
-  kind.text = "i = gain i(element), or p0 + p1 i1 + ... + pn in.";
+  kind.usage = "F<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ...";
+  kind.text = "i = gain i(element), or p0 + p1 i1 + ... + pn in, or an expression as for B.";
   kind.control = Control::element;
   kind.tail = Tail::gain;
   kind.controls_others = false;

@@ -1,12 +1,17 @@
-#include "elements/emission.hpp"
+#include "elements/formula_emission.hpp"
 
 namespace pwlsim::elements {
 namespace {
 
 void emit(Emission& emission) {
+  if (emission.instance().formula) return add_formula_source(emission, true);
   const model::LinearForm current = voltage_control(emission.instance());
   emission.builder().add(model::Injection{emission.label(), emission.p(), emission.n(), current});
   emission.result().current = current;
+}
+
+void connect(Emission& emission) {
+  if (const auto& formula = emission.instance().formula) set_source_value(emission, emit_formula(emission, *formula), true);
 }
 
 }  // namespace
@@ -15,12 +20,13 @@ Kind voltage_controlled_current() {
   Kind kind;
   kind.name = "voltage-controlled current source";
   kind.letter = 'G';
-  kind.usage = "G<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn";
-  kind.text = "i = gain v(nc+,nc-), or p0 + p1 v1 + ... + pn vn.";
+  kind.usage = "G<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ...";
+  kind.text = "i = gain v(nc+,nc-), or p0 + p1 v1 + ... + pn vn, or an expression as for B.";
   kind.control = Control::node_pair;
   kind.tail = Tail::gain;
   kind.joins_terminals = [](const Instance&) { return false; };
   kind.emit = emit;
+  kind.connect = connect;
   return kind;
 }
 

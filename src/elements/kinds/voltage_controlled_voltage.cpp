@@ -1,12 +1,17 @@
-#include "elements/emission.hpp"
+#include "elements/formula_emission.hpp"
 
 namespace pwlsim::elements {
 namespace {
 
 void emit(Emission& emission) {
+  if (emission.instance().formula) return add_formula_source(emission, false);
   const int index =
       emission.builder().add(model::Branch{emission.label(), emission.p(), emission.n(), voltage_control(emission.instance())});
   emission.result().current = quantity(Quantity::branch_current, index);
+}
+
+void connect(Emission& emission) {
+  if (const auto& formula = emission.instance().formula) set_source_value(emission, emit_formula(emission, *formula), false);
 }
 
 }  // namespace
@@ -15,12 +20,13 @@ Kind voltage_controlled_voltage() {
   Kind kind;
   kind.name = "voltage-controlled voltage source";
   kind.letter = 'E';
-  kind.usage = "E<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn";
-  kind.text = "v = gain v(nc+,nc-), or p0 + p1 v1 + ... + pn vn.";
+  kind.usage = "E<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ...";
+  kind.text = "v = gain v(nc+,nc-), or p0 + p1 v1 + ... + pn vn, or an expression as for B.";
   kind.control = Control::node_pair;
   kind.tail = Tail::gain;
   kind.saved_by_default = true;
   kind.emit = emit;
+  kind.connect = connect;
   return kind;
 }
 

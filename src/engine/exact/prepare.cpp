@@ -79,7 +79,7 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
     for (std::size_t i = 0; i < island.switch_number.size(); ++i) {
       auto& info = result->switches[static_cast<std::size_t>(island.switch_number[i])];
       info.island = index;
-      info.port = static_cast<int>(island.network.diodes.size() + i);
+      info.port = static_cast<int>(island.network.diodes.size() + island.network.complementarities.size() + i);
     }
     result->islands.push_back({std::move(island), std::move(*extraction)});
   }

@@ -1,0 +1,389 @@
+#include "circuit/formula_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/evaluator.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using elements::AffineSum;
+using elements::Condition;
+using elements::constant_sum;
+using netlist::Expression;
+using Kind = Expression::Kind;
+
+constexpr int deepest_formula = 3000;
+constexpr int largest_power = 16;  ///< of a function of time
+constexpr double quarter_turn = 1.5707963267948966;
+
+bool is_signal(const Expression& call) {
+  const bool named = same_name(call.text, "v") || same_name(call.text, "i");
+  return named && !call.arguments.empty() &&
+         std::all_of(call.arguments.begin(), call.arguments.end(), [](const Expression& a) { return a.kind == Kind::name; });
+}
+
+bool is_comparison(std::string_view op) { return op == "<" || op == ">" || op == "<=" || op == ">="; }
+bool is_logic(std::string_view op) { return op == "&" || op == "&&" || op == "|" || op == "||"; }
+
+const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home) {
+  for (home = &scope; home != nullptr; home = home->outer()) {
+    const auto found = home->definition().functions.find(key);
+    if (found != home->definition().functions.end()) return &found->second;
+  }
+  return nullptr;
+}
+
+bool is_finite(const AffineSum& sum) {
+  return std::isfinite(sum.constant) && std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second); });
+}
+
+}  // namespace
+
+bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter) {
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    if (points[k].x >= points[k - 1].x) continue;
+    reporter.error("E-table-order", span,
+                   fmt::format("the x of a table must not decrease: {} stands behind {}", points[k].x, points[k - 1].x));
+    return false;
+  }
+  return true;
+}
+
+bool FormulaReader::read(const Expression& expression, bool is_current) {
+  const std::optional<Sum> value = sum(expression, {place_.scope});
+  return value && keep(*value, is_current, expression.span);
+}
+
+bool FormulaReader::read_table(const Expression* x, const std::vector<elements::TablePoint>& points, bool is_current) {
+  std::optional<Sum> argument = builder_.voltage(0);
+  if (x != nullptr) argument = sum(*x, {place_.scope});
+  return argument && keep(builder_.table(*argument, points, false), is_current, instance_.span);
+}
+
+bool FormulaReader::keep(const Sum& value, bool is_current, SourceSpan span) {
+  elements::Formula formula = std::move(builder_).finish(value);
+  const bool finite = is_finite(formula.value) && std::all_of(formula.parts.begin(), formula.parts.end(), [](const auto& part) {
+                        return is_finite(part.argument) && is_finite(part.above) && is_finite(part.below);
+                      });
+  if (!finite) reporter().error("E-not-finite", span, "the result is not a finite number");
+  instance_.formula = std::move(formula);
+  instance_.formula_is_current = is_current;
+  return finite;
+}
+
+std::nullopt_t FormulaReader::refuse(const Expression& expression, std::string_view what) {
+  reporter().error("E-not-piecewise-linear", expression.span, fmt::format("{}: {} has no piecewise-linear form", instance_.name, what));
+  return std::nullopt;
+}
+
+std::nullopt_t FormulaReader::too_deep(const Expression& expression) {
+  reporter().error("E-too-deep", expression.span, fmt::format("more than {} parts of expressions within one another", deepest_formula));
+  return std::nullopt;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::meaning(const Expression& expression, const Context& context) {
+  if (nesting_ >= deepest_formula) return too_deep(expression);
+  ++nesting_;
+  std::optional<Meaning> result = of_kind(expression, context);
+  --nesting_;
+  return result;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_kind(const Expression& expression, const Context& context) {
+  switch (expression.kind) {
+    case Kind::number:
+    case Kind::name:
+      return of_name(expression, context);
+    case Kind::unary:
+      return of_unary(expression, context);
+    case Kind::binary:
+      return of_binary(expression, context);
+    case Kind::conditional:
+      return of_choice(expression.arguments[1], expression.arguments[2], expression.arguments[0], context);
+    case Kind::call:
+      return of_call(expression, context);
+  }
+  return std::nullopt;
+}
+
+std::optional<AffineSum> FormulaReader::sum(const Expression& expression, const Context& context) {
+  std::optional<Meaning> result = meaning(expression, context);
+  if (!result) return std::nullopt;
+  return std::move(result->value);
+}
+
+std::optional<Condition> FormulaReader::condition(const Expression& expression, const Context& context) {
+  const std::optional<Meaning> result = meaning(expression, context);
+  if (!result) return std::nullopt;
+  return condition_of(*result, expression);
+}
+
+std::optional<Condition> FormulaReader::condition_of(const Meaning& meaning, const Expression& expression) {
+  if (meaning.condition) return meaning.condition;
+  if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant != 0.0 ? 1.0 : 0.0), std::nullopt};
+  reporter().error("E-not-piecewise-linear", expression.span,
+                   fmt::format("{}: a condition on a signal needs a comparison; try '{} > 0.5'", instance_.name, reporter().text(expression.span)));
+  return std::nullopt;
+}
+
+std::optional<double> FormulaReader::constant(const Expression& expression, const Context& context, std::string_view what) {
+  const std::optional<Sum> value = sum(expression, context);
+  if (!value) return std::nullopt;
+  if (value->is_constant()) return value->constant;
+  reporter().error("E-not-piecewise-linear", expression.span, fmt::format("{}: {} must be a number", instance_.name, what));
+  return std::nullopt;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_name(const Expression& expression, const Context& context) {
+  if (expression.kind == Kind::name) {
+    if (context.arguments != nullptr) {
+      const auto argument = context.arguments->find(without_case(expression.text));
+      if (argument != context.arguments->end()) return argument->second;
+    }
+    if (same_name(expression.text, "time")) return Meaning{builder_.time(), std::nullopt};
+  }
+  const std::optional<double> value = Evaluator(context.scope, context.depth).value(expression);
+  if (!value) return std::nullopt;
+  return Meaning{constant_sum(*value), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_unary(const Expression& expression, const Context& context) {
+  if (expression.text == "!") {
+    const std::optional<Condition> asked = condition(expression.arguments[0], context);
+    if (!asked) return std::nullopt;
+    const Condition opposite = elements::FormulaBuilder::negation(*asked);
+    return Meaning{opposite.value, opposite};
+  }
+  std::optional<Sum> value = sum(expression.arguments[0], context);
+  if (value && expression.text == "-") value = -1.0 * *value;
+  if (!value) return std::nullopt;
+  return Meaning{std::move(*value), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_binary(const Expression& expression, const Context& context) {
+  std::vector<const Expression*> spine;  // a long sum is a deep tree on its left: no recursion there
+  const Expression* at = &expression;
+  for (; at->kind == Kind::binary; at = &at->arguments[0]) spine.push_back(at);
+  std::optional<Meaning> left = meaning(*at, context);
+  for (auto operation = spine.rbegin(); operation != spine.rend(); ++operation) {
+    const std::optional<Meaning> right = meaning((*operation)->arguments[1], context);
+    left = left && right ? of_operation(**operation, (*operation)->arguments[0], *left, *right) : std::nullopt;
+  }
+  return left;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expression& operation, const Expression& left_part,
+                                                                  const Meaning& left, const Meaning& right) {
+  const std::string_view op = operation.text;
+  const Sum& a = left.value;
+  const Sum& b = right.value;
+  if (a.is_constant() && b.is_constant()) return of_numbers(operation, a.constant, b.constant);
+  if (op == "+") return Meaning{a + b, std::nullopt};
+  if (op == "-") return Meaning{a - b, std::nullopt};
+  if (is_comparison(op)) return of_comparison(operation, a, b);
+  if (is_logic(op)) return of_logic(operation, left_part, left, right);
+  if (op == "^" || op == "**") return of_power(operation, a, b);
+  if (op == "*") {
+    std::optional<Sum> product = builder_.product(a, b);
+    if (!product) return refuse(operation, "a product of signals");
+    return Meaning{std::move(*product), std::nullopt};
+  }
+  if (op != "/") return refuse(operation, fmt::format("'{}' between signals", op));
+  if (!b.is_constant()) return refuse(operation, "a division by a signal");
+  if (b.constant != 0.0) return Meaning{1.0 / b.constant * a, std::nullopt};
+  reporter().error("E-not-finite", operation.span, "division by zero");
+  return std::nullopt;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_numbers(const Expression& operation, double left, double right) {
+  const double value = binary_value(operation.text, left, right);
+  if (std::isfinite(value)) return Meaning{constant_sum(value), std::nullopt};
+  reporter().error("E-not-finite", operation.span,
+                   operation.text == "/" && right == 0.0 ? "division by zero" : "the result is not a finite number");
+  return std::nullopt;
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_comparison(const Expression& operation, const Sum& left, const Sum& right) {
+  const Condition asked = operation.text[0] == '>' ? builder_.greater(left, right) : builder_.greater(right, left);
+  return Meaning{asked.value, asked};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_logic(const Expression& operation, const Expression& left_part, const Meaning& left,
+                                                              const Meaning& right) {
+  const std::optional<Condition> a = condition_of(left, left_part);
+  const std::optional<Condition> b = condition_of(right, operation.arguments[1]);
+  if (!a || !b) return std::nullopt;
+  const bool is_and = operation.text[0] == '&';
+  for (const auto& [one, other] : {std::pair(&*a, &*b), std::pair(&*b, &*a)}) {
+    if (!one->is_constant()) continue;
+    const Condition result = one->holds() == is_and ? *other : *one;
+    return Meaning{result.value, result};
+  }
+  const Condition result = is_and ? builder_.both(*a, *b) : builder_.either(*a, *b);
+  return Meaning{result.value, result};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
+  const double times = exponent.is_constant() ? exponent.constant : 0.0;
+  if (times == 1.0) return Meaning{base, std::nullopt};
+  if (times < 2.0 || times > largest_power || times != std::floor(times)) return refuse(operation, "a power of a signal");
+  std::optional<Sum> product = base;
+  for (int k = 1; product && k < static_cast<int>(times); ++k) product = builder_.product(*product, base);
+  if (!product) return refuse(operation, "a power of a signal");
+  return Meaning{std::move(*product), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_choice(const Expression& yes, const Expression& no, const Expression& asked,
+                                                               const Context& context) {
+  const std::optional<Condition> which = condition(asked, context);
+  if (!which) return std::nullopt;
+  if (which->is_constant()) return meaning(which->holds() ? yes : no, context);
+  const std::optional<Sum> a = sum(yes, context);
+  const std::optional<Sum> b = sum(no, context);
+  if (!a || !b) return std::nullopt;
+  return Meaning{builder_.choose(*which, *a, *b), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_call(const Expression& expression, const Context& context) {
+  if (is_signal(expression)) return of_signal(expression);
+  const std::string key = without_case(expression.text);
+  Scope* home = nullptr;
+  if (const FunctionText* function = find_function(context.scope, key, home)) return of_function(expression, *function, *home, context);
+  if (key == "if" || key == "ternary_fcn") {
+    if (!count_is(expression, 3, 3)) return std::nullopt;
+    return of_choice(expression.arguments[1], expression.arguments[2], expression.arguments[0], context);
+  }
+  if (key == "table" || key == "pwl") return of_table(expression, context, key == "pwl");
+  return of_builtin(expression, context);
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_signal(const Expression& expression) {
+  const bool is_voltage = same_name(expression.text, "v");
+  if (!count_is(expression, 1, is_voltage ? 2 : 1)) return std::nullopt;
+  if (!is_voltage) {
+    const Expression& name = expression.arguments[0];
+    const std::string full = place_.prefix + name.text;
+    auto& list = instance_.references;
+    const auto known = std::find_if(list.begin(), list.end(), [&](const auto& r) { return same_name(r.name, full); });
+    const auto index = static_cast<int>(known - list.begin());
+    if (known == list.end()) list.push_back({full, name.span, -1});
+    return Meaning{builder_.current(index), std::nullopt};
+  }
+  Sum value;
+  double sign = 1.0;
+  for (const Expression& name : expression.arguments) {  // a pair is a difference: v(a,b) and v(a)-v(b) share their ports
+    netlist::Item word;
+    word.text = name.text;
+    word.span = name.span;
+    const elements::NodePair pair{binder_.node(place_, word), model::ground};
+    auto& list = instance_.control_nodes;
+    const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == pair.p && other.n == pair.n; });
+    const auto index = static_cast<int>(known - list.begin());
+    if (known == list.end()) list.push_back(pair);
+    if (pair.p != model::ground) value = value + sign * builder_.voltage(index);
+    sign = -1.0;
+  }
+  return Meaning{std::move(value), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expression& expression, const FunctionText& function, Scope& home,
+                                                                 const Context& context) {
+  if (!count_is(expression, function.formals.size(), function.formals.size())) return std::nullopt;
+  if (context.depth > Evaluator::deepest) return too_deep(expression);
+  Names arguments;
+  for (std::size_t k = 0; k < function.formals.size(); ++k) {
+    std::optional<Meaning> argument = meaning(expression.arguments[k], context);
+    if (!argument) return std::nullopt;
+    arguments.emplace(function.formals[k], std::move(*argument));
+  }
+  const Context inside{home, &arguments, context.depth + 1};
+  if (function.body->kind == netlist::Item::Kind::expression) return meaning(*function.body->expression, inside);
+  const std::optional<double> number = Evaluator(home, inside.depth).value(*function.body);
+  if (!number) return std::nullopt;
+  return Meaning{constant_sum(*number), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& expression, const Context& context, bool extrapolated) {
+  const std::size_t count = expression.arguments.size();
+  if (count < 3 || count % 2 == 0) {
+    reporter().error("E-argument-count", expression.span, fmt::format("{} takes x and pairs of numbers", expression.text));
+    return std::nullopt;
+  }
+  const std::optional<Sum> x = sum(expression.arguments[0], context);
+  std::vector<elements::TablePoint> points;
+  for (std::size_t k = 1; k < count; k += 2) {
+    const std::optional<double> at = constant(expression.arguments[k], context, "a point of a table");
+    const std::optional<double> value = constant(expression.arguments[k + 1], context, "a point of a table");
+    if (!at || !value) return std::nullopt;
+    points.push_back({*at, *value});
+  }
+  if (!x || !check_table(points, expression.span, reporter())) return std::nullopt;
+  return Meaning{builder_.table(*x, points, extrapolated), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_builtin(const Expression& expression, const Context& context) {
+  std::vector<Sum> values;
+  for (const Expression& argument : expression.arguments) {
+    std::optional<Sum> value = sum(argument, context);
+    if (!value) return std::nullopt;
+    values.push_back(std::move(*value));
+  }
+  return of_values(expression, values);
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression& expression, const std::vector<Sum>& values) {
+  const std::string key = without_case(expression.text);
+  const auto piecewise = [](Sum value) { return Meaning{std::move(value), std::nullopt}; };
+  if (key == "u" || key == "uramp") {
+    if (!count_is(expression, 1, 1)) return std::nullopt;
+    return piecewise(key == "u" ? builder_.step(values[0]) : builder_.positive(values[0]));
+  }
+  const BuiltinFunction* builtin = find_builtin(key);
+  if (builtin == nullptr) {
+    static constexpr std::string_view with_memory[] = {"ddt", "d", "idt", "sdt", "idtmod", "delay", "absdelay"};
+    const bool known = std::any_of(std::begin(with_memory), std::end(with_memory), [&](std::string_view name) { return key == name; });
+    reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
+                     known ? fmt::format("{}: {} in an expression is not supported; try an A element of type int or d_dt", instance_.name, key)
+                           : fmt::format("unknown function '{}'", expression.text));
+    return std::nullopt;
+  }
+  if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;
+  if (std::all_of(values.begin(), values.end(), [](const Sum& value) { return value.is_constant(); })) {
+    std::vector<double> numbers;
+    for (const Sum& value : values) numbers.push_back(value.constant);
+    const double value = builtin->value(numbers);
+    if (std::isfinite(value) || builtin->passes_infinity) return piecewise(constant_sum(value));
+    reporter().error("E-not-finite", expression.span, fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
+    return std::nullopt;
+  }
+  if (key == "abs") return piecewise(builder_.absolute(values[0]));
+  if (key == "sgn") return piecewise(builder_.sign(values[0]));
+  if (key == "limit") return piecewise(builder_.limit(values[0], values[1], values[2]));
+  if (key == "min" || key == "max") {
+    Sum extreme = values[0];
+    for (std::size_t k = 1; k < values.size(); ++k)
+      extreme = key == "min" ? builder_.minimum(extreme, values[k]) : builder_.maximum(extreme, values[k]);
+    return piecewise(std::move(extreme));
+  }
+  std::optional<Sum> of_time;
+  if (key == "sin") of_time = builder_.sine(values[0], 0.0);
+  if (key == "cos") of_time = builder_.sine(values[0], quarter_turn);
+  if (key == "exp") of_time = builder_.exponential(values[0]);
+  if (!of_time) return refuse(expression, fmt::format("{} of a signal", expression.text));
+  return piecewise(std::move(*of_time));
+}
+
+bool FormulaReader::count_is(const Expression& expression, std::size_t least, std::size_t most) {
+  const std::size_t count = expression.arguments.size();
+  if (count >= least && count <= most) return true;
+  const std::string wanted = fmt::format("{}{} argument{}", least, least == most ? "" : " or more", least == 1 ? "" : "s");
+  reporter().error("E-argument-count", expression.span, fmt::format("{} takes {}, not {}", expression.text, wanted, count));
+  return false;
+}
+
+}  // namespace pwlsim::circuit

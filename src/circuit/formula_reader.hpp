@@ -1,0 +1,80 @@
+#pragma once
+/// Expressions of B, E, F, G and H cards -> formulas. Constants are folded; V(…) and I(…) become controls of the instance; what has no
+/// piecewise-linear form is an error at the smallest part that lacks one.
+
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "circuit/bind.hpp"
+#include "elements/formula.hpp"
+
+namespace pwlsim::circuit {
+
+class FormulaReader {
+ public:
+  FormulaReader(Binder& binder, Place& place, elements::Instance& instance) : binder_(binder), place_(place), instance_(instance) {}
+
+  /// Gives the instance its formula; false after an error.
+  bool read(const netlist::Expression& expression, bool is_current);
+  /// The same for straight lines between points, x an expression or the first pair of control nodes.
+  bool read_table(const netlist::Expression* x, const std::vector<elements::TablePoint>& points, bool is_current);
+
+ private:
+  using Expression = netlist::Expression;
+  using Sum = elements::AffineSum;
+
+  /// A value, and a truth value where it comes from a comparison.
+  struct Meaning {
+    Sum value;
+    std::optional<elements::Condition> condition;
+  };
+  using Names = std::unordered_map<std::string, Meaning>;
+  /// Where names are looked up: a scope, and the arguments of the .func function whose body is read.
+  struct Context {
+    Scope& scope;
+    const Names* arguments = nullptr;
+    int depth = 0;
+  };
+
+  std::optional<Meaning> meaning(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_kind(const Expression& expression, const Context& context);
+  std::optional<Sum> sum(const Expression& expression, const Context& context);
+  std::optional<elements::Condition> condition(const Expression& expression, const Context& context);
+  std::optional<elements::Condition> condition_of(const Meaning& meaning, const Expression& expression);
+  std::optional<double> constant(const Expression& expression, const Context& context, std::string_view what);
+
+  std::optional<Meaning> of_name(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_unary(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_binary(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_operation(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
+  std::optional<Meaning> of_logic(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
+  std::optional<Meaning> of_numbers(const Expression& operation, double left, double right);
+  std::optional<Meaning> of_power(const Expression& operation, const Sum& base, const Sum& exponent);
+  std::optional<Meaning> of_comparison(const Expression& operation, const Sum& left, const Sum& right);
+  std::optional<Meaning> of_choice(const Expression& yes, const Expression& no, const Expression& asked, const Context& context);
+  std::optional<Meaning> of_call(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_signal(const Expression& expression);
+  std::optional<Meaning> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Context& context);
+  std::optional<Meaning> of_table(const Expression& expression, const Context& context, bool extrapolated);
+  std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);
+
+  bool count_is(const Expression& expression, std::size_t least, std::size_t most);
+  [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);
+  std::nullopt_t refuse(const Expression& expression, std::string_view what);
+  std::nullopt_t too_deep(const Expression& expression);
+  [[nodiscard]] Reporter& reporter() { return binder_.reporter(); }
+
+  Binder& binder_;
+  Place& place_;
+  elements::Instance& instance_;
+  elements::FormulaBuilder builder_;
+  int nesting_ = 0;
+};
+
+/// Reports points whose x decreases; false then. `spans` may hold one span a point.
+bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter);
+
+}  // namespace pwlsim::circuit

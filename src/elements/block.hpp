@@ -1,0 +1,26 @@
+#pragma once
+/// Blocks of A elements: from inputs to one output.
+
+#include <vector>
+
+#include "elements/emission.hpp"
+
+namespace pwlsim::elements {
+
+struct Block {
+  bool takes_vector = false;  ///< any number of inputs
+  /// A block without memory: its output as a formula of its inputs. Else null.
+  AffineSum (*law)(FormulaBuilder& builder, const Values& values, const std::vector<AffineSum>& inputs) = nullptr;
+  /// A block with states: adds them and gives its output.
+  model::LinearForm (*dynamics)(Emission& emission, const model::LinearForm& input) = nullptr;
+};
+
+extern const ModelKind gain_model, summer_model, limit_model, hyst_model, pwl_model, relay_model, deadzone_model, friction_model;
+extern const ModelKind integrator_model, transfer_model, derivative_model;
+
+/// Rounded corners of other simulators: here the corners are sharp.
+inline constexpr Parameter limit_range{"limit_range", "", 1e-6, Range::any, false, "Width of rounded corners.", Use::ignored};
+inline constexpr Parameter fraction{"fraction", "", 0.0, Range::any, false, "Whether that width is relative.", Use::ignored};
+inline constexpr Parameter input_domain{"input_domain", "", 0.01, Range::any, false, "Width of rounded corners.", Use::ignored};
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,138 @@
+/// Blocks without memory.
+#include <fmt/format.h>
+
+#include "elements/block.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+using Inputs = std::vector<AffineSum>;
+
+/// A list has one member for each input, or one for all.
+double member(const std::vector<double>& list, std::size_t k) { return list.size() == 1 ? list[0] : list[k]; }
+
+AffineSum gain_law(FormulaBuilder&, const Values& v, const Inputs& in) {
+  return v.get("gain") * (in[0] + constant_sum(v.get("in_offset"))) + constant_sum(v.get("out_offset"));
+}
+
+AffineSum summer_law(FormulaBuilder&, const Values& v, const Inputs& in) {
+  const std::vector<double> offsets = v.list("in_offset"), gains = v.list("in_gain");
+  AffineSum sum;
+  for (std::size_t k = 0; k < in.size(); ++k) sum = sum + member(gains, k) * (in[k] + constant_sum(member(offsets, k)));
+  return v.get("out_gain") * sum + constant_sum(v.get("out_offset"));
+}
+
+AffineSum limit_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+  const AffineSum free = v.get("gain") * (in[0] + constant_sum(v.get("in_offset")));
+  return builder.limit(free, constant_sum(v.get("out_lower_limit")), constant_sum(v.get("out_upper_limit")));
+}
+
+/// From (low, lower) to (high, upper), both shifted by `shift`, constant beyond.
+AffineSum ramp(FormulaBuilder& builder, const Values& v, const AffineSum& x, double shift) {
+  const double low = v.get("in_low") + shift, high = v.get("in_high") + shift;
+  return builder.table(x, {{low, v.get("out_lower_limit")}, {high, v.get("out_upper_limit")}}, false);
+}
+
+AffineSum hyst_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+  const double width = v.get("hyst");
+  const double on = v.get("in_high") + width, off = v.get("in_low") - width;
+  if (v.get("in_high") == v.get("in_low"))
+    return builder.hysteresis(in[0], on, off, constant_sum(v.get("out_upper_limit")), constant_sum(v.get("out_lower_limit")));
+  return builder.hysteresis(in[0], on, off, ramp(builder, v, in[0], -width), ramp(builder, v, in[0], width));
+}
+
+AffineSum pwl_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+  const std::vector<double> x = v.list("x_array"), y = v.list("y_array");
+  std::vector<TablePoint> points;
+  for (std::size_t k = 0; k < x.size(); ++k) points.push_back({x[k], y[k]});
+  return builder.table(in[0], points, true);
+}
+
+AffineSum relay_law(FormulaBuilder& builder, const Values& v, const Inputs& in) { return v.get("level") * builder.sign(in[0]); }
+
+AffineSum friction_law(FormulaBuilder& builder, const Values& v, const Inputs& in) { return v.get("fc") * builder.sign(in[0]); }
+
+AffineSum deadzone_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+  const AffineSum d = constant_sum(v.get("d"));
+  return v.get("level") * (builder.step(in[0] - d) - builder.step(-1.0 * in[0] - d));
+}
+
+void check_limits(Model& model, const Settings&, Diagnostics& diagnostics) {
+  const Values& v = model.values;
+  if (v.get("out_lower_limit") > v.get("out_upper_limit"))
+    diagnostics.error("E-range", model.span, fmt::format("out_lower_limit of {} exceeds out_upper_limit", model.name));
+}
+
+void check_hyst(Model& model, const Settings&, Diagnostics& diagnostics) {
+  if (model.values.get("in_low") > model.values.get("in_high"))
+    diagnostics.error("E-range", model.span, fmt::format("in_low of {} exceeds in_high", model.name));
+}
+
+void check_pwl(Model& model, const Settings&, Diagnostics& diagnostics) {
+  const std::vector<double> x = model.values.list("x_array");
+  if (!model.values.has("x_array") || !model.values.has("y_array") || x.size() != model.values.list("y_array").size()) {
+    diagnostics.error("E-missing-value", model.span, fmt::format("the model {} needs an x_array and a y_array of one length", model.name));
+    return;
+  }
+  for (std::size_t k = 1; k < x.size(); ++k)
+    if (x[k] < x[k - 1])
+      diagnostics.error("E-table-order", model.values.span("x_array"),
+                        fmt::format("the x of a table must not decrease: {} stands behind {}", x[k], x[k - 1]));
+}
+
+constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
+constexpr Parameter gain{"gain", "", 1.0, Range::any, false, "Factor behind the offset."};
+constexpr Parameter out_offset{"out_offset", "", 0.0, Range::any, false, "Added to the output."};
+
+constexpr Parameter gain_parameters[] = {gain, in_offset, out_offset};
+constexpr Parameter summer_parameters[] = {
+    {"in_gain", "", 1.0, Range::any, false, "Factors of the inputs, one for each or one for all.", Use::honoured, true},
+    {"in_offset", "", 0.0, Range::any, false, "Added to the inputs, one for each or one for all.", Use::honoured, true},
+    {"out_gain", "", 1.0, Range::any, false, "Factor of the sum."},
+    out_offset,
+};
+constexpr Parameter limit_parameters[] = {
+    gain,
+    in_offset,
+    {"out_lower_limit", "", 0.0, Range::any, true, "Least output."},
+    {"out_upper_limit", "", 1.0, Range::any, true, "Largest output."},
+    limit_range,
+    fraction,
+};
+constexpr Parameter hyst_parameters[] = {
+    {"in_low", "", 0.0, Range::any, false, "Input where the output begins to rise, without hysteresis."},
+    {"in_high", "", 1.0, Range::any, false, "Input where it is fully up; in_low makes a step of it."},
+    {"hyst", "", 0.1, Range::not_negative, false, "Half width: both inputs lie this much higher on the way up, lower on the way down."},
+    {"out_lower_limit", "", 0.0, Range::any, false, "Output below."},
+    {"out_upper_limit", "", 1.0, Range::any, false, "Output above."},
+    input_domain,
+    fraction,
+};
+constexpr Parameter pwl_parameters[] = {
+    {"x_array", "", 0.0, Range::any, false, "Inputs of the points, not decreasing; equal ones are a vertical piece.", Use::honoured, true},
+    {"y_array", "", 0.0, Range::any, false, "Outputs of the points; extrapolated beyond the ends.", Use::honoured, true},
+    input_domain,
+    fraction,
+};
+constexpr Parameter relay_parameters[] = {{"level", "", 1.0, Range::any, false, "Output above zero; its negative below; anything between at zero."}};
+constexpr Parameter deadzone_parameters[] = {
+    {"d", "", 0.0, Range::not_negative, false, "No output for inputs between -d and d."},
+    {"level", "", 1.0, Range::any, false, "Output above d; its negative below -d."},
+};
+constexpr Parameter friction_parameters[] = {{"fc", "", 1.0, Range::not_negative, false, "Friction force at any speed above zero."}};
+
+constexpr Block gain_block{false, gain_law}, summer_block{true, summer_law}, limit_block{false, limit_law}, hyst_block{false, hyst_law},
+    pwl_block{false, pwl_law}, relay_block{false, relay_law}, deadzone_block{false, deadzone_law}, friction_block{false, friction_law};
+
+}  // namespace
+
+const ModelKind gain_model{"gain", "gain", gain_parameters, nullptr, &gain_block};
+const ModelKind summer_model{"summer", "sum of inputs", summer_parameters, nullptr, &summer_block};
+const ModelKind limit_model{"limit", "ideal saturation", limit_parameters, check_limits, &limit_block};
+const ModelKind hyst_model{"hyst", "hysteresis", hyst_parameters, check_hyst, &hyst_block};
+const ModelKind pwl_model{"pwl", "piecewise-linear characteristic", pwl_parameters, check_pwl, &pwl_block};
+const ModelKind relay_model{"relay", "relay", relay_parameters, nullptr, &relay_block};
+const ModelKind deadzone_model{"deadzone", "relay with dead zone", deadzone_parameters, nullptr, &deadzone_block};
+const ModelKind friction_model{"friction", "Coulomb friction", friction_parameters, nullptr, &friction_block};
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,22 @@
+#pragma once
+/// Nonlinearities of one form each, as complementarity ports and driven switches. All carry the name of the element.
+
+#include "elements/emission.hpp"
+
+namespace pwlsim::elements {
+
+/// max(x, 0) = u with 0 ≤ u ⊥ u − x ≥ 0.
+[[nodiscard]] model::LinearForm add_positive_part(Emission& emission, const model::LinearForm& x);
+
+/// 1 above x = 0, 0 below, anything between at 0: 1 − λ with 0 ≤ λ ⊥ x + μ ≥ 0, 0 ≤ μ ⊥ 1 − λ ≥ 0
+/// (van der Schaft & Schumacher 1996, the relay of section 2, for levels 0 and 1).
+[[nodiscard]] model::LinearForm add_step(Emission& emission, const model::LinearForm& x);
+
+struct Levels {
+  double on = 0.0, off = 0.0;
+};
+/// `above` from when the control rises above levels.on until it falls below levels.off, else `below`.
+[[nodiscard]] model::LinearForm add_choice(Emission& emission, const model::LinearForm& control, const Levels& levels,
+                                           const model::LinearForm& above, const model::LinearForm& below);
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,117 @@
+#pragma once
+/// Piecewise-linear functions of voltages, currents and time, in a form that maps one to one onto complementarity ports.
+///
+/// A value is an affine sum of parts. A part is a signal, a function of time, or one nonlinearity of an affine sum of earlier parts:
+///
+///     positive   max(x, 0)                                        one port
+///     step       1 above x = 0, 0 below, anything between at 0    two ports
+///     choice     one of two sums, as a control with thresholds says (a driven switch, no port)
+///
+/// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
+/// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "model/source_function.hpp"
+
+namespace pwlsim::elements {
+
+/// constant + Σ coefficient·part, ascending in the part, no coefficient zero.
+struct AffineSum {
+  double constant = 0.0;
+  std::vector<std::pair<int, double>> terms;
+
+  [[nodiscard]] bool is_constant() const { return terms.empty(); }
+  bool operator==(const AffineSum&) const = default;
+};
+
+[[nodiscard]] AffineSum constant_sum(double value);
+[[nodiscard]] AffineSum operator+(const AffineSum& a, const AffineSum& b);
+[[nodiscard]] AffineSum operator-(const AffineSum& a, const AffineSum& b);
+[[nodiscard]] AffineSum operator*(double factor, const AffineSum& a);
+
+struct FormulaPart {
+  enum class Kind { voltage, current, time, positive, step, choice };
+  Kind kind = Kind::voltage;
+  int index = 0;                   ///< voltage: of Instance::control_nodes; current: of Instance::references
+  model::SourceFunction function{};  ///< time
+  AffineSum argument{};            ///< of positive and step; the control of a choice
+  AffineSum above{}, below{};      ///< choice: its value above on_level until the control falls below off_level, and else
+  double on_level = 0.0, off_level = 0.0;
+
+  bool operator==(const FormulaPart&) const = default;
+};
+
+/// What an element computes. A part refers only to parts before it.
+struct Formula {
+  std::vector<FormulaPart> parts;
+  AffineSum value;
+};
+
+struct TablePoint {
+  double x = 0.0, y = 0.0;
+};
+
+/// A truth value: 1 or 0, set-valued where a comparison holds with equality.
+struct Condition {
+  AffineSum value;
+  std::optional<AffineSum> margin;  ///< of a single comparison: it holds where the margin is positive
+
+  [[nodiscard]] bool is_constant() const { return value.is_constant(); }
+  [[nodiscard]] bool holds() const { return value.constant > 0.5; }
+};
+
+class FormulaBuilder {
+ public:
+  [[nodiscard]] AffineSum voltage(int control_pair) { return part({.kind = FormulaPart::Kind::voltage, .index = control_pair}); }
+  [[nodiscard]] AffineSum current(int reference) { return part({.kind = FormulaPart::Kind::current, .index = reference}); }
+
+  [[nodiscard]] AffineSum positive(const AffineSum& x);
+  [[nodiscard]] AffineSum step(const AffineSum& x);
+  [[nodiscard]] AffineSum maximum(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] AffineSum minimum(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] AffineSum absolute(const AffineSum& x) { return 2.0 * positive(x) - x; }
+  [[nodiscard]] AffineSum sign(const AffineSum& x) { return 2.0 * step(x) - constant_sum(1.0); }
+  /// x within the two bounds, in either order: their median.
+  [[nodiscard]] AffineSum limit(const AffineSum& x, const AffineSum& a, const AffineSum& b);
+  /// Straight lines between the points, whose x must not decrease; equal ones are a jump. Beyond the ends constant, or extrapolated.
+  [[nodiscard]] AffineSum table(const AffineSum& x, const std::vector<TablePoint>& points, bool extrapolated);
+
+  [[nodiscard]] Condition greater(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] Condition both(const Condition& a, const Condition& b);
+  [[nodiscard]] Condition either(const Condition& a, const Condition& b);
+  [[nodiscard]] static Condition negation(const Condition& a);
+  [[nodiscard]] AffineSum choose(const Condition& condition, const AffineSum& yes, const AffineSum& no);
+  /// `above` from when the control passes on_level until it falls below off_level ≤ on_level, else `below`.
+  [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above, const AffineSum& below);
+
+  [[nodiscard]] AffineSum time();
+  /// Whether nothing but time enters, as a sum of constants, exponentials, sinusoids and a straight line.
+  [[nodiscard]] bool is_of_time(const AffineSum& x) const;
+  /// Of two sums of which one is constant, or both are of time. Empty where the product leaves that class.
+  [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
+  /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
+  [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
+  [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
+
+  [[nodiscard]] Formula finish(AffineSum value) && { return {std::move(parts_), std::move(value)}; }
+  [[nodiscard]] const std::vector<FormulaPart>& parts() const { return parts_; }
+
+ private:
+  [[nodiscard]] AffineSum part(FormulaPart part);
+  [[nodiscard]] AffineSum function_of_time(model::SourceFunction function);
+  [[nodiscard]] AffineSum oscillation(double amplitude, double omega, double damping, double phase);
+  [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
+  /// c and t0 where x = c·(t − t0), c ≠ 0.
+  struct Line {
+    double slope = 0.0, zero = 0.0;
+  };
+  [[nodiscard]] std::optional<Line> line_in_time(const AffineSum& x) const;
+  [[nodiscard]] AffineSum table_of_time(const Line& line, const std::vector<TablePoint>& points, bool extrapolated);
+
+  std::vector<FormulaPart> parts_;
+};
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,116 @@
+#include "elements/formula_emission.hpp"
+
+#include <optional>
+
+#include "elements/complementarity.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+using PartKind = FormulaPart::Kind;
+using model::LinearForm;
+
+class FormulaEmission {
+ public:
+  FormulaEmission(Emission& emission, const Formula& formula, const Signals& signals)
+      : emission_(emission), formula_(formula), signals_(signals), needed_(formula.parts.size(), 0), forms_(formula.parts.size()) {}
+
+  LinearForm run() {
+    mark(formula_.value);
+    for (std::size_t k = formula_.parts.size(); k-- > 0;)
+      if (needed_[k] != 0) mark_arguments(formula_.parts[k]);
+    for (std::size_t k = 0; k < formula_.parts.size(); ++k)
+      if (needed_[k] != 0) forms_[k] = form_of(formula_.parts[k]);
+    return form(formula_.value);
+  }
+
+ private:
+  void mark(const AffineSum& sum) {
+    for (const auto& term : sum.terms) needed_[static_cast<std::size_t>(term.first)] = 1;
+  }
+
+  void mark_arguments(const FormulaPart& part) {
+    mark(part.argument);
+    mark(part.above);
+    mark(part.below);
+  }
+
+  LinearForm form(const AffineSum& sum) const {
+    LinearForm result;
+    if (sum.constant != 0.0) result.push_back(model::constant(sum.constant));
+    for (const auto& [part, coefficient] : sum.terms) model::accumulate(result, forms_[static_cast<std::size_t>(part)], coefficient);
+    return result;
+  }
+
+  LinearForm form_of(const FormulaPart& part) {
+    switch (part.kind) {
+      case PartKind::voltage:
+      case PartKind::current:
+        return signals_(part);
+      case PartKind::time:
+        return quantity(Quantity::source, emission_.builder().add(model::Source{emission_.label(), part.function}));
+      case PartKind::positive:
+        return add_positive_part(emission_, form(part.argument));
+      case PartKind::step:
+        return add_step(emission_, form(part.argument));
+      case PartKind::choice:
+        return add_choice(emission_, form(part.argument), {part.on_level, part.off_level}, form(part.above), form(part.below));
+    }
+    return {};
+  }
+
+  Emission& emission_;
+  const Formula& formula_;
+  const Signals& signals_;
+  std::vector<char> needed_;
+  std::vector<LinearForm> forms_;
+};
+
+}  // namespace
+
+LinearForm emit_formula(Emission& emission, const Formula& formula) {
+  return emit_formula(emission, formula, [&](const FormulaPart& part) {
+    const auto index = static_cast<std::size_t>(part.index);
+    if (part.kind == PartKind::current) return emission.referenced_result(index).current;
+    const NodePair& pair = emission.instance().control_nodes[index];
+    return model::voltage_between(pair.p, pair.n);
+  });
+}
+
+LinearForm emit_formula(Emission& emission, const Formula& formula, const Signals& signals) {
+  return FormulaEmission(emission, formula, signals).run();
+}
+
+void add_formula_source(Emission& emission, bool is_current) {
+  Emitted& result = emission.result();
+  if (is_current && !emission.is_referenced()) {
+    result.item = emission.builder().add(model::Injection{emission.label(), emission.p(), emission.n(), {}});
+    return;
+  }
+  // A current that others follow is an unknown of its own from the first pass on: a branch whose law leaves the voltage free.
+  result.item = emission.builder().add(model::Branch{emission.label(), emission.p(), emission.n(), {}});
+  result.current = quantity(Quantity::branch_current, result.item);
+}
+
+void set_source_value(Emission& emission, LinearForm value, bool is_current) {
+  Emitted& result = emission.result();
+  model::Network& network = emission.builder().network();
+  const auto index = static_cast<std::size_t>(result.item);
+  if (is_current && !emission.is_referenced()) {
+    result.current = value;
+    network.injections[index].current = std::move(value);
+    return;
+  }
+  LinearForm& law = network.branches[index].voltage;
+  if (!is_current) {
+    law = std::move(value);
+    return;
+  }
+  law = model::voltage_between(emission.p(), emission.n());
+  model::accumulate(law, value, -1.0);
+  law.push_back({Quantity::branch_current, result.item, 1.0});
+}
+
+bool is_voltage_formula(const Instance& instance) { return !instance.formula_is_current; }
+
+}  // namespace pwlsim::elements
