@@ -124,6 +124,7 @@ class Assembler {
   }
 
   static bool is_complete(const Instance& instance) {
+    if (instance.raw_system != nullptr) return true;
     const elements::Kind& kind = *instance.kind;
     const std::size_t controls = kind.control == Control::node_pair ? instance.control_nodes.size() : instance.references.size();
     if (instance.nodes.size() != static_cast<std::size_t>(kind.terminals)) return false;

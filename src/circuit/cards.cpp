@@ -38,7 +38,7 @@ constexpr CardKind kinds[] = {
     {".four", CardRole::not_yet, "Fourier analysis"},
     {".fourier", CardRole::not_yet, "Fourier analysis"},
     {".step", CardRole::not_yet, "sweeps a parameter"},
-    {".lcs", CardRole::not_yet, "a raw linear complementarity system"},
+    {".lcs", CardRole::raw_system, "a raw linear complementarity system"},
 };
 
 constexpr RefusedElement refused[] = {

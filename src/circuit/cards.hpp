@@ -19,6 +19,7 @@ enum class CardRole {
   operating_point,
   save,     ///< .save, .probe
   print,    ///< .print tran …
+  raw_system,  ///< .lcs
   silent,   ///< accepted, means nothing here
   ignored,  ///< one warning
   not_yet   ///< will come; an error until then

@@ -24,11 +24,13 @@ namespace pwlsim::circuit {
 
 /// One thing of `.save`. Names may use ':' or '.' between instances and what lies in them.
 struct SaveRequest {
-  enum class Kind { all, voltage, current };
+  enum class Kind { all, voltage, current, raw };
   Kind kind = Kind::voltage;
   std::string column;  ///< as the output spells it
   std::string first;   ///< node or element
   std::string second;  ///< the second node of v(a,b), else ""
+  char quantity = ' ';  ///< of a raw system: x, u or y
+  int number = 0;       ///< and which, from 1
   SourceSpan first_span, second_span;
 };
 

@@ -113,6 +113,8 @@ class Reader {
         return read_analysis(card, result_.saves);
       case CardRole::print:
         return read_print(card);
+      case CardRole::raw_system:
+        return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:
         if (reporter_.first_time(kind.name)) {
           reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));

@@ -4,6 +4,7 @@
 #include "circuit/commands.hpp"
 #include "circuit/definitions.hpp"
 #include "circuit/expand.hpp"
+#include "circuit/raw_system_reader.hpp"
 
 namespace pwlsim::circuit {
 
@@ -24,6 +25,7 @@ Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_r
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);
+  read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   models.check_unused(top, deck.title_span.file);
   result.expanded = true;
   return result;

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "base/names.hpp"
@@ -10,7 +13,7 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view usage = "v(node), v(node,node), i(element), or all";
+constexpr std::string_view usage = "v(node), v(node,node), i(element), x(system,1), u(system,1), y(system,1), or all";
 
 bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
 
@@ -20,6 +23,14 @@ bool holds_words(const Item& group, std::size_t least, std::size_t most) {
     if (item.kind != ItemKind::word) return false;
   }
   return true;
+}
+
+/// x(name,1), u(name,1), y(name,1)
+bool is_raw_signal(const Item& item) {
+  if (item.kind != ItemKind::group || !(same_name(item.text, "x") || same_name(item.text, "u") || same_name(item.text, "y"))) return false;
+  if (!holds_words(item, 2, 2)) return false;
+  const std::string& number = item.items[1].text;
+  return number.size() <= 6 && std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// As the deck spells it, unless it runs over a line.
@@ -39,6 +50,10 @@ void read_save(const Item& item, Reporter& reporter, std::vector<SaveRequest>& s
     request.kind = SaveRequest::Kind::voltage;
   } else if (item.kind == ItemKind::group && same_name(item.text, "i") && holds_words(item, 1, 1)) {
     request.kind = SaveRequest::Kind::current;
+  } else if (is_raw_signal(item)) {
+    request.kind = SaveRequest::Kind::raw;
+    request.quantity = lower_letter(item.text[0]);
+    request.number = std::stoi(item.items[1].text);
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
     reporter.error("E-unknown-signal", item.span, fmt::format("'{}' is no signal: they are {}{}", reporter.text(item.span), usage, cure));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "elements/raw_system.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -35,6 +36,9 @@ class SignalList {
         case SaveRequest::Kind::current:
           add_current(request);
           break;
+        case SaveRequest::Kind::raw:
+          add_raw(request);
+          break;
       }
     }
     return std::move(list_);
@@ -47,13 +51,37 @@ class SignalList {
 
   void add_all() {
     for (std::size_t k = 0; k < circuit_.nodes().size(); ++k) {
-      add({fmt::format("v({})", circuit_.nodes()[k].name), static_cast<model::NodeIndex>(k), model::ground, -1});
+      add({fmt::format("v({})", circuit_.nodes()[k].name), static_cast<model::NodeIndex>(k), model::ground, -1, ' ', 0});
     }
     for (std::size_t k = 0; k < circuit_.instances.size(); ++k) {
       const elements::Instance& instance = circuit_.instances[k];
+      if (instance.raw_system != nullptr) add_all_of(instance, static_cast<int>(k));
       if (instance.kind == nullptr || !instance.kind->saved_by_default) continue;
-      add({fmt::format("i({})", instance.name), model::ground, model::ground, static_cast<int>(k)});
+      add({fmt::format("i({})", instance.name), model::ground, model::ground, static_cast<int>(k), ' ', 0});
     }
+  }
+
+  void add_all_of(const elements::Instance& instance, int element) {
+    const elements::RawSystem& raw = *instance.raw_system;
+    for (const auto& [quantity, count] : {std::pair('x', raw.states), std::pair('u', raw.ports), std::pair('y', raw.ports)})
+      for (int k = 0; k < count; ++k)
+        add({fmt::format("{}({},{})", quantity, instance.name, k + 1), model::ground, model::ground, element, quantity, static_cast<std::size_t>(k)});
+  }
+
+  void add_raw(const SaveRequest& request) {
+    const int element = names_.element(request.first);
+    const auto* raw = element < 0 ? nullptr : circuit_.instances[static_cast<std::size_t>(element)].raw_system.get();
+    if (raw == nullptr) {
+      if (element < 0 || circuit_.instances[static_cast<std::size_t>(element)].kind != nullptr)
+        reporter_.error("E-unknown-element", request.first_span, fmt::format("unknown system '{}': it has no .lcs card", request.first));
+      return;
+    }
+    const int count = request.quantity == 'x' ? raw->states : raw->ports;
+    if (request.number < 1 || request.number > count) {
+      reporter_.error("E-unknown-signal", request.second_span, fmt::format("{} of {} count from 1 to {}", request.quantity, request.first, count));
+      return;
+    }
+    add({request.column, model::ground, model::ground, element, request.quantity, static_cast<std::size_t>(request.number) - 1});
   }
 
   std::optional<model::NodeIndex> node(const std::string& name, const SourceSpan& span) {
@@ -65,7 +93,7 @@ class SignalList {
   void add_voltage(const SaveRequest& request) {
     const auto p = node(request.first, request.first_span);
     const auto n = request.second.empty() ? model::ground : node(request.second, request.second_span);
-    if (p && n) add({request.column, *p, *n, -1});
+    if (p && n) add({request.column, *p, *n, -1, ' ', 0});
   }
 
   void add_current(const SaveRequest& request) {
@@ -79,7 +107,7 @@ class SignalList {
       reporter_.error("E-unknown-signal", request.first_span, fmt::format("{} is a {} and has no current", request.first, kind->name));
       return;
     }
-    add({request.column, model::ground, model::ground, element});
+    add({request.column, model::ground, model::ground, element, ' ', 0});
   }
 
   std::string unknown_element(const std::string& name) const {
@@ -102,7 +130,11 @@ std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameInde
 
 model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted) {
   if (source.element < 0) return {source.column, model::voltage_between(source.p, source.n)};
-  return {source.column, emitted[static_cast<std::size_t>(source.element)].current};
+  const elements::Emitted& element = emitted[static_cast<std::size_t>(source.element)];
+  if (source.quantity == 'x') return {source.column, element.raw.x[source.index]};
+  if (source.quantity == 'u') return {source.column, element.raw.u[source.index]};
+  if (source.quantity == 'y') return {source.column, element.raw.y[source.index]};
+  return {source.column, element.current};
 }
 
 }  // namespace pwlsim::circuit

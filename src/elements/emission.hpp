@@ -13,11 +13,17 @@ namespace pwlsim::elements {
 using Quantity = model::Term::Kind;
 [[nodiscard]] inline model::LinearForm quantity(Quantity kind, int index) { return {{kind, index, 1.0}}; }
 
+/// The quantities of a raw system, as far as it has been emitted.
+struct RawSignals {
+  std::vector<model::LinearForm> x, u, y;
+};
+
 /// What an emitted element offers to others.
 struct Emitted {
   model::LinearForm current;  ///< into its first node and out of its second
   int item = -1;              ///< its main item in the network, for the second pass
   int inductor = -1;          ///< its inductor, where it has one that can be coupled
+  RawSignals raw;
 };
 
 class Emission {

@@ -2,6 +2,7 @@
 /// Element and model kinds as data. An element is a file in elements/kinds that fills one Kind: its letter, the shape of its card,
 /// its parameters, and what it emits. Binding, reference tables and messages all read the same Kind.
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,7 @@ namespace pwlsim::elements {
 class Emission;
 struct Block;
 struct Instance;
+struct RawSystem;
 struct Model;
 
 /// Deck-wide numbers that elements depend on.
@@ -113,6 +115,7 @@ struct Instance {
   std::optional<Formula> formula;
   bool formula_is_current = false;  ///< also of the output of an A element
   std::vector<BlockInput> inputs;
+  std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;
   int model = -1;            ///< index within the circuit's models
   std::optional<bool> flag;  ///< on / off as written

@@ -55,6 +55,7 @@ struct Capacitor {
   double capacitance = 0.0;
   bool has_initial = false;
   double initial_voltage = 0.0;
+  bool starts_there = false;  ///< without uic too, even where that contradicts the network
 };
 /// v = inductance·i' + Σ mutual·i_other'.
 struct Inductor {

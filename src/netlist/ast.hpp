@@ -76,6 +76,7 @@ struct Card {
   std::vector<Item> items;
   SourceSpan span;
   bool damaged = false;  ///< a syntax error on this card has been reported
+  std::vector<Card> rows{};  ///< of `.lcs`: the lines of its file, their first words as names
 };
 
 /// A deck after includes and library sections have been read in place. `.subckt`/`.ends` are still cards of the flat list.

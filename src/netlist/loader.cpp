@@ -148,7 +148,9 @@ bool Loader::read_dot_card(const File& file, LineReader& reader, const LogicalLi
   } else if (same_name(name, ".endc")) {
     context.report("E-syntax-control", name, "'.endc' ends no '.control'");
   } else {
+    const std::size_t before = deck_.cards.size();
     add_card(line);
+    if (same_name(name, ".lcs") && deck_.cards.size() > before) read_rows(file, deck_.cards.back());
   }
   return true;
 }
@@ -164,6 +166,26 @@ void Loader::add_card(const LogicalLine& line) {
       take_limits(card);
     }
     deck_.cards.push_back(std::move(card));
+  }
+}
+
+/// The file of a `.lcs` card: numbers and sources line by line, `#` begins a comment.
+void Loader::read_rows(const File& from, Card& card) {
+  if (card.damaged || card.items.size() != 2) return;
+  const Item& name = card.items[1];
+  const File* const file = open_file(from, {name.text, {}, name.span, {}, false});
+  if (file == nullptr || !file->is_text) {
+    card.damaged = true;
+    return;
+  }
+  const std::string_view text = sources_.text(file->index);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::size_t content = std::min(text.find('#', begin), end);
+    LineReader reader(file->index, text.substr(0, content), begin);
+    LogicalLine row;
+    if (reader.next(row) && !parse_card({row, errors_, limits_.parentheses}, card.rows.emplace_back())) card.rows.pop_back();
+    begin = end + 1;
   }
 }
 

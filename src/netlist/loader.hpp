@@ -53,6 +53,7 @@ class Loader {
   void read_cards(const File& file, std::size_t begin, SectionFilter& filter);
   bool read_dot_card(const File& file, LineReader& reader, const LogicalLine& line, std::string_view name, SectionFilter& filter);
   void add_card(const LogicalLine& line);
+  void read_rows(const File& from, Card& card);
   void take_limits(const Card& options);
 
   void skip_control(LineReader& reader, const SourceSpan& control);

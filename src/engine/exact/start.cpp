@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -36,10 +37,13 @@ std::vector<char> active_switches(const model::System& s, const std::vector<char
   return active;
 }
 
+using Given = std::map<std::size_t, StaticSolution>;
+
 class OperatingPointSolver {
  public:
-  OperatingPointSolver(const std::vector<const model::System*>& systems, const std::vector<SwitchInfo>& switches)
-      : systems_(systems), solutions_(systems.size()) {
+  /// `given`: islands whose state at the start is not theirs to find.
+  OperatingPointSolver(const std::vector<const model::System*>& systems, const std::vector<SwitchInfo>& switches, Given given)
+      : systems_(systems), given_(std::move(given)), solutions_(systems.size()) {
     for (const auto& s : switches) {
       on.push_back(s.initially_on);
       names_.push_back(s.name);
@@ -64,6 +68,10 @@ class OperatingPointSolver {
   bool solve_all(Answer& answer) {
     for (std::size_t i = 0; i < systems_.size(); ++i) {
       const model::System& s = *systems_[i];
+      if (const auto it = given_.find(i); it != given_.end()) {
+        solutions_[i] = it->second;
+        continue;
+      }
       solutions_[i] = solve_static(s, zeta_before_start(s), active_switches(s, on));
       if (solutions_[i].status == StaticSolution::Status::solved) continue;
       answer.outcome = Outcome::no_solution;
@@ -93,6 +101,7 @@ class OperatingPointSolver {
   }
 
   std::vector<const model::System*> systems_;
+  Given given_;
   std::vector<StaticSolution> solutions_;
   std::vector<std::string> names_;
 };
@@ -169,6 +178,22 @@ Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& r
   return x.head(s.n);
 }
 
+/// Islands of states that start where they are told to, with uic or without: no input acts before the start.
+Given given_starts(const ExactModel& model) {
+  Given given;
+  for (std::size_t i = 0; i < model.islands.size(); ++i) {
+    const auto& capacitors = model.islands[i].island.network.capacitors;
+    if (!std::any_of(capacitors.begin(), capacitors.end(), [](const model::Capacitor& c) { return c.starts_there; })) continue;
+    const model::System& s = model.islands[i].extraction.system;
+    StaticSolution solution;
+    solution.x.resize(s.size());
+    solution.x << model.islands[i].extraction.descriptor.reduce * model::initial_state(model.islands[i].island), zeta_before_start(s);
+    solution.u = Vector::Zero(s.ports);
+    given.emplace(i, std::move(solution));
+  }
+  return given;
+}
+
 }  // namespace
 
 Start start_from_operating_point(const ExactModel& model) {
@@ -190,7 +215,7 @@ Start start_from_operating_point(const ExactModel& model) {
     forced.emplace(i, std::move(*extraction));
     systems.back() = &forced.at(i).system;
   }
-  OperatingPointSolver solver(systems, model.switches);
+  OperatingPointSolver solver(systems, model.switches, given_starts(model));
   if (!solver.run(start.answer)) return start;
   start.on = solver.on;
   for (std::size_t i = 0; i < model.islands.size(); ++i) {

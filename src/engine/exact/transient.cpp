@@ -25,6 +25,11 @@ constexpr std::uint64_t instants_between_checks = 256;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+/// Ports of one element stand side by side and are named once.
+void add_name(std::vector<std::string>& names, const std::string& name) {
+  if (names.empty() || names.back() != name) names.push_back(name);
+}
+
 }  // namespace
 
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
@@ -250,7 +255,7 @@ bool Transient::watch_accumulation(const Instant& instant) {
 std::vector<std::string> Transient::differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const {
   std::vector<std::string> names;
   for (int i = 0; i < island.system().ports; ++i)
-    if (a.contains(i) != b.contains(i)) names.push_back(island.system().port[static_cast<std::size_t>(i)].name);
+    if (a.contains(i) != b.contains(i)) add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
   return names;
 }
 
@@ -264,7 +269,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
          names);
     return;
   }
-  for (const auto& port : island.system().port) names.push_back(port.name);
+  for (const auto& port : island.system().port) add_name(names, port.name);
   const bool jumps = selected.choice == model::Choice::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
