@@ -29,9 +29,9 @@ struct SaveRequest {
   std::string column;  ///< as the output spells it
   std::string first;   ///< node or element
   std::string second;  ///< the second node of v(a,b), else ""
+  SourceSpan first_span, second_span;
   char quantity = ' ';  ///< of a raw system: x, u or y
   int number = 0;       ///< and which, from 1
-  SourceSpan first_span, second_span;
 };
 
 /// One thing of `.ic`: the voltage of a node or the current of an inductor, by full name.

@@ -65,7 +65,7 @@ TEST_CASE("cards become generic trees", "[unit]") {
       Row{".step param R list 1 2 3", ".step param R list 1 2 3"}, Row{".backanno", ".backanno"},
       Row{".meas tran x FIND V(out) WHEN V(in)=5 RISE=1", ".meas tran x FIND V(out) WHEN V(in)=5 RISE=1"}, Row{".op", ".op"},
       Row{".meas tran p AVG V(a)*I(R1) FROM=1m", ".meas tran p AVG V(a) *I(R1) FROM=1m"}, Row{".four 1k v(out)", ".four 1k v(out)"},
-      Row{".lcs name \"file.lcs\"", ".lcs name \"file.lcs\""}, Row{".title don't (mind", ".title"});
+      Row{".dot name \"file.lcs\"", ".dot name \"file.lcs\""}, Row{".title don't (mind", ".title"});
   CAPTURE(row.text);
   CHECK(card(row.text) == row.tree);
 }

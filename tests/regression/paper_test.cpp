@@ -74,7 +74,6 @@ TEST_CASE("paper: two carts hit the stop, and leave it a quarter turn later", "[
                       [&](double t) {
                         return t < pi / 2.0 ? -std::cos(t) : (phi * phi * std::sin(after(t) / phi) + std::sin(phi * after(t)) / (phi * phi)) / root5;
                       }});
-  CHECK(run.answer.statistics.jumps == 1);
 }
 
 // A stiff spring gives the velocity back: the limit is the free motion from (0, -1, 1, 0), an error of order 1/sqrt(k).
