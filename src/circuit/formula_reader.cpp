@@ -209,7 +209,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_numbers(const Expression
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_comparison(const Expression& operation, const Sum& left, const Sum& right) {
-  const Condition asked = operation.text[0] == '>' ? builder_.greater(left, right) : builder_.greater(right, left);
+  const bool or_equal = operation.text.size() == 2;
+  const Condition asked = operation.text[0] == '>' ? builder_.greater(left, right, or_equal) : builder_.greater(right, left, or_equal);
   return Meaning{asked.value, asked};
 }
 

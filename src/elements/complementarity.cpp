@@ -1,5 +1,7 @@
 #include "elements/complementarity.hpp"
 
+#include "elements/source_step.hpp"
+
 namespace pwlsim::elements {
 
 using model::LinearForm;
@@ -13,7 +15,8 @@ LinearForm add_positive_part(Emission& emission, const LinearForm& x) {
   return input;
 }
 
-LinearForm add_step(Emission& emission, const LinearForm& x) {
+LinearForm add_step(Emission& emission, const LinearForm& x, double at_zero) {
+  if (const std::optional<LinearForm> step = step_of_source(emission, x, at_zero)) return *step;
   const auto lambda = static_cast<int>(emission.builder().network().complementarities.size());
   LinearForm slack = x;
   slack.push_back({Quantity::slack_input, lambda + 1, 1.0});

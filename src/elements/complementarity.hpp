@@ -10,7 +10,8 @@ namespace pwlsim::elements {
 
 /// 1 above x = 0, 0 below, anything between at 0: 1 − λ with 0 ≤ λ ⊥ x + μ ≥ 0, 0 ≤ μ ⊥ 1 − λ ≥ 0
 /// (van der Schaft & Schumacher 1996, the relay of section 2, for levels 0 and 1).
-[[nodiscard]] model::LinearForm add_step(Emission& emission, const model::LinearForm& x);
+/// Where a source alone decides, a function of time instead, `at_zero` where it rests at 0.
+[[nodiscard]] model::LinearForm add_step(Emission& emission, const model::LinearForm& x, double at_zero);
 
 struct Levels {
   double on = 0.0, off = 0.0;

@@ -90,14 +90,14 @@ AffineSum FormulaBuilder::positive(const AffineSum& x) {
   return lead > 0.0 ? lead * above : -lead * above + x;
 }
 
-AffineSum FormulaBuilder::step(const AffineSum& x) {
-  if (x.is_constant()) return constant_sum(x.constant > 0.0 ? 1.0 : (x.constant < 0.0 ? 0.0 : 0.5));
+AffineSum FormulaBuilder::step(const AffineSum& x, double at_zero) {
+  if (x.is_constant()) return constant_sum(x.constant > 0.0 ? 1.0 : (x.constant < 0.0 ? 0.0 : at_zero));
   if (const auto line = line_in_time(x)) {
     const AffineSum risen = table_of_time({1.0, 0.0}, {{line->zero, 0.0}, {line->zero, 1.0}}, false);
     return line->slope > 0.0 ? risen : constant_sum(1.0) - risen;
   }
   const double lead = x.terms[0].second;
-  const AffineSum above = part({.kind = Kind::step, .argument = 1.0 / lead * x});
+  const AffineSum above = part({.kind = Kind::step, .argument = 1.0 / lead * x, .at_zero = lead > 0.0 ? at_zero : 1.0 - at_zero});
   return lead > 0.0 ? above : constant_sum(1.0) - above;
 }
 
@@ -148,9 +148,9 @@ AffineSum FormulaBuilder::table(const AffineSum& x, const std::vector<TablePoint
   return sum;
 }
 
-Condition FormulaBuilder::greater(const AffineSum& a, const AffineSum& b) {
+Condition FormulaBuilder::greater(const AffineSum& a, const AffineSum& b, bool or_equal) {
   const AffineSum margin = a - b;
-  return {step(margin), margin};
+  return {step(margin, or_equal ? 1.0 : 0.0), margin};
 }
 
 Condition FormulaBuilder::both(const Condition& a, const Condition& b) {

@@ -40,6 +40,7 @@ struct FormulaPart {
   AffineSum argument{};            ///< of positive and step; the control of a choice
   AffineSum above{}, below{};      ///< choice: its value above on_level until the control falls below off_level, and else
   double on_level = 0.0, off_level = 0.0;
+  double at_zero = 0.5;  ///< step: its value where the argument, in no loop, rests at 0
 
   bool operator==(const FormulaPart&) const = default;
 };
@@ -69,17 +70,17 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum current(int reference) { return part({.kind = FormulaPart::Kind::current, .index = reference}); }
 
   [[nodiscard]] AffineSum positive(const AffineSum& x);
-  [[nodiscard]] AffineSum step(const AffineSum& x);
+  [[nodiscard]] AffineSum step(const AffineSum& x, double at_zero = 0.0);
   [[nodiscard]] AffineSum maximum(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] AffineSum minimum(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] AffineSum absolute(const AffineSum& x) { return 2.0 * positive(x) - x; }
-  [[nodiscard]] AffineSum sign(const AffineSum& x) { return 2.0 * step(x) - constant_sum(1.0); }
+  [[nodiscard]] AffineSum sign(const AffineSum& x) { return 2.0 * step(x, 0.5) - constant_sum(1.0); }
   /// x within the two bounds, in either order: their median.
   [[nodiscard]] AffineSum limit(const AffineSum& x, const AffineSum& a, const AffineSum& b);
   /// Straight lines between the points, whose x must not decrease; equal ones are a jump. Beyond the ends constant, or extrapolated.
   [[nodiscard]] AffineSum table(const AffineSum& x, const std::vector<TablePoint>& points, bool extrapolated);
 
-  [[nodiscard]] Condition greater(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] Condition greater(const AffineSum& a, const AffineSum& b, bool or_equal = false);
   [[nodiscard]] Condition both(const Condition& a, const Condition& b);
   [[nodiscard]] Condition either(const Condition& a, const Condition& b);
   [[nodiscard]] static Condition negation(const Condition& a);

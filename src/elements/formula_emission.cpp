@@ -52,7 +52,7 @@ class FormulaEmission {
       case PartKind::positive:
         return add_positive_part(emission_, form(part.argument));
       case PartKind::step:
-        return add_step(emission_, form(part.argument));
+        return add_step(emission_, form(part.argument), part.at_zero);
       case PartKind::choice:
         return add_choice(emission_, form(part.argument), {part.on_level, part.off_level}, form(part.above), form(part.below));
     }

@@ -102,7 +102,7 @@ TEST_CASE("equal parts share their ports", "[unit]") {
   Bench b;
   b.check(b.f.maximum(b.x, b.y) - b.f.minimum(b.x, b.y), 1, [](double x, double y) { return std::abs(x - y); });
   b.check(b.f.absolute(b.x) + b.f.positive(-3.0 * b.x), 1, [](double x, double) { return std::abs(x) + std::max(-3.0 * x, 0.0); });
-  b.check(b.f.step(b.x) + b.f.sign(-2.0 * b.x), 2, [](double x, double) { return x > 0.0 ? 0.0 : 1.0; });
+  b.check(b.f.step(b.x, 0.5) + b.f.sign(-2.0 * b.x), 2, [](double x, double) { return x > 0.0 ? 0.0 : 1.0; });
 }
 
 TEST_CASE("a limit at infinity is none", "[unit]") {

@@ -155,3 +155,24 @@ TEST_CASE("sizes of a raw system that do not fit are named with their line", "[u
   CHECK(refused("A\n1\nA\n1\n").find(":3:1: error[E-lcs]: a second A") != std::string::npos);
   CHECK(refused("x0\n").find("neither states nor ports") != std::string::npos);
 }
+
+// A source that rests on a threshold is in no loop: sgn(0) = 0, u(0) = 0, and a > b is false, a >= b true where they are equal.
+TEST_CASE("a step of a source at rest on its threshold has one value", "[regression]") {
+  const auto on = [](double t) { return t >= 0.25 && t < 0.5 ? 1.0 : 0.0; };
+  check_nodes("V1 a 0 PULSE(0 1 0.25 0 0 0.25)\nB1 b 0 V={sgn(V(a))}\nB2 c 0 V={u(V(a))}\nB3 d 0 V={V(a)>0 ? 5 : 3}\nB4 e 0 V={V(a)<=0 ? 5 : 3}\n"
+              "B5 f 0 V={sgn(-V(a))}\nR1 b g 1\nC1 g 0 1",
+              {on, on, on, [&](double t) { return on(t) > 0.0 ? 5.0 : 3.0; }, [&](double t) { return on(t) > 0.0 ? 3.0 : 5.0; },
+               [&](double t) { return -on(t); }, [](double t) {
+                 const double charged = 1.0 - std::exp(-0.25);
+                 return t < 0.25 ? 0.0 : (t < 0.5 ? 1.0 - std::exp(-(t - 0.25)) : charged * std::exp(-(t - 0.5)));
+               }});
+}
+
+TEST_CASE("steps of ramps, pulses and straight lines", "[regression]") {
+  // A ramp from -1 to 1 within half a second, then on top; a polygon that touches 0, rests there and falls.
+  const auto above = [](double t) { return t >= 0.375 ? 1.0 : 0.0; };
+  const auto polygon = [](double t) { return t < 0.25 ? 1.0 : (t < 0.5 ? 0.0 : -1.0); };
+  check_nodes("V1 a 0 PULSE(-1 1 0 0.5 0.5 10)\nV2 p 0 PWL(0 1 0.25 0 0.5 0 1 -1)\nB1 b 0 V={u(V(a) - 0.5)}\nB2 c 0 V={sgn(V(p))}\nB3 d 0 V={u(0.5 - V(a))}",
+              {[](double t) { return std::min(-1.0 + 4.0 * t, 1.0); }, [](double t) { return t < 0.25 ? 1.0 - 4.0 * t : std::min(0.0, 1.0 - 2.0 * t); },
+               above, polygon, [&](double t) { return 1.0 - above(t); }});
+}
