@@ -2,12 +2,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <numbers>
 
 #include "regression/deck_run.hpp"
+#include "support/scratch.hpp"
 
 using namespace pwlsim;
 using namespace pwlsim::test;
@@ -37,11 +36,8 @@ double wave(double t) { return 2.0 * std::sin(two_pi * t + 0.3); }
 const std::string source = "V1 a 0 SIN(0 2 1 0 0 {0.3*180/pi})\n";
 
 DeckRun run_raw(const std::string& file, const std::string& cards) {
-  const auto path = std::filesystem::temp_directory_path() / "pwlsim_blocks_test.lcs";
-  std::ofstream(path) << file;
-  DeckRun run = run_text("t\n.lcs s \"" + path.string() + "\"\n" + cards);
-  std::filesystem::remove(path);
-  return run;
+  const Scratch scratch;
+  return run_text("t\n.lcs s \"" + scratch.write("test.lcs", file) + "\"\n" + cards);
 }
 
 }  // namespace
