@@ -9,13 +9,11 @@ namespace pwlsim::linalg {
 
 namespace {
 
-template <class M>
-using FullSvd = Eigen::JacobiSVD<M, Eigen::FullPivHouseholderQRPreconditioner>;
+using FullSvd = Eigen::JacobiSVD<Matrix, Eigen::FullPivHouseholderQRPreconditioner>;
 
-template <class Values>
-Eigen::Index numerical_rank(const Values& singular_values, double tolerance, double scale) {
+Eigen::Index numerical_rank(const Vector& singular_values, double tolerance, double scale) {
   if (singular_values.size() == 0) return 0;
-  const auto threshold = tolerance * (scale > 0.0 ? static_cast<typename Values::Scalar>(scale) : singular_values[0]);
+  const double threshold = tolerance * (scale > 0.0 ? scale : singular_values[0]);
   Eigen::Index rank = 0;
   while (rank < singular_values.size() && singular_values[rank] > threshold) ++rank;
   return rank;
@@ -51,29 +49,10 @@ M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
   return base;
 }
 
-template <class M>
-M null_space_of(const M& m, double tolerance, double scale) {
-  if (m.cols() == 0) return M(0, 0);
-  if (m.rows() == 0) return M::Identity(m.cols(), m.cols());
-  const FullSvd<M> svd(m, Eigen::ComputeFullV);
-  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, scale);
-  return svd.matrixV().rightCols(m.cols() - rank);
-}
-
-template <class M>
-M range_space_of(const M& m, double tolerance, double scale) {
-  if (m.cols() == 0 || m.rows() == 0) return M(m.rows(), 0);
-  const FullSvd<M> svd(m, Eigen::ComputeFullU);
-  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
-}
-
-template <class M>
-M pseudo_inverse_of(const M& m, double tolerance) {
-  if (m.cols() == 0 || m.rows() == 0) return M::Zero(m.cols(), m.rows());
-  const FullSvd<M> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
-  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
-         svd.matrixU().leftCols(rank).transpose();
+Eigen::Index rank_of(Eigen::ColPivHouseholderQR<WideMatrix>& qr, double tolerance, double scale) {
+  if (!(qr.maxPivot() > 0)) return 0;
+  qr.setThreshold(scale > 0.0 ? tolerance * scale / qr.maxPivot() : static_cast<Wide>(tolerance));
+  return qr.rank();
 }
 
 }  // namespace
@@ -129,12 +108,52 @@ WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y) {
   return wide_clean_sum(WideMatrix::Zero(x.rows(), y.cols()), x, y);
 }
 
-Matrix null_space(const Matrix& m, double tolerance, double scale) { return null_space_of(m, tolerance, scale); }
-Matrix range_space(const Matrix& m, double tolerance, double scale) { return range_space_of(m, tolerance, scale); }
-Matrix pseudo_inverse(const Matrix& m, double tolerance) { return pseudo_inverse_of(m, tolerance); }
-WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale) { return null_space_of(m, tolerance, scale); }
-WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale) { return range_space_of(m, tolerance, scale); }
-WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance) { return pseudo_inverse_of(m, tolerance); }
+Matrix null_space(const Matrix& m, double tolerance, double scale) {
+  if (m.cols() == 0) return Matrix(0, 0);
+  if (m.rows() == 0) return Matrix::Identity(m.cols(), m.cols());
+  const FullSvd svd(m, Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, scale);
+  return svd.matrixV().rightCols(m.cols() - rank);
+}
+
+Matrix range_space(const Matrix& m, double tolerance, double scale) {
+  if (m.cols() == 0 || m.rows() == 0) return Matrix(m.rows(), 0);
+  const FullSvd svd(m, Eigen::ComputeFullU);
+  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
+}
+
+Matrix pseudo_inverse(const Matrix& m, double tolerance) {
+  if (m.cols() == 0 || m.rows() == 0) return Matrix::Zero(m.cols(), m.rows());
+  const FullSvd svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
+  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
+         svd.matrixU().leftCols(rank).transpose();
+}
+
+// In extended precision by factorisations that end after a fixed number of steps on any machine, where a singular value decomposition
+// iterates until its precision is reached.
+WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale) {
+  if (m.cols() == 0) return WideMatrix(0, 0);
+  if (m.rows() == 0) return WideMatrix::Identity(m.cols(), m.cols());
+  Eigen::ColPivHouseholderQR<WideMatrix> qr(m.transpose());
+  const Eigen::Index rank = rank_of(qr, tolerance, scale);
+  return (qr.householderQ() * WideMatrix::Identity(m.cols(), m.cols())).rightCols(m.cols() - rank);
+}
+
+WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale) {
+  if (m.cols() == 0 || m.rows() == 0) return WideMatrix(m.rows(), 0);
+  Eigen::ColPivHouseholderQR<WideMatrix> qr(m);
+  const Eigen::Index rank = rank_of(qr, tolerance, scale);
+  return qr.householderQ() * WideMatrix::Identity(m.rows(), rank);
+}
+
+WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance) {
+  if (m.cols() == 0 || m.rows() == 0) return WideMatrix::Zero(m.cols(), m.rows());
+  Eigen::CompleteOrthogonalDecomposition<WideMatrix> decomposition;
+  decomposition.setThreshold(tolerance);
+  decomposition.compute(m);
+  return decomposition.pseudoInverse();
+}
 
 double spectral_norm(const Matrix& m) {
   if (m.size() == 0) return 0.0;

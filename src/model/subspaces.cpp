@@ -79,7 +79,7 @@ WideMatrix jump_subspace(const WideMatrix& a, const WideMatrix& b, const WideMat
 
 double condition_of(const WideMatrix& m) {
   if (m.size() == 0) return 1.0;
-  const WideVector values = Eigen::JacobiSVD<WideMatrix>(m).singularValues();
+  const linalg::Vector values = Eigen::JacobiSVD<linalg::Matrix>(m.cast<double>()).singularValues();
   return values[values.size() - 1] > 0.0 ? static_cast<double>(values[0] / values[values.size() - 1]) : INFINITY;
 }
 
