@@ -15,6 +15,8 @@ constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
+/// ‖A‖·step that a search for a root may leave over.
+constexpr double left_to_polish = 1e-11;
 constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
@@ -238,8 +240,8 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
     const double curvature = linalg::row_times(m.guards, row, a2_.data());
     if (!m.flow.shift(step, at_.data(), work_.data())) state_at(s, next, at_.data());
     at = next;
-    // What the curvature leaves of the value after this step is rounding.
-    if (inside && std::abs(curvature) * step * step <= root_noise * size) break;
+    // What the curvature leaves for the next step is so short that `polish` makes it exactly.
+    if (inside && 0.5 * std::abs(curvature) * step * step * m.norm_a <= left_to_polish * std::abs(slope)) break;
   }
   return at;
 }
@@ -336,7 +338,9 @@ bool Locator::sample_interval(Segment& s, double h, double end, Located& located
     if (at >= first) continue;
     first = at;
     state_at(s, at, event_.data());
-    located = {true, s.tau + at, s.rows[i], event_.data()};
+    double tau = s.tau + at;
+    if (g_[i] > 0.0) polish(s, s.rows[i], tau);
+    located = {true, tau, s.rows[i], event_.data()};
   }
   if (!(first < INFINITY) || located.tau > end) {
     located = {};
