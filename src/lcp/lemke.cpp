@@ -115,12 +115,4 @@ Solution lemke(const Matrix& m, const Vector& q) {
   return solution;
 }
 
-double residual(const Matrix& m, const Vector& q, const Vector& z) {
-  if (q.size() == 0) return 0.0;
-  const Vector w = m * z + q;
-  const double scale = std::max(q.cwiseAbs().maxCoeff(), (m.cwiseAbs() * z.cwiseAbs()).maxCoeff());
-  const double worst = w.cwiseMin(z).cwiseAbs().maxCoeff();
-  return scale > 0.0 ? worst / scale : worst;
-}
-
 }  // namespace pwlsim::lcp

@@ -4,9 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <random>
+
+#include "lcp/enumeration.hpp"
 
 using namespace pwlsim;
+using namespace pwlsim::test;
 using linalg::Matrix;
 using linalg::Vector;
 using lcp::Status;
@@ -14,49 +16,6 @@ using lcp::Status;
 namespace {
 
 constexpr double agreement = 1e-9;  ///< of two ways to solve small random problems of order one
-constexpr double sign_slack = 1e-9; ///< below it a component of an enumerated basis counts as zero
-
-/// Problems with numbers of order one, the same with every standard library.
-class Problems {
- public:
-  explicit Problems(std::uint64_t seed) : engine_(seed) {}
-  double number() { return 2.0 * (static_cast<double>(engine_() >> 11U) * 0x1p-53) - 1.0; }
-  Matrix matrix(int rows, int columns) { return Matrix::NullaryExpr(rows, columns, [&] { return number(); }); }
-  Vector vector(int size) { return Vector::NullaryExpr(size, [&] { return number(); }); }
-  /// G Gᵀ of the given rank, plus a skew part.
-  Matrix semidefinite(int k, int rank) {
-    const Matrix g = matrix(k, rank);
-    const Matrix s = matrix(k, k);
-    return g * g.transpose() + s - s.transpose();
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// Every z ≥ 0 with w = Mz + q ≥ 0 that some nonsingular principal submatrix gives.
-std::vector<Vector> enumerate(const Matrix& m, const Vector& q) {
-  const auto k = static_cast<int>(q.size());
-  std::vector<Vector> solutions;
-  for (unsigned mask = 0; mask < (1U << static_cast<unsigned>(k)); ++mask) {
-    std::vector<int> j;
-    for (int i = 0; i < k; ++i)
-      if (mask >> static_cast<unsigned>(i) & 1U) j.push_back(i);
-    Vector z = Vector::Zero(k);
-    if (!j.empty()) {
-      const Eigen::FullPivLU<Matrix> lu(m(j, j));
-      if (!lu.isInvertible()) continue;
-      z(j) = -lu.solve(q(j));
-    }
-    const Vector w = m * z + q;
-    if (z.minCoeff() >= -sign_slack && w.minCoeff() >= -sign_slack) solutions.push_back(z);
-  }
-  return solutions;
-}
-
-bool is_among(const Vector& z, const std::vector<Vector>& solutions) {
-  return std::any_of(solutions.begin(), solutions.end(), [&](const Vector& s) { return (s - z).cwiseAbs().maxCoeff() <= agreement * (1.0 + s.norm()); });
-}
 
 void check_claims(const Matrix& m, const Vector& q, const lcp::Solution& solution) {
   CHECK((m * solution.z + q - solution.w).cwiseAbs().maxCoeff() <= agreement * (1.0 + solution.w.norm()));
@@ -105,7 +64,7 @@ TEST_CASE("semidefinite problems are solved exactly when enumeration finds a sol
     ++solvable;
     REQUIRE(solution.status == Status::solved);
     check_claims(m, q, solution);
-    CHECK(is_among(solution.z, expected));
+    CHECK(is_among(solution.z, expected, agreement));
     // (M + Mᵀ) z is the same for all solutions of a semidefinite problem (Cottle, Pang, Stone, theorem 3.1.7).
     const Matrix symmetric = m + m.transpose();
     CHECK((symmetric * (solution.z - expected.front())).norm() <= agreement * (1.0 + expected.front().norm()));

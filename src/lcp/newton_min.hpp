@@ -1,0 +1,14 @@
+#pragma once
+/// Newton's method for min(z, w) = 0, w = M z + q: an active set is changed at all indices whose sign is wrong at once.
+///
+/// Converges in at most k + 1 steps for M-matrices (Aganagić 1984), mostly in fewer than ten; on P-matrices with k ≥ 3 it can cycle
+/// (Ben Gharbia and Gilbert, INRIA RR-7160), which the set of visited bases finds out.
+
+#include "lcp/problem.hpp"
+
+namespace pwlsim::lcp {
+
+/// Starts from the active set `start`. Status: solved, cycle, singular (a basis met), pivot_limit (k + 10 steps).
+[[nodiscard]] Solution newton_min(const linalg::Matrix& m, const linalg::Vector& q, const std::vector<int>& start = {});
+
+}  // namespace pwlsim::lcp

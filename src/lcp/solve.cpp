@@ -1,0 +1,86 @@
+#include "lcp/solve.hpp"
+
+#include <cmath>
+
+#include "lcp/lemke.hpp"
+#include "lcp/newton_min.hpp"
+#include "lcp/principal_pivoting.hpp"
+
+namespace pwlsim::lcp {
+
+namespace {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+constexpr double regularisation = 1e-8;  ///< of a problem whose diagonal is about 1
+
+class Attempt {
+ public:
+  Attempt(const Matrix& m, const Vector& q) : m_(m), q_(q) {}
+
+  /// Whether the claim stands when z is computed anew from its basis.
+  bool accepts(const Solution& claim, Method method) {
+    answer_.pivots += claim.pivots;
+    answer_.status = claim.status;
+    if (claim.status != Status::solved) return false;
+    const Solution exact = at_basis(m_, q_, claim.basis);
+    answer_.assessment = assess(m_, q_, exact.z);
+    answer_.status = answer_.assessment.worst() <= acceptable_residual ? Status::solved : Status::inexact;
+    if (answer_.status != Status::solved) return false;
+    answer_.method = method;
+    answer_.z = exact.z;
+    answer_.w = exact.w.cwiseMax(0.0);
+    answer_.basis = exact.basis;
+    return true;
+  }
+  Answer& answer() { return answer_; }
+
+ private:
+  const Matrix& m_;
+  const Vector& q_;
+  Answer answer_;
+};
+
+Answer try_in_turn(const Matrix& m, const Vector& q, const std::vector<int>* previous) {
+  Attempt attempt(m, q);
+  if (previous && attempt.accepts(lemke_from(m, q, *previous), Method::warm_lemke)) return attempt.answer();
+  if (attempt.accepts(lemke(m, q), Method::lemke)) return attempt.answer();
+  const Status of_lemke = attempt.answer().status;
+  if (attempt.accepts(newton_min(m, q), Method::newton_min)) return attempt.answer();
+  if (attempt.accepts(least_index(m, q), Method::least_index)) return attempt.answer();
+  if (attempt.accepts(lemke(m + regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised)) return attempt.answer();
+  Answer none;
+  none.status = of_lemke;
+  none.pivots = attempt.answer().pivots;
+  none.z = none.w = Vector::Zero(q.size());
+  return none;
+}
+
+void take_least_norm(const Matrix& m, const Vector& q, Answer& answer) {
+  const SolutionSet set = all_solutions(m, q, answer.z);
+  answer.least_norm = set.least;
+  answer.determined = set.dimension == 0;
+  answer.z_determined = set.z_determined;
+  answer.w_determined = set.w_determined;
+  if (answer.determined) return;
+  answer.z = set.z;
+  answer.w = set.w;
+}
+
+}  // namespace
+
+Answer solve(const Matrix& m, const Vector& q, Class problem_class, const std::vector<int>* previous) {
+  const Vector scale = diagonal_scale(m);
+  const Matrix scaled = scale.asDiagonal() * m * scale.asDiagonal();
+  const Vector scaled_q = scale.asDiagonal() * q;
+  Answer answer = try_in_turn(scaled, scaled_q, previous);
+  answer.z = scale.asDiagonal() * answer.z;
+  answer.w = answer.w.cwiseQuotient(scale);
+  if (answer.status != Status::solved || problem_class == Class::general) return answer;
+  take_least_norm(m, q, answer);
+  answer.assessment = assess(scaled, scaled_q, answer.z.cwiseQuotient(scale));
+  return answer;
+}
+
+}  // namespace pwlsim::lcp

@@ -1,0 +1,372 @@
+/// Every solver on every class of problem; what they claim is held against the enumeration of complementary bases.
+#include "lcp/solve.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <string>
+
+#include "lcp/enumeration.hpp"
+#include "lcp/lemke.hpp"
+#include "lcp/newton_min.hpp"
+#include "lcp/principal_pivoting.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+using linalg::Matrix;
+using linalg::Vector;
+using lcp::Method;
+using lcp::Status;
+
+namespace {
+
+constexpr double agreement = 1e-8;  ///< of two ways to solve small random problems of order one
+constexpr double tight = 1e-14;     ///< of problems whose answers are ratios of small integers
+
+enum Promise : unsigned {
+  by_lemke = 1,        ///< Lemke's method solves every problem of the class that has a solution
+  by_newton = 2,       ///< so does Newton's
+  by_least_index = 4   ///< so does the least index (P-matrices)
+};
+
+struct ProblemClass {
+  std::string name;
+  unsigned promised;
+  std::function<Matrix(Problems&, int)> matrix;
+  std::function<Vector(Problems&, const Matrix&)> right;
+};
+
+Vector any_right(Problems& random, const Matrix& m) { return random.vector(static_cast<int>(m.rows())); }
+
+Matrix p_matrix(Problems& random, int k) {
+  for (;;) {
+    const Matrix m = random.matrix(k, k) + 0.5 * Matrix::Identity(k, k);
+    if (is_p_matrix(m)) return m;
+    if (k > 3) {  // rare among random matrices: dominant rows
+      Matrix dominant = random.matrix(k, k);
+      for (int i = 0; i < k; ++i) dominant(i, i) = 1.05 * (dominant.row(i).cwiseAbs().sum() - std::abs(dominant(i, i)));
+      return dominant;
+    }
+  }
+}
+
+/// Diodes between nodes of a resistive network, z their currents and w their blocking voltages: w = Eᵀ G⁻¹ (E z − J), E the incidence of diodes,
+/// G the conductances, J the sources. More diodes than nodes, some in parallel: singular. Infeasible never: a λ ≥ 0 with M λ = 0 has E λ = 0 and
+/// so qᵀλ = 0.
+struct DiodeNetwork {
+  Matrix e, resistance;
+
+  DiodeNetwork(Problems& random, int k) {
+    const int nodes = 1 + k / 2;
+    e = Matrix::Zero(nodes, k);
+    for (int j = 0; j < k; ++j) {
+      if (j > 0 && random.number() > 0.4) {
+        e.col(j) = (random.number() > 0.0 ? 1.0 : -1.0) * e.col(random.below(j));
+        continue;
+      }
+      const int from = random.below(nodes);
+      const int to = random.below(nodes + 1);
+      e(from, j) = 1.0;
+      if (to < nodes && to != from) e(to, j) = -1.0;
+    }
+    const Matrix branches = random.matrix(nodes, nodes);
+    resistance = branches * branches.transpose() + 0.3 * Matrix::Identity(nodes, nodes);
+  }
+  [[nodiscard]] Matrix m() const { return e.transpose() * resistance * e; }
+};
+
+/// Rows in the range of M: what sources in the network make.
+Vector right_of_sources(Problems& random, const Matrix& m) { return -(m * random.vector(static_cast<int>(m.rows()))); }
+
+/// Feasible: some z ≥ 0 gives w ≥ 0.
+Vector feasible_right(Problems& random, const Matrix& m) {
+  const auto k = static_cast<int>(m.rows());
+  const Vector z = random.vector(k).cwiseMax(0.0);
+  return random.vector(k).cwiseMax(0.0) - m * z;
+}
+
+Matrix m_matrix(Problems& random, int k) {
+  Matrix m = -random.matrix(k, k).cwiseAbs();
+  for (int i = 0; i < k; ++i) m(i, i) = 0.02 - (m.row(i).sum() - m(i, i));
+  return m;
+}
+
+Matrix near_skew(Problems& random, int k) {
+  const Matrix s = random.matrix(k, k);
+  return s - s.transpose() + 1e-6 * Matrix::Identity(k, k);
+}
+
+Matrix positive_definite(Problems& random, int k) { return random.semidefinite(k, k) + 0.05 * Matrix::Identity(k, k); }
+
+Matrix low_rank(Problems& random, int k) {
+  const Matrix g = random.matrix(k, 1);
+  return g * g.transpose();
+}
+
+Matrix copositive(Problems& random, int k) { return random.matrix(k, k).cwiseAbs() + 0.1 * Matrix::Identity(k, k); }
+
+const std::vector<ProblemClass>& classes() {
+  static const std::vector<ProblemClass> all = {
+      {"P", by_lemke | by_least_index, p_matrix, any_right},
+      {"positive definite", by_lemke | by_least_index, positive_definite, any_right},
+      {"semidefinite, feasible", by_lemke, [](Problems& r, int k) { return r.semidefinite(k, (k + 1) / 2); }, feasible_right},
+      {"semidefinite, any", by_lemke, low_rank, any_right},
+      {"diodes in parallel and in rings", by_lemke, [](Problems& r, int k) { return DiodeNetwork(r, k).m(); }, right_of_sources},
+      {"M", by_lemke | by_newton | by_least_index, m_matrix, any_right},
+      {"near-skew", by_lemke | by_least_index, near_skew, any_right},
+      {"strictly copositive", by_lemke, copositive, any_right},
+      {"any", 0, [](Problems& r, int k) { return r.matrix(k, k); }, any_right},
+  };
+  return all;
+}
+
+struct Solver {
+  std::string name;
+  unsigned promise;
+  std::function<lcp::Solution(Problems&, const Matrix&, const Vector&)> run;
+};
+
+lcp::Solution as_solution(const lcp::Answer& a) { return {a.status, a.z, a.w, a.basis, a.pivots}; }
+
+std::vector<int> any_set(Problems& random, const Vector& q) { return random.subset(static_cast<int>(q.size())); }
+
+const std::vector<Solver>& solvers() {
+  static const std::vector<Solver> all = {
+      {"Lemke", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return lcp::lemke(m, q); }},
+      {"Lemke from any set", 0, [](Problems& r, const Matrix& m, const Vector& q) { return lcp::lemke_from(m, q, any_set(r, q)); }},
+      {"Newton", by_newton, [](Problems&, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q); }},
+      {"Newton from any set", by_newton, [](Problems& r, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q, any_set(r, q)); }},
+      {"least index", by_least_index, [](Problems&, const Matrix& m, const Vector& q) { return lcp::least_index(m, q); }},
+      {"driver", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return as_solution(lcp::solve(m, q)); }},
+      {"driver with a set", by_lemke, [](Problems& r, const Matrix& m, const Vector& q) {
+         const std::vector<int> previous = any_set(r, q);
+         return as_solution(lcp::solve(m, q, lcp::Class::general, &previous));
+       }},
+  };
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("every solver on every class, against enumeration", "[unit]") {
+  const ProblemClass& problems = classes()[static_cast<std::size_t>(GENERATE(range(0, 9)))];
+  const Solver& solver = solvers()[static_cast<std::size_t>(GENERATE(range(0, 7)))];
+  int solved = 0, without = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    INFO(problems.name << ", " << solver.name << ", seed " << seed);
+    Problems random(seed);
+    const int k = 1 + static_cast<int>(seed % 8);
+    const Matrix m = problems.matrix(random, k);
+    const Vector q = problems.right(random, m);
+    const auto expected = enumerate(m, q);
+    const lcp::Solution solution = solver.run(random, m, q);
+    if (expected.empty()) ++without;
+    if (!expected.empty() && (problems.promised & solver.promise) != 0) REQUIRE(solution.status == Status::solved);
+    if (solution.status != Status::solved) continue;
+    ++solved;
+    CHECK(is_among(solution.z, expected, agreement));
+    CHECK(lcp::residual(m, q, solution.z) <= agreement);
+    CHECK(lcp::assess(m, q, solution.z).worst() <= agreement);
+  }
+  CHECK(solved > 10);
+  if (problems.name == "semidefinite, any") CHECK(without > 10);
+}
+
+TEST_CASE("classes whose solution is unique have one, the same from every solver", "[unit]") {
+  for (const auto& problems : classes()) {
+    if ((problems.promised & by_least_index) == 0) continue;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      INFO(problems.name << ", seed " << seed);
+      Problems random(seed);
+      const Matrix m = problems.matrix(random, 2 + static_cast<int>(seed % 7));
+      const Vector q = problems.right(random, m);
+      const auto expected = enumerate(m, q);
+      REQUIRE(expected.size() == 1);
+    }
+  }
+}
+
+// A start at the solution needs no pivot; after f changes of sign mathematics.md §6.1 counts f + 1 pivots.
+TEST_CASE("a warm start costs as many pivots as there are changes", "[unit]") {
+  for (const int k : {20, 60, 120}) {
+    Problems random(static_cast<std::uint64_t>(k));
+    const Matrix m = random.semidefinite(k, k) / k + 0.1 * Matrix::Identity(k, k);
+    const Vector q = random.vector(k);
+    const lcp::Solution cold = lcp::lemke(m, q);
+    REQUIRE(cold.status == Status::solved);
+    const lcp::Solution again = lcp::lemke_from(m, q, cold.basis);
+    CHECK(again.pivots == 0);
+    CHECK((again.z - cold.z).norm() <= agreement * cold.z.norm());
+    for (int trial = 0; trial < 10; ++trial) {
+      std::vector<int> start = cold.basis;
+      const int flips = 1 + trial % 3;
+      for (int f = 0; f < flips; ++f) {
+        const int i = (7 * trial + 5 * f) % k;
+        if (const auto at = std::find(start.begin(), start.end(), i); at != start.end()) start.erase(at);
+        else start.insert(std::upper_bound(start.begin(), start.end(), i), i);
+      }
+      const lcp::Solution warm = lcp::lemke_from(m, q, start);
+      REQUIRE(warm.status == Status::solved);
+      CHECK(warm.basis == cold.basis);
+      CHECK(warm.pivots <= flips + 3);
+      CHECK(warm.pivots < cold.pivots);
+    }
+  }
+}
+
+// The transform of a transform, by the definition: w_α and z_α change places in w = M z + q.
+TEST_CASE("a principal pivot transform keeps the solutions of w = Mz + q", "[unit]") {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    INFO("seed " << seed);
+    Problems random(seed);
+    const int k = 2 + static_cast<int>(seed % 6);
+    const Matrix m = seed % 2 == 0 ? random.matrix(k, k) : random.semidefinite(k, 1);
+    const Vector q = random.vector(k);
+    lcp::PrincipalTableau tableau(m, q);
+    const std::vector<int> wanted = random.subset(k);
+    const int count = tableau.exchange_most(wanted);
+    CHECK(count == static_cast<int>(tableau.basis().size()));
+    const Vector z = random.vector(k);
+    const Vector w = m * z + q;
+    Vector z_now = z, w_now = w;
+    for (const int i : tableau.basis()) std::swap(z_now[i], w_now[i]);
+    CHECK((tableau.m() * z_now + tableau.q() - w_now).norm() <= agreement * (1.0 + tableau.m().norm()));
+    for (const int i : tableau.basis()) CHECK(std::find(wanted.begin(), wanted.end(), i) != wanted.end());
+  }
+}
+
+// M_II of rank 1, and skew with zero diagonal: one of two parallel diodes, both of a skew pair.
+TEST_CASE("of a singular set a largest nonsingular part is exchanged", "[unit]") {
+  Matrix m(4, 4);
+  m << 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 2, 0, 0, -2, 0;
+  lcp::PrincipalTableau tableau(m, Vector::Constant(4, -1.0));
+  CHECK(tableau.exchange_most({0, 1, 2, 3}) == 3);
+  CHECK(tableau.exchanged()[2]);
+  CHECK(tableau.exchanged()[3]);
+  CHECK(tableau.exchanged()[0] != tableau.exchanged()[1]);
+}
+
+// Ben Gharbia and Gilbert, INRIA RR-7160: from {1} Newton's method goes around. z = (1, 1, 1)/3.
+TEST_CASE("35: Newton cycles, the others do not", "[hard]") {
+  Matrix m(3, 3);
+  m << 1, 0, 2, 2, 1, 0, 0, 2, 1;
+  const Vector q = Vector::Constant(3, -1.0);
+  const Vector expected = Vector::Constant(3, 1.0 / 3.0);
+  CHECK(lcp::newton_min(m, q, {0}).status == Status::cycle);
+  for (const auto& start : std::vector<std::vector<int>>{{}, {0}, {1}, {0, 2}, {0, 1, 2}}) {
+    const lcp::Solution warm = lcp::lemke_from(m, q, start);
+    REQUIRE(warm.status == Status::solved);
+    CHECK((warm.z - expected).norm() <= tight);
+  }
+  const lcp::Solution least = lcp::least_index(m, q);
+  REQUIRE(least.status == Status::solved);
+  CHECK((least.z - expected).norm() <= tight);
+  const lcp::Answer answer = lcp::solve(m, q);
+  REQUIRE(answer.status == Status::solved);
+  CHECK(answer.method == Method::lemke);
+  CHECK(answer.assessment.worst() <= tight);
+}
+
+// y = q − u: two solutions for q > 0, none for q < 0.
+TEST_CASE("34: many solutions and none, from every solver", "[hard]") {
+  const Matrix m = Matrix::Constant(1, 1, -1.0);
+  Problems random(34);
+  for (const auto& solver : solvers()) {
+    INFO(solver.name);
+    const lcp::Solution two = solver.run(random, m, Vector::Constant(1, 2.0));
+    if (two.status == Status::solved) CHECK((two.z[0] == 0.0 || two.z[0] == 2.0));
+    CHECK(solver.run(random, m, Vector::Constant(1, -2.0)).status != Status::solved);
+  }
+  const std::vector<int> active = {0};
+  const lcp::Answer answer = lcp::solve(m, Vector::Constant(1, 2.0), lcp::Class::general, &active);
+  REQUIRE(answer.status == Status::solved);
+  CHECK(answer.method == Method::warm_lemke);
+  CHECK(answer.z[0] == 2.0);
+  CHECK(lcp::solve(m, Vector::Constant(1, -2.0)).status == Status::ray);
+  CHECK(lcp::solve(m, Vector::Constant(1, -2.0)).method == Method::none);
+}
+
+// Lemke's path can end in a ray although there is a solution, where M has no structure.
+TEST_CASE("the driver falls back and says so", "[unit]") {
+  int by_others = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    INFO("seed " << seed);
+    Problems random(seed);
+    const int k = 2 + static_cast<int>(seed % 4);
+    const Matrix m = random.matrix(k, k);
+    const Vector q = random.vector(k);
+    const lcp::Answer answer = lcp::solve(m, q);
+    if (answer.status != Status::solved) {
+      CHECK(answer.method == Method::none);
+      continue;
+    }
+    CHECK(answer.assessment.worst() <= lcp::acceptable_residual);
+    CHECK(is_among(answer.z, enumerate(m, q), agreement));
+    if (answer.method != Method::lemke) ++by_others;
+  }
+  CHECK(by_others > 5);
+}
+
+// Rows of a stiff network differ by twelve powers of ten; scaling by powers of two changes no digit of the data.
+TEST_CASE("units of the ports do not matter", "[unit]") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    INFO("seed " << seed);
+    Problems random(seed);
+    const int k = 2 + static_cast<int>(seed % 5);
+    const Matrix m = random.semidefinite(k, k) + 0.05 * Matrix::Identity(k, k);
+    const Vector q = random.vector(k);
+    const Vector units = random.vector(k).unaryExpr([](double e) { return std::exp2(std::round(20.0 * e)); });
+    const lcp::Answer plain = lcp::solve(m, q);
+    const lcp::Answer scaled = lcp::solve(units.asDiagonal() * m * units.asDiagonal(), units.asDiagonal() * q);
+    REQUIRE(plain.status == Status::solved);
+    REQUIRE(scaled.status == Status::solved);
+    CHECK((units.cwiseProduct(scaled.z) - plain.z).norm() <= agreement * (1.0 + plain.z.norm()));
+    CHECK(scaled.basis == plain.basis);
+  }
+}
+
+TEST_CASE("large problems of all classes are solved to rounding", "[unit]") {
+  const int k = GENERATE(40, 150);
+  for (const auto& problems : classes()) {
+    if ((problems.promised & by_lemke) == 0) continue;
+    Problems random(static_cast<std::uint64_t>(k));
+    const Matrix m = problems.matrix(random, k);
+    const Vector q = problems.name == "semidefinite, any" ? feasible_right(random, m) : problems.right(random, m);
+    const lcp::Answer answer = lcp::solve(m, q);
+    INFO(problems.name << " " << k);
+    REQUIRE(answer.status == Status::solved);
+    CHECK(answer.assessment.worst() <= lcp::acceptable_residual);
+  }
+}
+
+TEST_CASE("an assessment measures what is wrong, each against its scale", "[unit]") {
+  const Matrix m = Matrix::Identity(2, 2);
+  Vector q(2), z(2);
+  q << -2, 4;
+  z << 2, 0;  // w = (0, 4)
+  CHECK(lcp::assess(m, q, z).worst() == 0.0);
+  z << 1, 0;  // w = (−1, 4)
+  const lcp::Assessment low = lcp::assess(m, q, z);
+  CHECK(low.scale_w == 4.0);
+  CHECK(low.negative_w == 0.25);
+  CHECK(low.negative_z == 0.0);
+  z << 2, -1;  // w = (0, 3)
+  CHECK(lcp::assess(m, q, z).negative_z == 0.5);
+  z << 2, 1;  // w = (0, 5): z2 is half of max z, w2 more than max q
+  const lcp::Assessment both = lcp::assess(m, q, z);
+  CHECK(both.complementarity == 0.5);
+  CHECK(both.power == 5.0 / (2 * 2 * 4));
+  z << NAN, 0;
+  CHECK(lcp::assess(m, q, z).worst() == INFINITY);
+  CHECK(lcp::assess(Matrix(0, 0), Vector(0), Vector(0)).worst() == 0.0);
+}
+
+TEST_CASE("empty problems", "[unit]") {
+  const Matrix m(0, 0);
+  const Vector q(0);
+  CHECK(lcp::newton_min(m, q).status == Status::solved);
+  CHECK(lcp::least_index(m, q).status == Status::solved);
+  CHECK(lcp::lemke_from(m, q, {}).status == Status::solved);
+  CHECK(lcp::solve(m, q, lcp::Class::monotone).status == Status::solved);
+}
