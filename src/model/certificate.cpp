@@ -5,6 +5,23 @@
 
 namespace pwlsim::model {
 
+namespace {
+
+constexpr double rank_tolerance = 1e-9;
+/// A pivot below this, rows and columns scaled to a largest entry of one, is rounding.
+constexpr double minor_tolerance = 1e-12;
+
+/// The principal minors without the first index are those of the rest; those with it are m(0,0) times those of the Schur complement.
+bool positive_minors(const Matrix& m) {
+  if (m.rows() == 0) return true;
+  if (!(m(0, 0) > minor_tolerance)) return false;
+  const auto rest = m.rows() - 1;
+  const Matrix without = m.bottomRightCorner(rest, rest);
+  return positive_minors(without) && positive_minors(linalg::clean_sum(without, -m.bottomLeftCorner(rest, 1) / m(0, 0), m.topRightCorner(1, rest)));
+}
+
+}  // namespace
+
 double kyp_residual(const System& system) {
   const int n = system.n;
   const int k = system.ports;
@@ -24,13 +41,31 @@ double kyp_residual(const System& system) {
   return linalg::logarithmic_norm(kyp);
 }
 
+bool always_has_solution(const System& system) {
+  if (!system.passive) return false;
+  Matrix stacked(system.n + system.ports, system.ports);
+  stacked << system.b.topRows(system.n), system.d + system.d.transpose();
+  for (auto half : {stacked.topRows(system.n), stacked.bottomRows(system.ports)}) half.normalize();
+  for (auto column : stacked.colwise()) column.normalize();
+  return linalg::null_space(stacked, rank_tolerance).cols() == 0;
+}
+
+bool has_positive_principal_minors(Matrix m) {
+  if (m.rows() == 0) return true;
+  for (auto row : m.rowwise())
+    if (const double largest = row.cwiseAbs().maxCoeff(); largest > 0.0) row /= largest;
+  for (auto column : m.colwise())
+    if (const double largest = column.cwiseAbs().maxCoeff(); largest > 0.0) column /= largest;
+  return positive_minors(m);
+}
+
 bool has_passive_parts_only(const Network& network) {
   const auto independent = [](const Term& term) { return term.kind == Term::Kind::one || term.kind == Term::Kind::source; };
   const auto is_source = [&](const Injection& injection) { return std::all_of(injection.current.begin(), injection.current.end(), independent); };
   const auto no_gain = [](const auto& element) { return element.resistance >= 0.0; };
   const auto branch_has_no_gain = [&](std::size_t index) {
     return std::all_of(network.branches[index].voltage.begin(), network.branches[index].voltage.end(), [&](const Term& term) {
-      const bool own_resistance = term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient <= 0.0;
+      const bool own_resistance = term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient >= 0.0;
       return independent(term) || own_resistance;
     });
   };

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engine/exact/exact_model.hpp"
+#include "model/certificate.hpp"
 
 namespace pwlsim::engine {
 
@@ -32,25 +33,12 @@ std::string elements_of(const model::Island& island, const std::set<std::string>
   return names;
 }
 
-/// Whether the island has a solution from any state, with any sources and switch positions. Sufficient: it is passive and [B; D + Dᵀ] has
-/// full column rank. With G = (sI − A)⁻¹B the matrix M = D + C·G of the rational problem obeys M + Mᵀ ⪰ D + Dᵀ + 2s·GᵀG, so it is then
-/// positive definite at every s > 0 (van der Schaft & Schumacher 1996, §4, have it for B of full column rank).
-bool always_has_solution(const model::System& s) {
-  if (!s.passive) return false;
-  constexpr double rank_tolerance = 1e-9;
-  linalg::Matrix stacked(s.n + s.ports, s.ports);
-  stacked << s.b.topRows(s.n), s.d + s.d.transpose();
-  for (auto half : {stacked.topRows(s.n), stacked.bottomRows(s.ports)}) half.normalize();
-  for (auto column : stacked.colwise()) column.normalize();
-  return linalg::null_space(stacked, rank_tolerance).cols() == 0;
-}
-
 /// What has no solution is an error even where nobody looks at it.
 bool must_run(const model::Island& island) {
   if (island.network.diodes.empty() && island.network.switches.empty()) return false;
   Diagnostics ignored;
   const auto extraction = model::extract(island, ignored);
-  return extraction && !always_has_solution(extraction->system);
+  return extraction && !model::always_has_solution(extraction->system);
 }
 
 }  // namespace
