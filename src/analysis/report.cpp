@@ -3,33 +3,16 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <cmath>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
 
+#include "analysis/json.hpp"
 #include "analysis/quantity.hpp"
 #include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
 namespace {
-
-std::string json_string(std::string_view text) {
-  std::string result = "\"";
-  for (const char character : text) {
-    if (character == '"' || character == '\\') {
-      result += '\\';
-      result += character;
-    } else if (static_cast<unsigned char>(character) < 0x20) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned char>(character));
-    } else {
-      result += character;
-    }
-  }
-  return result + '"';
-}
-
-std::string json_number(double value) { return std::isfinite(value) ? waveform::shortest(value) : "null"; }
 
 std::string json_object(std::initializer_list<std::pair<std::string_view, std::string>> members, std::string_view indent) {
   std::string result = "{";

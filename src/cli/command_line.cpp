@@ -10,6 +10,9 @@
 #include <filesystem>
 #include <memory>
 #include <string_view>
+#include <utility>
+
+#include "base/names.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -19,14 +22,16 @@ struct Subcommand {
   std::string_view arguments;
   std::string_view description;
 };
+constexpr std::string_view inspect_usage = "circuit.net [--mode D1=on,D2=off,…] [--json]";
 constexpr std::array<Subcommand, 3> subcommands{{
-    {"inspect", "circuit.net [--mode D1=on,D2=off,…] [--json]", "the model: islands, states, ports, (A,B,C,D) per switch position"},
+    {"inspect", inspect_usage, "the model: islands, states, ports, (A,B,C,D) per switch position"},
     {"export", "circuit.net -o out.cir [--smooth X]", "the smoothed equivalent as an ngspice deck"},
     {"compare", "circuit.net [--json] [--plot out.svg]", "run the deck in ngspice and report the difference and both times"},
 }};
 
 constexpr std::string_view help_footer =
-    "Subcommands (not supported yet): inspect, export, compare; each has its own --help.\n"
+    "Subcommands: inspect describes the model of a deck (pwlsim inspect --help);\n"
+    "export and compare are not supported yet.\n"
     "\n"
     "Exit status: 0 done; 1 the run failed, the rows up to then are kept; 2 the deck or the\n"
     "command line is wrong; 3 a file cannot be read or written; 130, 143 after SIGINT, SIGTERM,\n"
@@ -34,21 +39,26 @@ constexpr std::string_view help_footer =
 
 class HelpText : public CLI::Formatter {
  public:
-  HelpText() { column_width(22); }
-  std::string make_usage(const CLI::App*, std::string) const override { return "\nUsage: pwlsim circuit.net [options]\n"; }
+  explicit HelpText(std::string usage) : usage_(std::move(usage)) { column_width(22); }
+  std::string make_usage(const CLI::App* app, std::string) const override {
+    return fmt::format("{}Usage: pwlsim {}\n", app->get_description().empty() ? "" : "\n", usage_);
+  }
   std::string make_positionals(const CLI::App*) const override { return "\n  circuit.net         The deck: a SPICE-like netlist\n"; }
+
+ private:
+  std::string usage_;
 };
 
 /// What CLI11 fills in; checked and turned into RunOptions afterwards, so that every complaint has our own form.
 struct Raw {
   std::vector<std::string> files;
-  std::string output, engine, reltol, stats, format, plot, report;
+  std::string output, engine, reltol, stats, format, plot, report, mode;
   bool events = false, quiet = false, verbose = false, no_progress = false, json = false;
 };
 
 void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.name("pwlsim");
-  app.formatter(std::make_shared<HelpText>());
+  app.formatter(std::make_shared<HelpText>("circuit.net [options]"));
   app.footer(std::string(help_footer));
   app.allow_extras();
   app.set_help_flag("-h,--help", "Print this text and stop");
@@ -68,6 +78,20 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
   app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
   app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
+}
+
+void add_inspect_options(CLI::App& app, Raw& raw) {
+  app.name("pwlsim inspect");
+  app.formatter(std::make_shared<HelpText>(fmt::format("inspect {}", inspect_usage)));
+  app.footer(
+      "Describes the model of a deck: its islands, what was left out, states, ports, (A,B,C,D) per\n"
+      "switch position, what certifies that it has one solution, and the subspaces of a mode.");
+  app.allow_extras();
+  app.set_help_flag("-h,--help", "Print this text and stop");
+  app.add_option("circuit", raw.files, "The deck; it needs no .tran")->type_name("FILE");
+  app.add_option("--mode", raw.mode, "Diodes and switches that are on or off, as D1=on,D2=off; those not named are off")->type_name("LIST");
+  app.add_flag("--json", raw.json, "As JSON, with all digits");
+  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
 }
 
 bool takes_value(const CLI::App& app, const std::string& name) {
@@ -219,7 +243,66 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   return options;
 }
 
-CommandLine read_subcommand(const Subcommand& subcommand, const std::vector<std::string>& arguments) {
+/// `D1=on,D2=off`
+std::vector<std::pair<std::string, bool>> read_mode(std::string_view text, Complaints& complaints) {
+  std::vector<std::pair<std::string, bool>> mode;
+  while (true) {
+    const std::string_view item = text.substr(0, text.find(','));
+    const std::size_t equals = item.find('=');
+    const std::string_view state = equals == std::string_view::npos ? "" : item.substr(equals + 1);
+    if (equals == 0 || !(same_name(state, "on") || same_name(state, "off"))) {
+      complaints.add("E-option-value", fmt::format("`--mode` has `{}` where a port and its state are meant; try D1=on or D1=off", item));
+    } else {
+      mode.emplace_back(item.substr(0, equals), same_name(state, "on"));
+    }
+    if (item.size() == text.size()) return mode;
+    text.remove_prefix(item.size() + 1);
+  }
+}
+
+CommandLine checked_inspect(const CLI::App& app, const Raw& raw, Complaints& complaints) {
+  InspectOptions options;
+  check_files(raw, complaints);
+  if (app.count("--mode") != 0) options.mode = read_mode(raw.mode, complaints);
+  if (complaints.any()) return complaints.refused();
+  options.deck = raw.files[0];
+  options.json = raw.json;
+  options.quiet = raw.quiet;
+  return options;
+}
+
+/// Parses with `app`; what it filled in is then turned into the answer by `check`.
+template <class Check>
+CommandLine parsed(CLI::App& app, const std::vector<std::string>& arguments, const Check& check) {
+  Complaints complaints;
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    return Information{app.help()};
+  } catch (const CLI::CallForVersion& call) {
+    return Information{std::string(call.what()) + '\n'};
+  } catch (const CLI::ParseError& error) {
+    complain_of_parse_error(app, error, complaints);
+    return complaints.refused();
+  }
+  complain_of_unknown(app, complaints);
+  if (complaints.any()) return complaints.refused();
+  return check(complaints);
+}
+
+/// `arguments` without the word itself.
+CommandLine read_inspect(const std::vector<std::string>& arguments) {
+  Raw raw;
+  CLI::App app;
+  add_inspect_options(app, raw);
+  return parsed(app, arguments, [&](Complaints& complaints) { return checked_inspect(app, raw, complaints); });
+}
+
+CommandLine read_subcommand(const Subcommand& subcommand, std::vector<std::string> arguments) {
+  if (subcommand.name == "inspect") {
+    arguments.erase(std::find(arguments.begin(), arguments.end(), subcommand.name));
+    return read_inspect(arguments);
+  }
   const auto asks_for_help = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
   if (std::any_of(arguments.begin(), arguments.end(), asks_for_help)) {
     return Information{fmt::format("Usage: pwlsim {} {}\n\n{}.\nThis subcommand is not supported yet.\n", subcommand.name,
@@ -243,20 +326,7 @@ CommandLine read_command_line(const std::vector<std::string>& arguments, const s
   const auto* subcommand = std::find_if(subcommands.begin(), subcommands.end(), [&](const Subcommand& s) { return s.name == word; });
   if (subcommand != subcommands.end()) return read_subcommand(*subcommand, arguments);
 
-  Complaints complaints;
-  try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  } catch (const CLI::CallForHelp&) {
-    return Information{app.help()};
-  } catch (const CLI::CallForVersion& call) {
-    return Information{std::string(call.what()) + '\n'};
-  } catch (const CLI::ParseError& error) {
-    complain_of_parse_error(app, error, complaints);
-    return complaints.refused();
-  }
-  complain_of_unknown(app, complaints);
-  if (complaints.any()) return complaints.refused();
-  return checked(app, raw, complaints);
+  return parsed(app, arguments, [&](Complaints& complaints) { return checked(app, raw, complaints); });
 }
 
 }  // namespace pwlsim::cli

@@ -1,7 +1,9 @@
 #pragma once
 /// The command line as data.
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -20,6 +22,14 @@ struct RunOptions {
   bool progress = true;
 };
 
+/// `pwlsim inspect circuit.net …`: describe the model of a deck.
+struct InspectOptions {
+  std::string deck;
+  std::optional<std::vector<std::pair<std::string, bool>>> mode;  ///< ports of --mode, on or off
+  bool json = false;
+  bool quiet = false;
+};
+
 /// Text asked for by --help or --version.
 struct Information {
   std::string text;
@@ -30,7 +40,7 @@ struct Refused {
   Diagnostics diagnostics;
 };
 
-using CommandLine = std::variant<RunOptions, Information, Refused>;
+using CommandLine = std::variant<RunOptions, InspectOptions, Information, Refused>;
 
 /// `arguments` without the program's name. Flags may stand before or after the file; what follows `--` is no flag. The first word that is no
 /// flag and names a subcommand is one; a file of that name is reached as `./inspect` or behind `--`.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/command_line.hpp"
+#include "cli/inspect_session.hpp"
 #include "cli/messages.hpp"
 #include "cli/session.hpp"
 #include "cli/signals.hpp"
@@ -42,6 +43,7 @@ int dispatch(const std::vector<std::string>& arguments, const char* version) {
   const CommandLine command = read_command_line(arguments, version);
   if (const auto* information = std::get_if<Information>(&command)) return print(*information);
   if (const auto* refused = std::get_if<Refused>(&command)) return refuse(*refused);
+  if (const auto* inspect = std::get_if<InspectOptions>(&command)) return run_inspect_session(*inspect);
   return run_session(std::get<RunOptions>(command));
 }
 

@@ -14,13 +14,12 @@
 
 #include "analysis/report.hpp"
 #include "analysis/transient.hpp"
-#include "circuit/compile.hpp"
+#include "cli/deck_reader.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/status.hpp"
 #include "engine/exact/exact.hpp"
-#include "netlist/load.hpp"
 #include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
@@ -33,13 +32,6 @@ using Clock = std::chrono::steady_clock;
 Diagnostic error_without_place(std::string id, std::string text) { return {Severity::error, std::move(id), {}, std::move(text)}; }
 
 Severity severity_of(const engine::Remark& remark) { return remark.id.starts_with("W-") ? Severity::warning : Severity::note; }
-
-/// Whether nothing else is wrong with the deck than that files it names cannot be read.
-bool only_unreadable_files(const Diagnostics& diagnostics) {
-  return diagnostics.has_errors() && std::all_of(diagnostics.all().begin(), diagnostics.all().end(), [](const Diagnostic& diagnostic) {
-           return diagnostic.severity != Severity::error || diagnostic.id == "E-include-unreadable";
-         });
-}
 
 class Session {
  public:
@@ -71,7 +63,6 @@ class Session {
   }
 
   int prepare();
-  bool load_and_compile(int& status);
   int open_files();
   int open(const std::string& name, std::optional<OutputFile>& file);
   int operating_point();
@@ -90,24 +81,12 @@ class Session {
   analysis::RunReport report_;
 };
 
-/// False where the deck is wrong; `status` then says how.
-bool Session::load_and_compile(int& status) {
-  Diagnostics diagnostics;
-  const auto parse_start = Clock::now();
-  const netlist::Loaded loaded = netlist::load(options_.deck, sources_, diagnostics);
-  report_.seconds.parse = since(parse_start);
-  const auto flatten_start = Clock::now();
-  if (loaded.readable) compiled_ = circuit::compile(loaded.deck, sources_, diagnostics);
-  report_.seconds.flatten = since(flatten_start);
-  messages_.report(diagnostics, sources_);
-  const bool unreadable = !loaded.readable || only_unreadable_files(diagnostics);
-  status = static_cast<int>(unreadable ? Status::file_error : Status::wrong_input);
-  return loaded.readable && compiled_.has_value();
-}
-
 int Session::prepare() {
-  int status = 0;
-  if (!load_and_compile(status)) return status;
+  DeckReading reading = read_deck(options_.deck, {}, sources_, messages_);
+  report_.seconds.parse = reading.seconds_parse;
+  report_.seconds.flatten = reading.seconds_flatten;
+  if (!reading.compiled) return static_cast<int>(reading.status);
+  compiled_ = std::move(reading.compiled);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();

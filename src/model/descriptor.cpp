@@ -343,4 +343,14 @@ const Label& Assembly::port_label(int port) const {
   return network.switches[static_cast<std::size_t>(port - first_switch())].label;
 }
 
+double Assembly::current_unit(int port) const {
+  const bool of_diode_or_switch = port < first_complementarity() || port >= first_switch();
+  return of_diode_or_switch ? 1.0 / r0 : static_cast<double>(input_scale_[static_cast<std::size_t>(port - first_complementarity())]);
+}
+
+double Assembly::voltage_unit(int port) const {
+  const bool of_diode_or_switch = port < first_complementarity() || port >= first_switch();
+  return of_diode_or_switch ? 1.0 : static_cast<double>(1.0L / slack_scale_[static_cast<std::size_t>(port - first_complementarity())]);
+}
+
 }  // namespace pwlsim::model

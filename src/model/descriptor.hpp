@@ -32,6 +32,9 @@ struct Assembly {
   [[nodiscard]] int first_complementarity() const { return static_cast<int>(network.diodes.size()); }
   [[nodiscard]] int first_switch() const { return first_complementarity() + static_cast<int>(network.complementarities.size()); }
   [[nodiscard]] const Label& port_label(int port) const;
+  /// SI value of a port's current, and of its blocking voltage, per volt in the system; of a complementarity its u and its slack.
+  [[nodiscard]] double current_unit(int port) const;
+  [[nodiscard]] double voltage_unit(int port) const;
   [[nodiscard]] int port_column(int port) const { return first_port_ + port; }
   [[nodiscard]] int stores() const { return static_cast<int>(network.capacitors.size()) + inductor_factor.cols(); }
   [[nodiscard]] int ports() const { return first_switch() + static_cast<int>(network.switches.size()); }

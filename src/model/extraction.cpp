@@ -324,9 +324,13 @@ void Extractor::add_ports() {
   System& system = result_.system;
   system.diodes = assembly_.first_switch();
   system.ports = assembly_.ports();
-  for (int i = 0; i < system.ports; ++i) system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, false});
+  for (int i = 0; i < system.ports; ++i) {
+    const bool input_is_current = theta_[i] < 0.0;
+    const double current = assembly_.current_unit(i), voltage = assembly_.voltage_unit(i);
+    system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, input_is_current, input_is_current ? current : voltage,
+                           input_is_current ? voltage : current});
+  }
   for (const auto& s : network_.switches) system.switch_inverted.push_back(s.inverted);
-  for (int j = 0; j < system.ports; ++j) system.port[static_cast<std::size_t>(j)].input_is_current = theta_[j] < 0.0;
   system.switch_number = island_.switch_number;
 }
 

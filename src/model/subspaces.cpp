@@ -137,4 +137,14 @@ Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideM
   return result;
 }
 
+Subspaces subspaces_without_sources(const System& system, const IndexSet& active) {
+  using linalg::Wide;
+  const Unrounded rounded{system.a.cast<Wide>(), system.b.cast<Wide>(), system.c.cast<Wide>(), system.d.cast<Wide>()};
+  const Unrounded& m = system.unrounded ? *system.unrounded : rounded;
+  std::vector<Eigen::Index> j;
+  for (int i = 0; i < system.ports; ++i)
+    if (active.contains(i)) j.push_back(i);
+  return find_subspaces(m.a.topLeftCorner(system.n, system.n), m.b.topRows(system.n)(Eigen::all, j), m.c.leftCols(system.n)(j, Eigen::all), m.d(j, j), 0);
+}
+
 }  // namespace pwlsim::model

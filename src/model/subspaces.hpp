@@ -6,6 +6,7 @@
 ///
 /// (van der Schaft & Schumacher 1996, §4; Hautus & Silverman 1983). B, C, D hold the active ports only.
 
+#include "model/index_set.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::model {
@@ -23,5 +24,8 @@ struct Subspaces {
 /// The last n_zeta states are sources. Extended precision: ranks are decided here, and what cancels must be seen to.
 [[nodiscard]] Subspaces find_subspaces(const linalg::WideMatrix& a, const linalg::WideMatrix& b, const linalg::WideMatrix& c, const linalg::WideMatrix& d,
                                        int n_zeta);
+
+/// Those of the energy states alone, sources at zero, with the ports of `active`.
+[[nodiscard]] Subspaces subspaces_without_sources(const System& system, const IndexSet& active);
 
 }  // namespace pwlsim::model

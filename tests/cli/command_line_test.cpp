@@ -70,7 +70,7 @@ TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
 }
 
 TEST_CASE("what comes later is refused by its name", "[unit]") {
-  CHECK(refused({"inspect", "c.net"}).find("error[E-not-supported-yet]: `pwlsim inspect` is not supported yet") == 0);
+  CHECK(refused({"export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is not supported yet") == 0);
   CHECK(refused({"--quiet", "export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is") == 0);
   CHECK(refused({"compare"}).find("error[E-not-supported-yet]: `pwlsim compare` is") == 0);
   CHECK(refused({"c.net", "--engine", "sparse"}).find("error[E-not-supported-yet]: `--engine sparse` is") == 0);
@@ -78,6 +78,34 @@ TEST_CASE("what comes later is refused by its name", "[unit]") {
   CHECK(refused({"c.net", "--plot", "p.svg"}).find("error[E-not-supported-yet]: `--plot` is") == 0);
   CHECK(refused({"c.net", "--report", "r.html"}).find("error[E-not-supported-yet]: `--report` is") == 0);
   CHECK(refused({"c.net", "--json"}).find("error[E-not-supported-yet]: `--json` is") == 0);
+}
+
+TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {
+  const auto inspect = [](const Words& arguments) {
+    const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+    REQUIRE(std::holds_alternative<cli::InspectOptions>(command));
+    return std::get<cli::InspectOptions>(command);
+  };
+  CHECK(inspect({"inspect", "c.net"}).deck == "c.net");
+  CHECK_FALSE(inspect({"inspect", "c.net"}).mode);
+  CHECK_FALSE(inspect({"inspect", "c.net"}).json);
+  const Words words = GENERATE(Words{"inspect", "c.net", "--mode", "D1=on,X1.D2=OFF", "--json", "--quiet"},
+                               Words{"inspect", "--json", "--mode=D1=on,X1.D2=OFF", "--quiet", "c.net"},
+                               Words{"--json", "--quiet", "inspect", "--mode", "D1=on,X1.D2=OFF", "--", "c.net"});
+  const cli::InspectOptions options = inspect(words);
+  CHECK(options.deck == "c.net");
+  CHECK(options.json);
+  CHECK(options.quiet);
+  REQUIRE(options.mode);
+  CHECK(*options.mode == std::vector<std::pair<std::string, bool>>{{"D1", true}, {"X1.D2", false}});
+}
+
+TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]") {
+  const std::string text = GENERATE("", "D1", "D1=", "=on", "D1=maybe", "D1=on,", "D1=on;D2=off");
+  CHECK(refused({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
+  CHECK(refused({"inspect"}).find("error[E-no-deck]") == 0);
+  CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is no option of pwlsim; try `--json`\n");
+  CHECK(refused({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") == 0);
 }
 
 TEST_CASE("wrong command lines are refused with a cure", "[golden]") {

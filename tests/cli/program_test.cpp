@@ -7,7 +7,9 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <regex>
+#include <sstream>
 
+#include "support/json.hpp"
 #include "support/scratch.hpp"
 #include "support/spawn.hpp"
 
@@ -200,7 +202,7 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   const Names words =
       GENERATE(Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "sparse"},
                Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
-               Names{"inspect", "divider.net"}, Names{"export", "divider.net", "-o", "x"}, Names{"compare", "divider.net"});
+               Names{"inspect", "divider.net", "--mode", "R1"}, Names{"export", "divider.net", "-o", "x"}, Names{"compare", "divider.net"});
   const Finished finished = run_in(scratch, words);
   CHECK(finished.status == 2);
   CHECK(finished.out.empty());
@@ -363,4 +365,55 @@ TEST_CASE("--events adds rows before and after each source edge", "[unit]") {
   CHECK(read_file(scratch / "edge.csv") == "time,v(a)\n0,0\n0.1,0\n0.15,0\n0.15,2\n0.2,2\n0.3,2\n");
   REQUIRE(run_in(scratch, {"edge.net"}).status == 0);
   CHECK(read_file(scratch / "edge.csv") == "time,v(a)\n0,0\n0.1,0\n0.2,2\n0.3,2\n");
+}
+
+TEST_CASE("inspect prints the model of a deck that runs nothing", "[unit]") {
+  const Scratch scratch;
+  // Hard case 19: V and T of one dimension each, CB = 1/C1 + 1/C2 = 1.5.
+  scratch.write("share.net", "share\nC1 a 0 1\nD1 a b DI\nC2 b 0 2\n.model DI D\n");
+  const Finished finished = run_in(scratch, {"inspect", "share.net", "--mode", "D1=on"});
+  REQUIRE(finished.status == 0);
+  CHECK(finished.err.empty());
+  CHECK_THAT(finished.out, Contains("Island 1 (node a): C1, D1, C2\n") && Contains("x2 = 1.41421 v(C2)\n") && Contains("M1 = 1.5\n") &&
+                               Contains("certificate: passive") && Contains("Nothing is left out.\n") &&
+                               Contains("subspace V: dimension 1 of 2; jump subspace T: dimension 1\n"));
+  const Finished as_json = run_in(scratch, {"--quiet", "inspect", "--json", "share.net"});
+  REQUIRE(as_json.status == 0);
+  const Json json = read_json(as_json.out);
+  CHECK(json["islands"][0]["positions"][0]["markov_parameters"][1][0][0].number == Approx(1.5).epsilon(1e-13));
+  CHECK(json["islands"][0].object.count("mode") == 0);
+  CHECK(scratch.names() == Names{"share.net"});
+}
+
+TEST_CASE("inspect has the exit status of any run", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  scratch.write("bad.net", "bad\nR1 a 0\n");
+  scratch.write("loop.net", "loop\nV1 a 0 1\nV2 a 0 2\n");
+  const Finished unknown = run_in(scratch, {"inspect", "divider.net", "--mode", "D1=on"});
+  CHECK(unknown.status == 2);
+  CHECK(unknown.out.empty());
+  CHECK_THAT(unknown.err, Contains("error[E-mode]: `--mode`: unknown element 'D1'"));
+  const Finished bad = run_in(scratch, {"inspect", "bad.net"});
+  CHECK(bad.status == 2);
+  CHECK_THAT(bad.err, Contains("bad.net:2:"));
+  CHECK_THAT(run_in(scratch, {"inspect", "loop.net"}).err, Contains("error[E-source-loop]"));
+  CHECK(run_in(scratch, {"inspect", "loop.net"}).status == 2);
+  CHECK(run_in(scratch, {"inspect", "missing.net"}).status == 3);
+  SpawnOptions options;
+  options.standard_output = "/dev/full";
+  CHECK(run_in(scratch, {"inspect", "divider.net"}, options).status == 3);
+}
+
+TEST_CASE("the example of the reference is what inspect prints", "[golden]") {
+  const std::string page = read_file(PWLSIM_SOURCE_DIR "/docs/reference/inspect.md");
+  const std::string command = "    pwlsim inspect netlists/two_capacitors.net --mode D1=on\n\n";
+  std::istringstream block(page.substr(page.find(command) + command.size()));
+  const Finished finished = run_program({"inspect", "netlists/two_capacitors.net", "--mode", "D1=on"}, {.folder = PWLSIM_SOURCE_DIR});
+  std::istringstream printed(finished.out);
+  std::string line, shown;
+  while (std::getline(printed, line)) {
+    REQUIRE(std::getline(block, shown));
+    if (line.find("KYP residual") == std::string::npos) CHECK(shown == (line.empty() ? "" : "    " + line));
+  }
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <random>
 
 #include "support/circuit.hpp"

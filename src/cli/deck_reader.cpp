@@ -1,0 +1,39 @@
+#include "cli/deck_reader.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "netlist/load.hpp"
+
+namespace pwlsim::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Whether nothing else is wrong with the deck than that files it names cannot be read.
+bool only_unreadable_files(const Diagnostics& diagnostics) {
+  return diagnostics.has_errors() && std::all_of(diagnostics.all().begin(), diagnostics.all().end(), [](const Diagnostic& diagnostic) {
+           return diagnostic.severity != Severity::error || diagnostic.id == "E-include-unreadable";
+         });
+}
+
+}  // namespace
+
+DeckReading read_deck(const std::string& name, const circuit::CompileOptions& options, SourceStore& sources, Messages& messages) {
+  DeckReading reading;
+  Diagnostics diagnostics;
+  const auto parse_start = Clock::now();
+  const netlist::Loaded loaded = netlist::load(name, sources, diagnostics);
+  reading.seconds_parse = since(parse_start);
+  const auto flatten_start = Clock::now();
+  if (loaded.readable) reading.compiled = circuit::compile(loaded.deck, sources, diagnostics, options);
+  reading.seconds_flatten = since(flatten_start);
+  messages.report(diagnostics, sources);
+  if (reading.compiled) return reading;
+  reading.status = !loaded.readable || only_unreadable_files(diagnostics) ? Status::file_error : Status::wrong_input;
+  return reading;
+}
+
+}  // namespace pwlsim::cli
