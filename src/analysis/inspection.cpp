@@ -39,7 +39,8 @@ std::string first_sentence(const Diagnostics& diagnostics) {
 
 class IslandInspector {
  public:
-  IslandInspector(const IslandModel& model, const IslandPorts& ports, const ModeChoice::OfIsland* mode) : model_(model), ports_(ports), mode_(mode) {}
+  IslandInspector(const IslandModel& model, const IslandPorts& ports, const ModeChoice::OfIsland* mode)
+      : model_(model), ports_(ports), mode_(mode) {}
 
   IslandView run() {
     const model::System& system = model_.extraction.system;
@@ -156,7 +157,8 @@ class IslandInspector {
   [[nodiscard]] std::vector<std::string> indeterminate_ports(const model::Mode& mode) const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < ports_.names.size(); ++i)
-      if (mode.input_unique[i] == 0 && std::find(names.begin(), names.end(), ports_.names[i]) == names.end()) names.push_back(ports_.names[i]);
+      if (mode.input_unique[i] == 0 && std::find(names.begin(), names.end(), ports_.names[i]) == names.end())
+        names.push_back(ports_.names[i]);
     return names;
   }
 
@@ -181,8 +183,8 @@ std::vector<std::vector<std::string>> left_out_elements(const engine::ExactModel
 
 }  // namespace
 
-std::optional<Inspection> inspect(const circuit::Compiled& compiled, const engine::ExactModel& model, const std::optional<ModeRequest>& request,
-                                  Diagnostics& diagnostics) {
+std::optional<Inspection> inspect(const circuit::Compiled& compiled, const engine::ExactModel& model,
+                                  const std::optional<ModeRequest>& request, Diagnostics& diagnostics) {
   const PortTable ports(model);
   std::optional<ModeChoice> choice;
   if (request) {

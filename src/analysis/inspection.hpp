@@ -18,8 +18,8 @@ inline constexpr std::size_t most_positions = 16;
 
 struct PortView {
   std::string name;
-  bool is_diode = true;             ///< else a complementarity: its current is its multiplier, its voltage its slack
-  bool input_is_current = false;    ///< u is the current and y the blocking voltage; else the reverse
+  bool is_diode = true;           ///< else a complementarity: its current is its multiplier, its voltage its slack
+  bool input_is_current = false;  ///< u is the current and y the blocking voltage; else the reverse
 };
 
 enum class CertificateKind {
@@ -37,9 +37,9 @@ struct CertificateView {
 };
 
 struct PositionView {
-  std::vector<char> on;      ///< of the island's switches
-  bool of_start = false;     ///< what the flags on the cards say
-  std::string problem;       ///< why this position has no (A, B, C, D); the rest is empty then
+  std::vector<char> on;   ///< of the island's switches
+  bool of_start = false;  ///< what the flags on the cards say
+  std::string problem;    ///< why this position has no (A, B, C, D); the rest is empty then
   model::StateSpace space;
   std::vector<PortView> ports;
   model::Markov markov;
@@ -48,7 +48,7 @@ struct PositionView {
 
 /// Of the island with its switches as ports.
 struct ModeView {
-  std::vector<std::string> on;             ///< ports
+  std::vector<std::string> on;  ///< ports
   int states = 0;
   int consistent = 0, jump = 0;            ///< dimensions of V and T, sources at zero
   bool complementary = false;              ///< V ⊕ T is the whole space

@@ -65,8 +65,8 @@ std::string ports_text(const std::vector<PortView>& ports) {
     const PortView& port = ports[i];
     const std::string_view current = port.is_diode ? "current" : "multiplier";
     const std::string_view voltage = port.is_diode ? "blocking voltage" : "slack";
-    text += fmt::format("    port {}, {}: u{} its {}, y{} its {}\n", i + 1, port.name, i + 1, port.input_is_current ? current : voltage, i + 1,
-                        port.input_is_current ? voltage : current);
+    text += fmt::format("    port {}, {}: u{} its {}, y{} its {}\n", i + 1, port.name, i + 1, port.input_is_current ? current : voltage,
+                        i + 1, port.input_is_current ? voltage : current);
   }
   return text;
 }
@@ -74,7 +74,8 @@ std::string ports_text(const std::vector<PortView>& ports) {
 std::string pairs_text(const std::vector<std::vector<int>>& degree) {
   if (degree.size() == 1) return "    no relative degree: y1 does not depend on u1\n";
   std::string text = "    relative degree of y (row) in u (column), - for none:\n";
-  if (degree.size() > static_cast<std::size_t>(widest_matrix)) return fmt::format("    relative degree: {} x {} pairs, see --json\n", degree.size(), degree.size());
+  if (degree.size() > static_cast<std::size_t>(widest_matrix))
+    return fmt::format("    relative degree: {} x {} pairs, see --json\n", degree.size(), degree.size());
   for (const auto& row : degree) {
     text += "     ";
     for (const int order : row) text += fmt::format(" {:>2}", order < 0 ? "-" : std::to_string(order));
@@ -84,7 +85,8 @@ std::string pairs_text(const std::vector<std::vector<int>>& degree) {
 }
 
 std::string markov_text(const model::Markov& markov) {
-  std::string text = markov.uniform_degree >= 0 ? fmt::format("    relative degree {} (uniform)\n", markov.uniform_degree) : pairs_text(markov.degree);
+  std::string text =
+      markov.uniform_degree >= 0 ? fmt::format("    relative degree {} (uniform)\n", markov.uniform_degree) : pairs_text(markov.degree);
   for (std::size_t order = 0; order < markov.parameters.size(); ++order) {
     const Matrix& m = markov.parameters[order];
     const std::string name = fmt::format("M{}", order);
@@ -108,17 +110,20 @@ std::string certificate_text(const CertificateView& certificate) {
       return certificate.always_solvable ? fmt::format("passive ({}): one solution from every state", residual)
                                          : fmt::format("passive ({}): where a solution exists, its states are unique", residual);
     case CertificateKind::principal_minors:
-      return fmt::format("positive principal minors ({}, not passive): one solution of the rational complementarity problem from every state", residual);
+      return fmt::format(
+          "positive principal minors ({}, not passive): one solution of the rational complementarity problem from every state", residual);
     case CertificateKind::none:
       break;
   }
-  return fmt::format("not certified ({}, not passive; {})", residual,
-                     certificate.too_many_ports ? "too many ports for principal minors" : "the leading principal minors are not all positive");
+  return fmt::format(
+      "not certified ({}, not passive; {})", residual,
+      certificate.too_many_ports ? "too many ports for principal minors" : "the leading principal minors are not all positive");
 }
 
 std::string position_name(const std::vector<std::string>& switches, const PositionView& position) {
   std::string text;
-  for (std::size_t i = 0; i < switches.size(); ++i) text += fmt::format("{}{}={}", i == 0 ? "" : ",", switches[i], position.on[i] != 0 ? "on" : "off");
+  for (std::size_t i = 0; i < switches.size(); ++i)
+    text += fmt::format("{}{}={}", i == 0 ? "" : ",", switches[i], position.on[i] != 0 ? "on" : "off");
   return text + (position.of_start ? " (the flags of the start)" : "");
 }
 
@@ -135,11 +140,13 @@ std::string position_text(const IslandView& island, const PositionView& position
 
 std::string mode_text(const ModeView& mode) {
   std::string text = fmt::format("\n  Mode {}\n", mode.on.empty() ? "with everything off" : list_of(mode.on) + " on, the rest off");
-  text += fmt::format("    consistent subspace V: dimension {} of {}; jump subspace T: dimension {}\n", mode.consistent, mode.states, mode.jump);
+  text += fmt::format("    consistent subspace V: dimension {} of {}; jump subspace T: dimension {}\n", mode.consistent, mode.states,
+                      mode.jump);
   if (mode.well_posed) {
     text += "    well-posed: V and T together are the whole space\n";
   } else {
-    text += mode.complementary ? "    not well-posed: the sources contradict it\n" : "    not well-posed: V and T together are not the whole space\n";
+    text += mode.complementary ? "    not well-posed: the sources contradict it\n"
+                               : "    not well-posed: V and T together are not the whole space\n";
   }
   if (!mode.indeterminate.empty()) text += fmt::format("    indeterminate: currents or voltages of {}\n", list_of(mode.indeterminate));
   return text;
@@ -148,7 +155,8 @@ std::string mode_text(const ModeView& mode) {
 std::string island_text(const IslandView& island, std::size_t index) {
   std::string text = fmt::format("\nIsland {} ({}): {}\n", index + 1, island.name, list_of(island.elements));
   if (island.states == 0 && island.ports == 0 && island.switches.empty()) return text + "  no states, no ports\n";
-  text += fmt::format("  {}, {}, {}\n", counted(island.states, "state"), counted(island.ports, "port"), counted(island.switches.size(), "switch"));
+  text += fmt::format("  {}, {}, {}\n", counted(island.states, "state"), counted(island.ports, "port"),
+                      counted(island.switches.size(), "switch"));
   if (static_cast<double>(island.positions.size()) < island.positions_in_all)
     text += fmt::format("  {:.6g} switch positions in all; shown: that of the start and that of --mode\n", island.positions_in_all);
   for (const PositionView& position : island.positions) text += position_text(island, position);
@@ -160,11 +168,13 @@ std::string island_text(const IslandView& island, std::size_t index) {
 
 std::string inspection_text(const Inspection& inspection) {
   std::string text = inspection.title + "\n\n";
-  text += "x' = A x + B u, y = C x + D u, 0 <= u, y >= 0, u.y = 0, with the sources at zero. States in square roots of joule: half the sum of\n"
-          "their squares is the stored energy. Ports in volts and amperes, time in seconds.\n";
+  text +=
+      "x' = A x + B u, y = C x + D u, 0 <= u, y >= 0, u.y = 0, with the sources at zero. States in square roots of joule: half the sum of\n"
+      "their squares is the stored energy. Ports in volts and amperes, time in seconds.\n";
   for (std::size_t i = 0; i < inspection.islands.size(); ++i) text += island_text(inspection.islands[i], i);
   text += inspection.left_out.empty() ? "\nNothing is left out.\n" : "\n";
-  for (const auto& names : inspection.left_out) text += fmt::format("Left out, because no saved signal depends on it: {}\n", list_of(names));
+  for (const auto& names : inspection.left_out)
+    text += fmt::format("Left out, because no saved signal depends on it: {}\n", list_of(names));
   return text;
 }
 

@@ -44,7 +44,7 @@ class JsonWriter {
 
   std::string text_;
   int depth_ = 0;
-  bool first_ = true;      ///< nothing stands behind the last bracket yet
+  bool first_ = true;  ///< nothing stands behind the last bracket yet
   bool after_key_ = false;
 };
 

@@ -24,7 +24,7 @@ struct SwitchGroup {
 };
 
 struct IslandPorts {
-  std::vector<std::string> names;      ///< of every port: diodes, complementarities, contacts
+  std::vector<std::string> names;  ///< of every port: diodes, complementarities, contacts
   std::vector<SwitchGroup> switches;
 };
 

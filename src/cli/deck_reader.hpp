@@ -16,6 +16,7 @@ struct DeckReading {
   double seconds_parse = 0.0, seconds_flatten = 0.0;
 };
 
-[[nodiscard]] DeckReading read_deck(const std::string& name, const circuit::CompileOptions& options, SourceStore& sources, Messages& messages);
+[[nodiscard]] DeckReading read_deck(const std::string& name, const circuit::CompileOptions& options, SourceStore& sources,
+                                    Messages& messages);
 
 }  // namespace pwlsim::cli

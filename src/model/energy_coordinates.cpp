@@ -20,7 +20,8 @@ std::vector<std::vector<int>> parts_of(const Matrix& projector) {
   std::iota(part.begin(), part.end(), 0);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < i; ++j)
-      if (const int from = part[static_cast<std::size_t>(i)], to = part[static_cast<std::size_t>(j)]; from != to && std::abs(projector(i, j)) > rounding)
+      if (const int from = part[static_cast<std::size_t>(i)], to = part[static_cast<std::size_t>(j)];
+          from != to && std::abs(projector(i, j)) > rounding)
         std::replace(part.begin(), part.end(), std::max(from, to), std::min(from, to));
   std::vector<std::vector<int>> parts(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].push_back(i);
@@ -61,7 +62,8 @@ std::vector<EnergyState> states_of(const Assembly& assembly, const Matrix& basis
       if (const double x = basis(r, static_cast<Eigen::Index>(i)); x != 0.0)
         states[row].terms.push_back({capacitors[i].label.name, true, x * std::sqrt(std::abs(capacitors[i].capacitance))});
     for (std::size_t i = 0; i < inductors.size(); ++i)
-      if (const double x = of_inductors(r, static_cast<Eigen::Index>(i)); x != 0.0) states[row].terms.push_back({inductors[i].label.name, false, x});
+      if (const double x = of_inductors(r, static_cast<Eigen::Index>(i)); x != 0.0)
+        states[row].terms.push_back({inductors[i].label.name, false, x});
   }
   return states;
 }

@@ -35,7 +35,8 @@ bool take(Markov& result, const Matrix& parameter, int order) {
       leads = true;
     }
     for (Eigen::Index j = 0; j < count; ++j)
-      if (int& degree = result.degree[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]; degree < 0 && parameter(i, j) != 0.0) degree = order;
+      if (int& degree = result.degree[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]; degree < 0 && parameter(i, j) != 0.0)
+        degree = order;
   }
   return leads;
 }
@@ -64,7 +65,8 @@ Markov markov_parameters(const Matrix& a, const Matrix& b, const Matrix& c, cons
     if (take(result, result.parameters.back(), order)) kept = result.parameters.size();
   }
   const auto leading = std::find_if_not(result.parameters.begin(), result.parameters.end(), is_zero);
-  if (k > 0 && leading != result.parameters.end() && is_regular(*leading)) result.uniform_degree = static_cast<int>(leading - result.parameters.begin());
+  if (k > 0 && leading != result.parameters.end() && is_regular(*leading))
+    result.uniform_degree = static_cast<int>(leading - result.parameters.begin());
   result.parameters.resize(kept);
   for (std::size_t order = 2; order < kept; ++order) result.parameters[order] *= std::pow(rate, static_cast<double>(order) - 1.0);
   return result;

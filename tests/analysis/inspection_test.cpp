@@ -91,9 +91,10 @@ TEST_CASE("two carts off the stop: the whole space is consistent", "[unit]") {
 
 // Hard case 6: y = x1 of x1''' = u. Nothing but 0 is consistent.
 TEST_CASE("triple integrator: V is nothing, T everything", "[hard]") {
-  const IslandView island = main_island(inspect("C1 x1 0 1\nC2 x2 0 1\nC3 x3 0 1\nB1 0 x1 I={V(x2)}\nB2 0 x2 I={V(x3)}\nB3 0 x3 I={I(VF)}\n"
-                                                "E1 stop 0 x1 0 1\nVF force stop 0\nD1 0 force DI\n.model DI D\n",
-                                                ModeRequest{{"D1", true}}));
+  const IslandView island =
+      main_island(inspect("C1 x1 0 1\nC2 x2 0 1\nC3 x3 0 1\nB1 0 x1 I={V(x2)}\nB2 0 x2 I={V(x3)}\nB3 0 x3 I={I(VF)}\n"
+                          "E1 stop 0 x1 0 1\nVF force stop 0\nD1 0 force DI\n.model DI D\n",
+                          ModeRequest{{"D1", true}}));
   CHECK(island.positions[0].markov.uniform_degree == 3);
   CHECK(island.mode->consistent == 0);
   CHECK(island.mode->jump == 3);
@@ -113,7 +114,8 @@ TEST_CASE("two capacitors joined by a diode", "[hard]") {
 
 // v − 2 i_S = v(a), i_S + i_D = i, 3 i' = v(a) − 4 i, with x = √3 i and D1's blocking voltage v(a).
 TEST_CASE("a chopper has one (A, B, C, D) for each position of its switch", "[unit]") {
-  const IslandView island = main_island(inspect("V1 s 0 10\nVG g 0 0\nS1 s a g 0 SWI\nD1 0 a DI\nL1 a b 3\nR1 b 0 4\n.model SWI SW(Ron=2 Vt=0.5)\n.model DI D\n"));
+  const IslandView island = main_island(
+      inspect("V1 s 0 10\nVG g 0 0\nS1 s a g 0 SWI\nD1 0 a DI\nL1 a b 3\nR1 b 0 4\n.model SWI SW(Ron=2 Vt=0.5)\n.model DI D\n"));
   const double root3 = std::sqrt(3.0);
   CHECK(island.switches == std::vector<std::string>{"S1"});
   REQUIRE(island.positions.size() == 2);
@@ -135,7 +137,8 @@ TEST_CASE("a chopper has one (A, B, C, D) for each position of its switch", "[un
 }
 
 TEST_CASE("a switch that shorts a source has no model closed, and says why", "[unit]") {
-  const IslandView island = main_island(inspect("V1 s 0 10\nVG g 0 0\nS1 s 0 g 0 SWI\nR1 s a 1\nC1 a 0 1\n.model SWI SW(Vt=0.5)\n.save v(a) i(S1)\n"));
+  const IslandView island =
+      main_island(inspect("V1 s 0 10\nVG g 0 0\nS1 s 0 g 0 SWI\nR1 s a 1\nC1 a 0 1\n.model SWI SW(Vt=0.5)\n.save v(a) i(S1)\n"));
   const Inspected all = inspect("V1 s 0 10\nVG g 0 0\nS1 s 0 g 0 SWI\n.model SWI SW(Vt=0.5)\n.save i(S1)\n", ModeRequest{{"S1", true}});
   CHECK(island.states == 1);
   bool seen = false;
@@ -170,7 +173,8 @@ TEST_CASE("ports of one element have numbers, and indeterminate ones are named",
   CHECK_FALSE(relay.positions[0].ports[0].is_diode);
   CHECK(relay.mode->on == std::vector<std::string>{"A1#2"});
   CHECK(main_island(inspect("C1 x 0 1\nA1 x %i x r\n.model r relay\n", ModeRequest{{"a1", true}})).mode->on.size() == 2);
-  const IslandView parallel = main_island(inspect("C1 a 0 1\nD1 a b DI\nD2 a b DI\nR1 b 0 1\n.model DI D\n", ModeRequest{{"D1", true}, {"D2", true}}));
+  const IslandView parallel =
+      main_island(inspect("C1 a 0 1\nD1 a b DI\nD2 a b DI\nR1 b 0 1\n.model DI D\n", ModeRequest{{"D1", true}, {"D2", true}}));
   CHECK(parallel.mode->well_posed);
   CHECK(parallel.mode->indeterminate == std::vector<std::string>{"D1", "D2"});
 }
@@ -179,7 +183,8 @@ TEST_CASE("breakdown of a diode is a port of its own, contacts of one control ar
   const IslandView diode = main_island(inspect("C1 a 0 1\nD1 a 0 DZ\n.model DZ D(Vrev=5)\n", ModeRequest{{"D1#reverse", true}}));
   CHECK(diode.positions[0].ports.size() == 2);
   CHECK(diode.mode->on == std::vector<std::string>{"D1#reverse"});
-  const IslandView block = main_island(inspect("C1 x 0 1\nA1 x y h\nR1 y x 1\n.model h hyst(in_low=0 in_high=0 hyst=0.1 out_lower_limit=-1 out_upper_limit=1)\n"));
+  const IslandView block = main_island(
+      inspect("C1 x 0 1\nA1 x y h\nR1 y x 1\n.model h hyst(in_low=0 in_high=0 hyst=0.1 out_lower_limit=-1 out_upper_limit=1)\n"));
   CHECK(block.switches == std::vector<std::string>{"A1"});
   CHECK(block.positions.size() == 2);
   CHECK(block.positions[0].problem.empty());
@@ -220,7 +225,8 @@ TEST_CASE("the JSON is valid and holds every digit", "[unit]") {
   CHECK(first["positions"][0]["certificate"]["kind"].string == "principal minors");
   const test::Json& second = json["islands"][1];
   CHECK(second["positions"][0]["states"][0][0]["element"].string == "C9");
-  CHECK(second["positions"][0]["states"][0][0]["coefficient"].number == inspected.inspection->islands[1].positions[0].space.states[0].terms[0].coefficient);
+  CHECK(second["positions"][0]["states"][0][0]["coefficient"].number ==
+        inspected.inspection->islands[1].positions[0].space.states[0].terms[0].coefficient);
   CHECK(second["positions"][0]["B"].array.size() == 1);
   CHECK(json["left_out"].array.empty());
 }

@@ -47,7 +47,9 @@ TEST_CASE("principal minors agree with their definition", "[property]") {
     const int k = 1 + trial % 6;
     Matrix m = Matrix::NullaryExpr(k, k, [&] { return normal(random); });
     m.diagonal().array() += 1.0;
-    const Matrix scaled = Eigen::VectorXd::LinSpaced(k, 0, k - 1).array().unaryExpr([](double e) { return std::pow(10.0, 3.0 * e); }).matrix().asDiagonal() * m;
+    const Matrix scaled =
+        Eigen::VectorXd::LinSpaced(k, 0, k - 1).array().unaryExpr([](double e) { return std::pow(10.0, 3.0 * e); }).matrix().asDiagonal() *
+        m;
     INFO("trial " << trial);
     CHECK(has_positive_principal_minors(m) == all_minors_positive(m));
     CHECK(has_positive_principal_minors(scaled) == all_minors_positive(m));
