@@ -3,7 +3,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/layers.cmake)
 pwlsim_read_layers(${CMAKE_CURRENT_LIST_DIR}/layers.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/layers.txt)
 
-set(PWLSIM_TARGETS_OF_fmt fmt::fmt)
+set(PWLSIM_TARGETS_OF_fmt pwlsim_fmt)
 set(PWLSIM_TARGETS_OF_Eigen Eigen3::Eigen)
 set(PWLSIM_TARGETS_OF_boost Boost::headers)
 set(PWLSIM_TARGETS_OF_CLI CLI11::CLI11)
