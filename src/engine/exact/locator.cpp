@@ -483,7 +483,7 @@ void Locator::leave_slow_part(const Segment& s, Located& located) {
     located.tau = next;
     at(next);
   }
-  event_.assign(whole_y_.begin(), whole_y_.begin() + static_cast<std::ptrdiff_t>(ny));
+  std::copy_n(whole_y_.begin(), ny, event_.begin());
   located.y = event_.data();
 }
 
