@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <vector>
 
 #include "linalg/small.hpp"
 
@@ -26,27 +27,49 @@ void clean(M& m, const M& bound, Tolerance tolerance) {
       if (std::abs(m(i, j)) <= tolerance * bound(i, j)) m(i, j) = 0;
 }
 
-/// B + X·Y, cleaned, column by column, without the temporaries of an expression in whole matrices.
+/// B + X·Y, cleaned. Entry by entry, so that sums of extended precision stay in registers: storing one costs as much as four additions.
 template <class M, class Scalar>
 M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
   const Eigen::Index rows = base.rows();
-  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> bound(rows);
+  std::vector<Eigen::Index> used;
+  used.reserve(static_cast<std::size_t>(x.cols()));
   for (Eigen::Index j = 0; j < base.cols(); ++j) {
-    Scalar* sum = base.data() + j * rows;
-    for (Eigen::Index i = 0; i < rows; ++i) bound[i] = std::abs(sum[i]);
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
-      const Scalar factor = y(k, j);
-      if (factor == 0) continue;
-      const Scalar* column = x.data() + k * rows;
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        sum[i] += column[i] * factor;
-        bound[i] += std::abs(column[i] * factor);
+    const Scalar* factors = y.data() + j * y.rows();
+    Scalar* column = base.data() + j * rows;
+    used.clear();
+    for (Eigen::Index k = 0; k < x.cols(); ++k)
+      if (factors[k] != 0) used.push_back(k);
+    if (used.empty()) continue;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      Scalar sum = column[i];
+      Scalar bound = std::abs(sum);
+      for (const Eigen::Index k : used) {
+        const Scalar term = x.data()[k * rows + i] * factors[k];
+        sum += term;
+        bound += std::abs(term);
       }
+      column[i] = std::abs(sum) <= tolerance * bound ? 0 : sum;
     }
-    for (Eigen::Index i = 0; i < rows; ++i)
-      if (std::abs(sum[i]) <= tolerance * bound[i]) sum[i] = 0;
   }
   return base;
+}
+
+/// f(X)·f(Y), f entry by entry.
+template <class Function>
+WideMatrix product_of(const WideMatrix& x, const WideMatrix& y, Function f) {
+  const Eigen::Index rows = x.rows();
+  const Eigen::Index inner = x.cols();
+  WideMatrix result(rows, y.cols());
+  for (Eigen::Index j = 0; j < y.cols(); ++j) {
+    const Wide* factors = y.data() + j * inner;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const Wide* row = x.data() + i;
+      Wide sum = 0;
+      for (Eigen::Index k = 0; k < inner; ++k, row += rows) sum += f(*row) * f(factors[k]);
+      result(i, j) = sum;
+    }
+  }
+  return result;
 }
 
 Eigen::Index rank_of(Eigen::ColPivHouseholderQR<WideMatrix>& qr, double tolerance, double scale) {
@@ -72,19 +95,9 @@ void multiply(const Matrix& m, const double* x, double* y) {
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
-WideMatrix product(const WideMatrix& x, const WideMatrix& y) {
-  const Eigen::Index rows = x.rows();
-  WideMatrix result = WideMatrix::Zero(rows, y.cols());
-  for (Eigen::Index j = 0; j < y.cols(); ++j)
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
-      const Wide factor = y(k, j);
-      if (factor == 0) continue;
-      for (Eigen::Index i = 0; i < rows; ++i) result(i, j) += x(i, k) * factor;
-    }
-  return result;
-}
+WideMatrix product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, [](Wide value) { return value; }); }
 
-WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product(x.cwiseAbs(), y.cwiseAbs()); }
+WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, [](Wide value) { return std::abs(value); }); }
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);

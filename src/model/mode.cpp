@@ -31,7 +31,7 @@ constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
 constexpr Wide solution_noise = 1e-14L;
 constexpr Wide unrounded_solution_noise = 4e-18L;
 constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
-/// Diode rows below this fraction of the largest are its rounding.
+/// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
 constexpr double row_noise = 1e-15;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
 constexpr double growth_tolerance = 1e-10;
@@ -81,6 +81,23 @@ void set_flow(const System& system, Mode& m, Matrix a) {
   m.flow = linalg::Exponential(std::move(a), rate);
 }
 
+/// Ports in series carry one current, and rows that differ by rounding would make one event two.
+void find_twins(const System& system, Mode& m) {
+  const auto count = m.guards.rows();
+  m.guard_twin.resize(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const bool diode = i < system.diodes;
+    Eigen::Index twin = diode ? 0 : system.diodes;
+    const auto same = [&] {
+      const double tolerance = diode ? row_noise * m.guard_norm[i] : 0.0;
+      return (m.guards.row(twin) - m.guards.row(i)).cwiseAbs().maxCoeff() <= tolerance;
+    };
+    while (twin < i && (m.ny == 0 || !same())) ++twin;
+    m.guard_twin[static_cast<std::size_t>(i)] = static_cast<int>(twin);
+    if (twin < i) m.guards.row(i) = m.guards.row(twin);
+  }
+}
+
 /// Norms and kinds of the guard rows.
 void finish_rows(const System& system, Mode& m) {
   const auto& blocks = system.exosystem->blocks();
@@ -93,14 +110,10 @@ void finish_rows(const System& system, Mode& m) {
       m.guards.row(i).setZero();
       m.guard_norm[i] = 0.0;
     }
+  find_twins(system, m);
   const Matrix slope = m.guards * m.flow.a();
   for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
-  m.guard_twin.resize(static_cast<std::size_t>(count));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Eigen::Index twin = i < system.diodes ? i : system.diodes;
-    while (twin < i && m.guards.row(twin) != m.guards.row(i)) ++twin;
-    m.guard_twin[static_cast<std::size_t>(i)] = static_cast<int>(twin);
-  }
+  m.absolute_guards = m.guards.cwiseAbs();
   m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
   m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
   m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
@@ -168,7 +181,7 @@ class Builder {
   WideMatrix kj_;           ///< u_J = kj·x
   WideMatrix k_;            ///< u = k·x
   WideMatrix constraints_;  ///< rows spanning the complement of V
-  WideMatrix basis_, lift_; ///< of the mode, unrounded
+  WideMatrix embedding_;    ///< x = embedding·y, unrounded: [N R; 0 1]
   Wide feedthrough_tolerance_ = 0;
   double noise_per_condition_ = 0.0;
   double condition_ = 1.0;
@@ -205,16 +218,20 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
   const auto q = r_.d.rows();
   const bool zero = rank == 0;
   WideMatrix right = zero ? WideMatrix(WideMatrix::Identity(q, q)) : WideMatrix(lu.kernel());
-  WideMatrix left = right;
+  WideMatrix left;
   if (!zero) {
     left = left_kernel(lu, rank);
     kj_ = -lu.solve(r_.c);
   }
-  // An entry of a null vector is exact to the rounding of its largest.
-  WideMatrix constraint = product(left.transpose(), r_.c);
-  clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
-  WideMatrix jump = product(r_.b, right);
-  clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
+  WideMatrix constraint = r_.c;
+  WideMatrix jump = r_.b;
+  if (!zero) {
+    // An entry of a null vector is exact to the rounding of its largest.
+    constraint = product(left.transpose(), r_.c);
+    clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
+    jump = product(r_.b, right);
+    clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
+  }
   const auto count = right.cols();
   WideVector row_norm(count), column_norm(count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -230,14 +247,18 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
   if (smallest < jump_rank_tolerance) return false;
   condition_ = std::max(condition_, static_cast<double>(gain_lu.maxPivot() / smallest));
   const auto size = static_cast<Eigen::Index>(s_.size());
+  const WideMatrix inverse = gain_lu.inverse();
   WideMatrix bound = w_->a.cwiseAbs();
-  bound += absolute_product(r_.b, kj_);
-  WideMatrix wanted(count, 2 * size + count);  // R(A + BK), R and 1
-  wanted << product(constraint, w_->a + product(r_.b, kj_)), constraint, WideMatrix::Identity(count, count);
-  const WideMatrix solved = gain_lu.solve(wanted);
-  bound = absolute_product(right, absolute_product(solved.rightCols(count), absolute_product(constraint, bound))) + kj_.cwiseAbs();
-  kj_ = wide_cleaned(kj_ - product(right, solved.leftCols(size)), bound);
-  mode_->projector = (WideMatrix::Identity(size, size) - product(jump, solved.middleCols(size, size))).cast<double>();
+  WideMatrix rate = w_->a;
+  if (!zero) {
+    bound += absolute_product(r_.b, kj_);
+    rate += product(r_.b, kj_);
+  }
+  bound = absolute_product(right, absolute_product(inverse, absolute_product(constraint, bound)));
+  bound += kj_.cwiseAbs();
+  kj_ -= product(right, product(inverse, product(constraint, rate)));
+  kj_ = wide_cleaned(std::move(kj_), bound);
+  mode_->projector = (WideMatrix::Identity(size, size) - product(jump, product(inverse, constraint))).cast<double>();
   constraints_ = constraint;
   return true;
 }
@@ -284,42 +305,39 @@ void Builder::reduce_coordinates() {
   m.n1 = s_.n - fixed;
   m.ny = m.n1 + s_.n_zeta;
   if (!m.constrained) return;
-  const WideMatrix on_state = constraints_.leftCols(s_.n);
-  Eigen::HouseholderQR<WideMatrix> qr(on_state.transpose());
+  Eigen::HouseholderQR<WideMatrix> qr(constraints_.leftCols(s_.n).transpose());
   const WideMatrix q = qr.householderQ();
-  basis_ = wide_cleaned(q.rightCols(m.n1), WideMatrix::Ones(s_.n, m.n1));
+  const WideMatrix basis = wide_cleaned(q.rightCols(m.n1), WideMatrix::Ones(s_.n, m.n1));
   const WideMatrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
-  lift_ = -q.leftCols(fixed) * upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
-  m.basis = basis_.cast<double>();
-  m.lift = lift_.cast<double>();
+  const WideMatrix on_sources = upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
+  embedding_ = WideMatrix::Zero(s_.size(), m.ny);
+  embedding_.topLeftCorner(s_.n, m.n1) = basis;
+  embedding_.topRightCorner(s_.n, s_.n_zeta) = -product(q.leftCols(fixed), on_sources);
+  embedding_.bottomRightCorner(s_.n_zeta, s_.n_zeta).setIdentity();
+  m.basis = basis.cast<double>();
+  m.lift = embedding_.topRightCorner(s_.n, s_.n_zeta).cast<double>();
 }
 
 void Builder::build_flow() {
   Mode& m = *mode_;
-  const int n = s_.n;
   const WideMatrix full = wide_clean_sum(w_->a, w_->b, k_);
   if (!m.constrained) return set_flow(s_, m, full.cast<double>());
-  WideMatrix a = WideMatrix::Zero(m.ny, m.ny);
-  const WideMatrix own = full.topLeftCorner(n, n);
-  const WideMatrix across = basis_.transpose();
+  // c' = Nᵀ(ξ' − R ζ').
   const WideMatrix sources = s_.exosystem->a().cast<Wide>();
-  a.topLeftCorner(m.n1, m.n1) = wide_clean_product(wide_clean_product(across, own), basis_);
-  const WideMatrix forced = wide_clean_product(own, lift_) + full.topRightCorner(n, s_.n_zeta) - wide_clean_product(lift_, sources);
-  a.topRightCorner(m.n1, s_.n_zeta) = wide_clean_product(across, forced);
-  a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = sources;
-  set_flow(s_, m, a.cast<double>());
+  const WideMatrix basis = embedding_.topLeftCorner(s_.n, m.n1);
+  const WideMatrix lift = embedding_.topRightCorner(s_.n, s_.n_zeta);
+  WideMatrix rate = wide_clean_product(full.topRows(s_.n), embedding_);
+  rate.rightCols(s_.n_zeta) = wide_clean_sum(rate.rightCols(s_.n_zeta), -lift, sources);
+  Matrix a = Matrix::Zero(m.ny, m.ny);
+  a.topRows(m.n1) = wide_clean_product(basis.transpose(), rate).cast<double>();
+  a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
+  set_flow(s_, m, std::move(a));
 }
 
 /// Rows that read x and u as rows that read y.
 Matrix Builder::in_mode(const WideMatrix& state_rows, const WideMatrix& input_rows) const {
-  const Mode& m = *mode_;
   const WideMatrix full = wide_clean_sum(state_rows, input_rows, k_);
-  if (!m.constrained) return full.cast<double>();
-  Matrix result(full.rows(), m.ny);
-  const WideMatrix on_state = full.leftCols(s_.n);
-  result.leftCols(m.n1) = wide_clean_product(on_state, basis_).cast<double>();
-  result.rightCols(s_.n_zeta) = wide_clean_sum(full.rightCols(s_.n_zeta), on_state, lift_).cast<double>();
-  return result;
+  return (mode_->constrained ? wide_clean_product(full, embedding_) : full).cast<double>();
 }
 
 void Builder::build_rows() {

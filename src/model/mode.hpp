@@ -43,6 +43,7 @@ struct Mode {
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;
+  Matrix absolute_guards;           ///< |guards|
   Vector guard_norm, guard_c_norm;  ///< ‖row‖, ‖row restricted to c‖
   Matrix guard_block_norm;          ///< guards × exosystem blocks
   std::vector<char> guard_constant; ///< no derivative: cannot fire within a segment
@@ -52,7 +53,7 @@ struct Mode {
 
   mutable std::uint64_t visits = 0;
   bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
-  mutable double reach = 6.0;     ///< rate·h that the locator's series decided last in this mode
+  mutable double reach = 1.5;     ///< rate·h that the locator's series decided last in this mode
   mutable std::vector<std::unique_ptr<SlowPart>> slow_parts;  ///< found when a segment turns out long in the mode's own time
   mutable bool slow_parts_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use

@@ -408,6 +408,18 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
   return richer;
 }
 
+/// The set after the port has changed sides, and with it those that share its guard (diodes in series).
+IndexSet Selector::with_flipped(const IndexSet& set, int port) const {
+  IndexSet flipped = set;
+  flipped.flip(port);
+  const auto before = modes_.find(set);
+  if (before == modes_.end() || before->second->guard_twin.empty()) return flipped;
+  const auto& twin = before->second->guard_twin;
+  for (int i = 0; i < system_.diodes; ++i)
+    if (i != port && twin[static_cast<std::size_t>(i)] == twin[static_cast<std::size_t>(port)]) flipped.flip(i);
+  return flipped;
+}
+
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
   // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
   const Mode* found = system_.passive ? remembered(x, current) : nullptr;
@@ -418,9 +430,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
   }
   if (!found && !system_.passive) found = remembered(x, current);
   if (!found && trigger >= 0 && trigger < system_.diodes) {
-    IndexSet flipped = current;
-    flipped.flip(trigger);
-    found = try_without_jump(x, flipped);
+    found = try_without_jump(x, with_flipped(current, trigger));
   }
   if (!found) found = from_rcp(x, current, jumped);
   if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);

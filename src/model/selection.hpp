@@ -56,6 +56,7 @@ class Selector {
   bool accepts(const Mode& mode, const double* x);
   const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
   const Mode* try_without_jump(double* x, const IndexSet& set);
+  [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);

@@ -34,6 +34,14 @@ void Verifier::extend(const Mode& mode, int order) {
   }
 }
 
+/// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
+double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
+  size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
+  double bound = relaxation_ * mode.noise * size;
+  if (relaxation_ > 1.0) bound += relaxation_ * rest_noise * mode.guard_norm[row] * largest_;
+  return bound;
+}
+
 bool Verifier::significant(const Mode& mode, int row, int order, double& value) {
   if (order >= known_) extend(mode, order);
   const double* z = &z_[static_cast<std::size_t>(order * ny_)];
@@ -46,20 +54,17 @@ bool Verifier::significant(const Mode& mode, int row, int order, double& value) 
     sum += *g * z[i];
     bound += std::abs(*g) * size[i];
   }
-  bound += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
   value = sum;
-  bound = relaxation_ * mode.noise * bound;
-  if (relaxation_ > 1.0) bound += relaxation_ * rest_noise * mode.guard_norm[row] * largest_;
-  return std::abs(sum) > bound;
+  return std::abs(sum) > rounding(mode, row, order, bound);
 }
 
 Departure Verifier::departure(const Mode& mode, int row) {
   if (mode.guard_norm[row] == 0.0) return {-1, 0.0};
   double scale = 1.0;
-  for (int order = 0; order <= ny_; ++order) {
+  for (int order = 1; order <= ny_; ++order) {
+    scale *= mode.norm_a;
     double value = 0.0;
     if (significant(mode, row, order, value)) return {order, value * scale};
-    scale *= mode.norm_a;
   }
   return {-1, 0.0};
 }
@@ -79,7 +84,16 @@ void Verifier::departures(const Mode& mode, const double* y, const std::vector<i
   }
   norm_[0] = linalg::norm(y, ny_);
   known_ = 1;
-  for (std::size_t i = 0; i < rows.size(); ++i) out[i] = departure(mode, rows[i]);
+  // Values of all guards at once: few need a derivative.
+  const auto guards = static_cast<std::size_t>(mode.guards.rows());
+  values_.resize(2 * guards);
+  linalg::multiply(mode.guards, z_.data(), values_.data());
+  linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + guards);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto row = static_cast<std::size_t>(rows[i]);
+    const bool decided = std::abs(values_[row]) > rounding(mode, rows[i], 0, values_[guards + row]);
+    out[i] = decided ? Departure{0, values_[row]} : departure(mode, rows[i]);
+  }
 }
 
 }  // namespace pwlsim::model

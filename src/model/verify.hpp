@@ -30,7 +30,8 @@ class Verifier {
   [[nodiscard]] double relaxation() const { return relaxation_; }
 
  private:
-  Departure departure(const Mode& mode, int row);
+  Departure departure(const Mode& mode, int row);  ///< of a row whose value is rounding
+  [[nodiscard]] double rounding(const Mode& mode, int row, int order, double size) const;
   bool significant(const Mode& mode, int row, int order, double& value);
   void extend(const Mode& mode, int order);
 
@@ -38,7 +39,7 @@ class Verifier {
   int ny_ = 0;
   int known_ = 0;                 ///< derivatives computed so far
   std::vector<double> z_, size_;  ///< A^j y/‖A‖^j and its bound, j = 0 …
-  std::vector<double> norm_;
+  std::vector<double> norm_, values_;
 };
 
 }  // namespace pwlsim::model

@@ -9,6 +9,8 @@ namespace {
 
 /// A row step is taken with the cached matrix when it differs from the grid's step by rounding only.
 constexpr double step_rounding = 1e-9;
+/// Of a row's time, against that time: four units of its last place.
+constexpr double row_time_rounding = 8.9e-16;
 /// A propagator for the row step is built when it has been wanted this often.
 constexpr std::uint64_t worth_building = 4;
 /// Entries of a control's row below this fraction of the largest are rounding.
@@ -28,6 +30,7 @@ IslandRun::IslandRun(const IslandModel& island_model, bool allow_several)
   wanted = model::IndexSet(system_.ports);
   phase_ = system_.exosystem->start();
   segment_.system = &system_;
+  outputs_.resize(system_.outputs.size());
   control_rows_.resize(system_.controls.size());
   control_departures_.resize(system_.controls.size());
   for (const auto& control : system_.controls) {
@@ -178,7 +181,7 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
   const bool diodes_known = selector_.departures_hold_for(*mode);
   control_rows_.clear();
   for (int i = 0; i < system_.diodes; ++i) {
-    if (mode->guard_constant[static_cast<std::size_t>(i)] != 0) continue;
+    if (mode->guard_constant[static_cast<std::size_t>(i)] != 0 || mode->guard_twin[static_cast<std::size_t>(i)] != i) continue;
     if (!diodes_known) {
       control_rows_.push_back(i);
       continue;
@@ -232,10 +235,9 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   row_valid_ = false;
 }
 
-void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out) const {
-  const auto rows = m.outputs.rows();
-  for (Eigen::Index i = 0; i < rows; ++i)
-    out[system_.output_signal[static_cast<std::size_t>(i)]] += linalg::row_times(m.outputs, i, y);
+void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out) {
+  linalg::multiply(m.outputs, y, outputs_.data());
+  for (std::size_t i = 0; i < outputs_.size(); ++i) out[system_.output_signal[i]] += outputs_[i];
 }
 
 void IslandRun::add_signals_now(double* out) {
@@ -249,28 +251,32 @@ void IslandRun::add_signals(double time, double* out) {
   if (!row_valid_) {
     std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), row_y_.begin());
     row_time_ = segment_.anchor;
+    row_propagator_ = &row_propagators_[&m];
     row_valid_ = true;
   }
   const double step = time - row_time_;
-  if (std::abs(step - row_step_) <= step_rounding * row_step_) {
-    RowPropagator& propagator = row_propagators_[&m];
-    if (++propagator.uses == worth_building) propagator.matrix = m.flow.minus_identity(row_step_);
-    if (propagator.uses >= worth_building) {
-      linalg::multiply(propagator.matrix, row_y_.data(), work_.data());
-      for (int i = 0; i < m.ny; ++i) row_y_[static_cast<std::size_t>(i)] += work_[static_cast<std::size_t>(i)];
-      const double rest = step - row_step_;
-      if (rest != 0.0) {
-        linalg::multiply(m.flow.a(), row_y_.data(), work_.data());
-        for (int i = 0; i < m.ny; ++i) row_y_[static_cast<std::size_t>(i)] += rest * work_[static_cast<std::size_t>(i)];
-      }
+  if (std::abs(step - row_step_) <= step_rounding * row_step_ && ++row_propagator_->uses >= worth_building) {
+    model::Matrix& propagator = row_propagator_->matrix;
+    if (propagator.size() == 0) propagator = m.flow.minus_identity(row_step_);
+    advance_row(propagator, 1.0);
+    row_time_ += row_step_;
+    // A row's time is k·Tstep rounded; what adds up beyond that is made good.
+    const double rest = time - row_time_;
+    if (std::abs(rest) > row_time_rounding * time) {
+      advance_row(m.flow.a(), rest);
       row_time_ = time;
-      outputs_from(m, row_y_.data(), out);
-      return;
     }
+  } else {
+    if (step > 0.0) m.flow.apply(step, row_y_.data(), work_.data());
+    row_time_ = time;
   }
-  if (step > 0.0) m.flow.apply(step, row_y_.data(), work_.data());
-  row_time_ = time;
   outputs_from(m, row_y_.data(), out);
+}
+
+/// y += factor·M y.
+void IslandRun::advance_row(const model::Matrix& m, double factor) {
+  linalg::multiply(m, row_y_.data(), work_.data());
+  for (Eigen::Index i = 0; i < m.rows(); ++i) row_y_[static_cast<std::size_t>(i)] += factor * work_[static_cast<std::size_t>(i)];
 }
 
 bool IslandRun::changes_visibly(const model::Mode& before) {
@@ -285,10 +291,14 @@ bool IslandRun::changes_visibly(const model::Mode& before) {
     if (unique) control_rows_.push_back(i);
   }
   if (!control_rows_.empty()) {
-    departures_.resize(control_rows_.size());
-    model::to_mode(system_, *mode, x.data(), scratch_.data());
-    verifier_.departures(*mode, scratch_.data(), control_rows_, departures_.data());
-    if (std::any_of(departures_.begin(), departures_.end(), [](const auto& d) { return d.order >= 0; })) return true;
+    const bool known = selector_.departures_hold_for(*mode);
+    departures_.resize(static_cast<std::size_t>(system_.diodes));
+    if (!known) {
+      model::to_mode(system_, *mode, x.data(), scratch_.data());
+      verifier_.departures(*mode, scratch_.data(), control_rows_, departures_.data());
+    }
+    for (std::size_t i = 0; i < control_rows_.size(); ++i)
+      if ((known ? selector_.departures()[static_cast<std::size_t>(control_rows_[i])] : departures_[i]).order >= 0) return true;
   }
   if (!undetermined) return false;
   // A change between two modes that once went on differently is taken to be one again.

@@ -68,7 +68,8 @@ class IslandRun {
   [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void choose_guards(const std::vector<char>& on);
-  void outputs_from(const model::Mode& m, const double* y, double* out) const;
+  void outputs_from(const model::Mode& m, const double* y, double* out);
+  void advance_row(const model::Matrix& m, double factor);
 
   const IslandModel& model_;
   const model::System& system_;
@@ -84,8 +85,8 @@ class IslandRun {
   bool all_rest_ = false;   ///< and nothing came of it: guards at zero count from where they are visibly negative
   int rests_ = -1;  ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
-  std::vector<double> row_y_, work_, scratch_;
-  double row_time_ = 0.0;
+  std::vector<double> row_y_, work_, scratch_, outputs_;
+  double row_time_ = 0.0;  ///< of row_y_
   bool row_valid_ = false;
   double row_step_ = 0.0;
   struct RowPropagator {
@@ -93,6 +94,7 @@ class IslandRun {
     model::Matrix matrix;
   };
   std::unordered_map<const model::Mode*, RowPropagator> row_propagators_;
+  RowPropagator* row_propagator_ = nullptr;  ///< of the segment at hand
   std::vector<std::pair<const model::Mode*, const model::Mode*>> visible_changes_;
   enum class Reads { sources, state, ports };
   std::vector<Reads> control_reads_;

@@ -33,28 +33,54 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
-/// b_k = Σ_{j≤k} C(k,j)/C(n,j) c_j.
+/// b_k = Σ_{j≤k} C(k,j)/C(n,j) c_j; column j of the table holds the factors of c_j.
 constexpr std::array<Coefficients, order + 1> to_bernstein = [] {
   std::array<Coefficients, order + 1> table{};
   for (int k = 0; k <= order; ++k)
-    for (int j = 0; j <= k; ++j) table[static_cast<std::size_t>(k)][static_cast<std::size_t>(j)] = binomial(k, j) / binomial(order, j);
+    for (int j = 0; j <= k; ++j) table[static_cast<std::size_t>(j)][static_cast<std::size_t>(k)] = binomial(k, j) / binomial(order, j);
   return table;
 }();
 
 Coefficients bernstein(const Coefficients& c) {
   Coefficients b{};
-  for (std::size_t k = 0; k < b.size(); ++k)
-    for (std::size_t j = 0; j <= k; ++j) b[k] += to_bernstein[k][j] * c[j];
+  for (std::size_t j = 0; j < b.size(); ++j)
+    for (std::size_t k = 0; k < b.size(); ++k) b[k] += to_bernstein[j][k] * c[j];
   return b;
+}
+
+/// De Casteljau's triangle at one half, its rows of a length that the compiler knows.
+template <std::size_t length>
+void halve(Coefficients& work, Coefficients& left, Coefficients& right) {
+  left[order + 1 - length] = work[0];
+  right[length - 1] = work[length - 1];
+  if constexpr (length > 1) {
+    for (std::size_t k = 0; k + 1 < length; ++k) work[k] = 0.5 * (work[k] + work[k + 1]);
+    halve<length - 1>(work, left, right);
+  }
 }
 
 void split(const Coefficients& b, Coefficients& left, Coefficients& right) {
   Coefficients work = b;
-  for (std::size_t r = 0; r <= order; ++r) {
-    left[r] = work[0];
-    right[order - r] = work[order - r];
-    for (std::size_t k = 0; k + r < order; ++k) work[k] = 0.5 * (work[k] + work[k + 1]);
-  }
+  halve<order + 1>(work, left, right);
+}
+
+/// Bounds of c over the unit interval, by Horner's scheme: s·q(s) lies between min(0, min q) and max(0, max q).
+double lower_bound(const Coefficients& c) {
+  double bound = c[order];
+  for (std::size_t k = order; k-- > 0;) bound = c[k] + std::min(0.0, bound);
+  return bound;
+}
+
+/// Of its derivative.
+double steepest_fall(const Coefficients& c) {
+  double bound = order * c[order];
+  for (std::size_t k = order - 1; k > 0; --k) bound = static_cast<double>(k) * c[k] + std::min(0.0, bound);
+  return bound;
+}
+double steepest_rise(const Coefficients& c) {
+  double bound = order * c[order];
+  for (std::size_t k = order - 1; k > 0; --k) bound = static_cast<double>(k) * c[k] + std::max(0.0, bound);
+  return bound;
 }
 
 enum class Shape { positive, one_root, unclear };
@@ -62,6 +88,24 @@ struct Piece {
   Shape shape = Shape::unclear;
   double low = 0.0, high = 1.0;
 };
+
+double value_at(const Coefficients& c, double place) {
+  double value = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) value = value * place + c[k];
+  return value;
+}
+
+/// What bounds over the whole interval tell, without subdividing it.
+Piece at_a_glance(const Coefficients& c, double rest, double rest_slope) {
+  if (!(c[0] > rest)) return {};
+  if (steepest_fall(c) > rest_slope) return {Shape::positive};
+  if (steepest_rise(c) < -rest_slope) {
+    const double end = value_at(c, 1.0);
+    if (end < -rest) return {Shape::one_root};
+    if (end > rest) return {Shape::positive};
+  }
+  return {};
+}
 
 /// Walks from left to right; positive everywhere, or the first place where it is not. `rest` bounds the remainder, `rest_slope` its
 /// derivative over the whole unit interval.
@@ -88,12 +132,6 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
 }
 
 double remainder_power(double h) { return std::pow(h, order + 1) / factorial_next; }
-
-double value_at(const Coefficients& c, double place) {
-  double value = 0.0;
-  for (std::size_t k = c.size(); k-- > 0;) value = value * place + c[k];
-  return value;
-}
 
 /// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket.
 double polynomial_root(const Coefficients& c, double low, double high) {
@@ -146,12 +184,10 @@ void Locator::series_state(const Segment& s, double step, double* out) {
 Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, double remainder) {
   Coefficients c{};
   double power = 1.0;
-  double others = 0.0;
   const double* g = &guard_derivatives_[i * (order + 1)];
   for (std::size_t j = 0; j <= order; ++j) {
     c[j] = g[j] * power;
     power *= h / static_cast<double>(j + 1);
-    if (j > 0) others += std::abs(c[j]);
   }
   double rest = remainder;
   double rest_slope = (order + 1) * rest;
@@ -163,10 +199,11 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
     std::fill(c.end() - start, c.end(), 0.0);
     rest_slope = (order + 1 + start) * rest;
   }
-  if (start == 0 && c[0] - others > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
+  if (lower_bound(c) > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
   // What a value of this guard is worth, against which its own rounding counts.
   rest += noise_of(s, s.rows[i]) * (start > 0 ? 0.0 : 0.1);
-  Piece piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
+  Piece piece = at_a_glance(c, rest, rest_slope);
+  if (piece.shape == Shape::unclear) piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
   if (piece.shape == Shape::positive) return {Verdict::excluded, 0.0, 0.0, 0.0};
   if (piece.shape == Shape::unclear) return {Verdict::undecided, 0.0, 0.0, 0.0};
   const double root = polynomial_root(c, piece.low, piece.high);
