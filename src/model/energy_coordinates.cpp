@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "model/descriptor.hpp"
@@ -49,21 +50,35 @@ Matrix readable_basis(Matrix projector, Eigen::Index rank) {
   return basis;
 }
 
+/// Names of stores; those of one element with several are numbered, `oc#1`, `oc#2`.
+template <class Store>
+std::vector<std::string> names_of(const std::vector<Store>& stores) {
+  std::map<std::string, int> count, next;
+  for (const auto& store : stores) ++count[store.label.name];
+  std::vector<std::string> names;
+  for (const auto& store : stores) {
+    names.push_back(store.label.name);
+    if (count[store.label.name] > 1) names.back() += '#' + std::to_string(++next[store.label.name]);
+  }
+  return names;
+}
+
 std::vector<EnergyState> states_of(const Assembly& assembly, const Matrix& basis) {
   const auto& capacitors = assembly.network.capacitors;
   const auto& inductors = assembly.network.inductors;
   const auto first_flux = static_cast<Eigen::Index>(capacitors.size());
   const Matrix flux = assembly.inductor_factor.cast<double>() * std::sqrt(assembly.r0 * assembly.tau0);
   const Matrix of_inductors = linalg::clean_product(basis.rightCols(basis.cols() - first_flux), flux.transpose());
+  const std::vector<std::string> capacitor_names = names_of(capacitors), inductor_names = names_of(inductors);
   std::vector<EnergyState> states(static_cast<std::size_t>(basis.rows()));
   for (std::size_t row = 0; row < states.size(); ++row) {
     const auto r = static_cast<Eigen::Index>(row);
     for (std::size_t i = 0; i < capacitors.size(); ++i)
       if (const double x = basis(r, static_cast<Eigen::Index>(i)); x != 0.0)
-        states[row].terms.push_back({capacitors[i].label.name, true, x * std::sqrt(std::abs(capacitors[i].capacitance))});
+        states[row].terms.push_back({capacitor_names[i], true, x * std::sqrt(std::abs(capacitors[i].capacitance))});
     for (std::size_t i = 0; i < inductors.size(); ++i)
       if (const double x = of_inductors(r, static_cast<Eigen::Index>(i)); x != 0.0)
-        states[row].terms.push_back({inductors[i].label.name, false, x});
+        states[row].terms.push_back({inductor_names[i], false, x});
   }
   return states;
 }

@@ -16,7 +16,7 @@ namespace pwlsim::model {
 
 struct EnergyState {
   struct Term {
-    std::string element;
+    std::string element;       ///< "oc#2": the second store of an element with several, as a raw system has
     bool is_voltage = false;   ///< v of a capacitor; else i of an inductor
     double coefficient = 0.0;  ///< in √F or √H
   };

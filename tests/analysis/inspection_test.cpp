@@ -191,6 +191,13 @@ TEST_CASE("breakdown of a diode is a port of its own, contacts of one control ar
   CHECK(block.positions[1].problem.empty());
 }
 
+TEST_CASE("stores of one element have numbers", "[unit]") {
+  const IslandView island = main_island(inspect("V1 u 0 1\nA1 u y f\nR1 y 0 1\n.model f s_xfer(num_coeff=[1] den_coeff=[1 3 2])\n"));
+  std::vector<std::string> names;
+  for (const auto& state : island.positions.at(0).space.states) names.push_back(state.terms.at(0).element);
+  CHECK(names == std::vector<std::string>{"A1#1", "A1#2"});
+}
+
 TEST_CASE("what nothing needs is left out and named", "[unit]") {
   const Inspected inspected = inspect("C1 a 0 1\nR1 a 0 1\nC2 b 0 1\nR2 b 0 1\n.save v(a)\n");
   CHECK(inspected.inspection->islands.size() == 1);
