@@ -65,6 +65,7 @@ std::string statistics_json(const RunReport& report) {
                       {"modes_visited", number(s.modes_visited)},
                       {"events", number(s.events)},
                       {"jumps", number(s.jumps)},
+                      {"accumulations", number(s.accumulations)},
                       {"lcp_pivots", number(s.lcp_pivots)},
                       {"klu_factorizations", number(s.klu_factorizations)},
                       {"klu_solves", number(s.klu_solves)},

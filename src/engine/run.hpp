@@ -55,7 +55,7 @@ struct Remark {
 
 struct Statistics {
   std::uint64_t islands = 0, states = 0, ports = 0, switches = 0;
-  std::uint64_t modes_visited = 0, events = 0, jumps = 0, lcp_pivots = 0;
+  std::uint64_t modes_visited = 0, events = 0, jumps = 0, lcp_pivots = 0, accumulations = 0;
   std::uint64_t klu_factorizations = 0, klu_solves = 0, steps = 0, rows = 0;
   double seconds_model = 0.0, seconds_simulate = 0.0, seconds_certificate = 0.0;
 };

@@ -12,6 +12,8 @@ namespace {
 
 /// ‖P x − x‖ below this multiple of a mode's rounding level, against ‖x‖, is no jump.
 constexpr double consistency_per_noise = 30.0;
+/// Of a state, against the largest there was.
+constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
 constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
 constexpr int most_jumps = 20;
@@ -64,6 +66,14 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
   }
   const double tolerance = consistency_per_noise * mode.noise * verifier_.relaxation();
   return change <= tolerance * tolerance * norm;
+}
+
+/// The same to the rounding of the largest state there was: a state that is small, but there, does not lie in every mode.
+bool Selector::strictly_consistent(const Mode& mode, const double* x, double* projected) const {
+  if (!consistent(mode, x, projected)) return false;
+  double change = 0.0;
+  for (int i = 0; i < system_.size(); ++i) change += (projected[i] - x[i]) * (projected[i] - x[i]);
+  return std::sqrt(change) <= state_rounding * largest_;
 }
 
 bool Selector::accepts(const Mode& mode, const double* x) {
@@ -361,7 +371,7 @@ const Mode* Selector::other_continuation(const double* x, const Mode& chosen) {
   std::vector<double> copy(x, x + system_.size());
   const auto differs = [&](const IndexSet& set) -> const Mode* {
     const Mode& m = mode(set);
-    if (&m == &chosen || !m.regular || !consistent(m, copy.data(), projected_.data())) return nullptr;
+    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data())) return nullptr;
     if (!accepts(m, projected_.data()) || continues_alike(chosen, m, copy.data())) return nullptr;
     return &m;
   };

@@ -53,6 +53,7 @@ class Selector {
     Vector q;
   };
   bool consistent(const Mode& mode, const double* x, double* projected) const;
+  bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
   bool accepts(const Mode& mode, const double* x);
   const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
   const Mode* try_without_jump(double* x, const IndexSet& set);

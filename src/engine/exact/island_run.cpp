@@ -66,6 +66,12 @@ void IslandRun::open(double time) {
   const model::Mode& m = *mode;
   auto& y = segment_.y;
   wanted = m.active;
+  if (is_at_limit(time)) {
+    at_limit_ = false;
+    take_limit(time, x.data());
+    return;
+  }
+  at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
   if (event_.found && event_time_ == time) {
     std::copy(event_.y, event_.y + m.ny, y.begin());
@@ -79,6 +85,18 @@ void IslandRun::open(double time) {
     m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
   }
   model::from_mode(system_, m, y.data(), x.data());
+}
+
+void IslandRun::go_to_limit(const AccumulationWatch::Limit& limit) {
+  event_ = {};
+  event_.found = at_limit_ = true;
+  event_time_ = limit.time;
+  limit_ = limit.xi;
+}
+
+void IslandRun::take_limit(double time, double* out) const {
+  std::copy(limit_.begin(), limit_.end(), out);
+  system_.exosystem->evaluate(phase_, time, out + system_.n);
 }
 
 bool IslandRun::take_breakpoints(double time, double tolerance) {
@@ -248,6 +266,11 @@ void IslandRun::add_signals_now(double* out) {
 void IslandRun::add_signals(double time, double* out) {
   if (system_.outputs.empty()) return;
   const model::Mode& m = *mode;
+  if (at_limit_ && time >= event_time_) {
+    take_limit(time, work_.data());
+    model::to_mode(system_, m, work_.data(), scratch_.data());
+    return outputs_from(m, scratch_.data(), out);
+  }
   if (!row_valid_) {
     std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), row_y_.begin());
     row_time_ = segment_.anchor;

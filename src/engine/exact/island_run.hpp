@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/exact/accumulation.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/locator.hpp"
 #include "model/selection.hpp"
@@ -31,6 +32,12 @@ class IslandRun {
   /// Opens the instant `time`: the state just before it goes to x, sources still at their left limit.
   void open(double time);
   [[nodiscard]] bool is_open() const { return open_; }
+  /// The next event is the limit of those before it (accumulation.hpp): at that time the states are ξ.
+  void go_to_limit(const AccumulationWatch::Limit& limit);
+  /// Whether the next event is such a limit.
+  [[nodiscard]] bool is_at_limit(double time) const { return at_limit_ && event_time_ == time; }
+  [[nodiscard]] AccumulationWatch& accumulation() { return accumulation_; }
+
   /// Takes the breakpoints at `time`; true if a source value jumped.
   bool take_breakpoints(double time, double tolerance);
   /// ζ at `time` from the sources themselves.
@@ -67,6 +74,7 @@ class IslandRun {
  private:
   [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
+  void take_limit(double time, double* out) const;
   void choose_guards(const std::vector<char>& on);
   void outputs_from(const model::Mode& m, const double* y, double* out);
   void advance_row(const model::Matrix& m, double factor);
@@ -80,6 +88,9 @@ class IslandRun {
   Segment segment_;
   Located event_;
   double event_time_ = 0.0;
+  AccumulationWatch accumulation_;
+  model::Vector limit_;     ///< ξ where events accumulate
+  bool at_limit_ = false;   ///< the event at hand is that
   bool open_ = false;
   bool undecided_ = false;  ///< the event at hand is only where the locator could not tell
   bool all_rest_ = false;   ///< and nothing came of it: guards at zero count from where they are visibly negative

@@ -16,9 +16,14 @@ using Clock = std::chrono::steady_clock;
 constexpr double merge_fraction = 1e-14;
 constexpr int most_rounds = 12;          ///< of switches answering switches at one instant
 constexpr std::size_t rows_per_block = 1024;
-/// So many events within crowd_fraction of the run are an accumulation.
+/// Of the run: events that accumulate this far ahead are crossed, once their limit is known this well; and in any case this far ahead,
+/// where rounding begins to tell in states that shrink with the square of the time.
+constexpr double crossing_fraction = 1e-4;
+constexpr double limit_tolerance = 1e-13;
+constexpr double last_crossing_fraction = 1e-6;
 /// A run whose certificate is worse than this says so.
 constexpr double doubtful_residual = 1e-6;
+/// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
 constexpr std::uint64_t instants_between_checks = 256;
@@ -41,6 +46,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
                    [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
   sets_before_.resize(islands_.size());
   modes_before_.assign(islands_.size(), nullptr);
+  opened_.assign(islands_.size(), Opened::no);
   width_ = 1 + model_.signal_names.size();
   rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
@@ -108,15 +114,22 @@ double Transient::next_instant() {
 }
 
 void Transient::open_island(IslandRun& island, Instant& instant) {
-  if (!island.is_open()) recorder_.add(island.model(), island.segment(), instant.time - island.segment().anchor);
+  Opened& opened = opened_[static_cast<std::size_t>(&island - islands_.data())];
+  if (opened == Opened::no) opened = Opened::from_outside;
+  // What lies between the last of many events and their limit is no segment.
+  const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
+  if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   island.open(instant.time);
   if (island.take_breakpoints(instant.time, tolerance_)) instant.source_edge = true;
 }
 
 void Transient::open_event_islands(double time, Instant& instant) {
-  for (auto& island : islands_) {
+  std::fill(opened_.begin(), opened_.end(), Opened::no);
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    IslandRun& island = islands_[i];
     const bool breaks = island.next_break() <= time + tolerance_;
     const bool crosses = island.has_event() && island.event_time() <= time;
+    if (crosses && !breaks) opened_[i] = Opened::by_own_event;
     if (breaks || crosses) open_island(island, instant);
   }
 }
@@ -136,8 +149,9 @@ bool Transient::handle(double time) {
   if (has_rows) fill_row(time, row_before_.data());
   open_event_islands(time, instant);
   if (!settle(instant, false)) return false;
+  watch_accumulation(time);
   const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
-  if (!happened) return watch_accumulation(instant);  // nothing but a corner of a source
+  if (!happened) return watch_crowd(instant);  // nothing but a corner of a source
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
   if (has_rows) {
@@ -151,7 +165,7 @@ bool Transient::handle(double time) {
     row[0] = last_event_row_;
     if (!push_row()) return false;
   }
-  return watch_accumulation(instant);
+  return watch_crowd(instant);
 }
 
 /// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes,
@@ -235,7 +249,40 @@ void Transient::note_mode_changes(Instant& instant) {
   }
 }
 
-bool Transient::watch_accumulation(const Instant& instant) {
+/// In a passive circuit no events accumulate ahead.
+void Transient::watch_accumulation(double time) {
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    IslandRun& island = islands_[i];
+    if (island.system().passive || opened_[i] == Opened::no) continue;
+    AccumulationWatch& watch = island.accumulation();
+    if (opened_[i] == Opened::from_outside) {
+      watch.reset();
+      continue;
+    }
+    watch.note(time, *island.mode, island.x.data(), island.system().n);
+    const auto limit = watch.limit();
+    if (!limit || !(limit->time < std::min(request_.stop, island.next_break()))) continue;
+    // The further events would have to be followed for a row that falls among them.
+    const double ahead = limit->time - time;
+    const bool exact = ahead <= crossing_fraction * request_.stop && limit->uncertainty <= limit_tolerance * request_.stop &&
+                       !(next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit->time - tolerance_);
+    if (exact || ahead <= last_crossing_fraction * request_.stop) cross(island, *limit);
+  }
+}
+
+void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
+  std::vector<std::string> names;
+  for (const auto& port : island.system().port) add_name(names, port.name);
+  answer_.remarks.push_back(
+      {"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} taking {:.6g} of the time of those before, the run goes on from "
+                                     "their limit (known to {:.1g} s)",
+                                     limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period, limit.ratio, std::max(limit.uncertainty, tolerance_))});
+  ++answer_.statistics.accumulations;
+  island.go_to_limit(limit);
+  island.accumulation().reset();
+}
+
+bool Transient::watch_crowd(const Instant& instant) {
   if (instant.time - crowd_start_ > crowd_fraction * request_.stop) {
     crowd_start_ = instant.time;
     crowd_ = 0;

@@ -38,7 +38,9 @@ class Transient {
   bool emit_row(double time);
   bool push_row();
   bool flush();
-  bool watch_accumulation(const Instant& instant);
+  bool watch_crowd(const Instant& instant);
+  void watch_accumulation(double time);
+  void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
   void open_island(IslandRun& island, Instant& instant);
@@ -56,6 +58,8 @@ class Transient {
   std::vector<int> flips_;
   std::vector<model::IndexSet> sets_before_;
   std::vector<const model::Mode*> modes_before_;
+  enum class Opened : char { no, by_own_event, from_outside };
+  std::vector<Opened> opened_;              ///< at the instant at hand
   CertificateRecorder recorder_;
   double tolerance_ = 0.0;                  ///< instants closer than this are one
   double now_ = 0.0;

@@ -1,0 +1,74 @@
+#include "engine/exact/accumulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+constexpr int longest_period = 6;
+constexpr int shrinking_intervals = 8;   ///< in a row, before it is called an accumulation
+constexpr double largest_ratio = 0.95;
+constexpr double ratio_spread = 1e-2;    ///< among those intervals, against the ratio
+/// A state's own ratio above this is no convergence; below this change it has converged.
+constexpr double converged = 1e-15;
+
+}  // namespace
+
+void AccumulationWatch::note(double time, const model::Mode& mode, const double* x, int n) {
+  if (events_.empty()) events_.resize(kept);
+  Event& event = events_[count_++ % kept];
+  event.time = time;
+  event.mode = &mode;
+  event.xi = Eigen::Map<const linalg::Vector>(x, n);
+}
+
+/// Of the interval that ends at event −i to the one before.
+double AccumulationWatch::ratio(int period, int i) const {
+  const double last = back(i).time - back(i + period).time;
+  const double before = back(i + period).time - back(i + 2 * period).time;
+  return before > 0.0 ? last / before : 1.0;
+}
+
+bool AccumulationWatch::repeats(int period) const {
+  const int needed = shrinking_intervals + 2 * period;
+  if (count_ < static_cast<std::uint64_t>(needed)) return false;
+  double least = INFINITY, largest = 0.0;
+  for (int i = 0; i < shrinking_intervals; ++i) {
+    if (back(i).mode != back(i + period).mode) return false;
+    const double r = ratio(period, i);
+    least = std::min(least, r);
+    largest = std::max(largest, r);
+  }
+  return largest < largest_ratio && largest - least <= ratio_spread * largest;
+}
+
+double AccumulationWatch::limit_time(int period, int i) const {
+  const double r = ratio(period, i);
+  return back(i).time + (back(i).time - back(i + period).time) * r / (1.0 - r);
+}
+
+std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() const {
+  for (int p = 1; p <= longest_period; ++p) {
+    if (!repeats(p)) continue;
+    Limit limit;
+    limit.period = p;
+    limit.ratio = ratio(p, 0);
+    limit.time = limit_time(p, 0);
+    limit.uncertainty = std::abs(limit.time - limit_time(p, p));
+    const auto& last = back(0).xi;
+    const auto& before = back(p).xi;
+    const auto& earlier = back(2 * p).xi;
+    limit.xi = last;
+    for (Eigen::Index i = 0; i < last.size(); ++i) {
+      const double change = last[i] - before[i];
+      const double r = change / (before[i] - earlier[i]);
+      if (std::abs(change) > converged * std::abs(last[i]) && std::abs(r) < largest_ratio) limit.xi[i] += change * r / (1.0 - r);
+    }
+    return limit;
+  }
+  return std::nullopt;
+}
+
+}  // namespace pwlsim::engine

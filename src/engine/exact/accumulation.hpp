@@ -1,0 +1,51 @@
+#pragma once
+/// Events that accumulate: infinitely many in finite time (a Zeno sequence), as those of a relay that turns a motion around itself.
+///
+/// Near the limit the motion repeats itself on a shrinking scale: every p events the same modes, the times between them smaller by a
+/// ratio r. Then t* = t_n + (t_n − t_{n−p})·r/(1 − r), and each state converges alike (Aitken's Δ² process; van der Schaft &
+/// Schumacher 1996 leave such sequences out). The run goes on from the limit.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "linalg/dense.hpp"
+#include "model/mode.hpp"
+
+namespace pwlsim::engine {
+
+class AccumulationWatch {
+ public:
+  struct Limit {
+    double time = 0.0;        ///< t*, s
+    double ratio = 0.0;       ///< r, of the times between events p apart
+    int period = 0;           ///< p
+    double uncertainty = 0.0; ///< what the last p events moved t* by, s
+    linalg::Vector xi;        ///< states there
+  };
+
+  /// An event of the island's own at `time`, with the mode and the n states ξ after it.
+  void note(double time, const model::Mode& mode, const double* x, int n);
+  /// Something from outside happened: what came before says nothing.
+  void reset() { count_ = 0; }
+  /// Where the events seen last accumulate, if they do.
+  [[nodiscard]] std::optional<Limit> limit() const;
+  [[nodiscard]] std::uint64_t events() const { return count_; }
+
+ private:
+  struct Event {
+    double time = 0.0;
+    const model::Mode* mode = nullptr;
+    linalg::Vector xi;
+  };
+  static constexpr std::uint64_t kept = 32;
+  [[nodiscard]] const Event& back(int i) const { return events_[(count_ - 1 - static_cast<std::uint64_t>(i)) % kept]; }
+  [[nodiscard]] bool repeats(int period) const;
+  [[nodiscard]] double ratio(int period, int i) const;
+  [[nodiscard]] double limit_time(int period, int i) const;
+
+  std::vector<Event> events_;  ///< the last `kept`, in turn
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,94 @@
+/// Runs through infinitely many events (hard case 13, twisting).
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "regression/deck_run.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+
+namespace {
+
+constexpr double exact = 1e-12;  ///< of values and times of order one
+
+std::string twisting(const std::string& friction, const std::string& tran) {
+  return "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))" + friction + "}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran +
+         " uic\n.end\n";
+}
+
+struct Place {
+  double x, v;
+};
+
+/// From (0, 1): v' = -3 until v = 0 after v/3, then v' = -1 until x = 0 again, with the speed -v/sqrt 3; and so on, mirrored.
+Place twisted(double time) {
+  double speed = 1.0, side = 1.0, start = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double out = speed / 3.0, top = speed * speed / 6.0, back = std::sqrt(2.0 * top);
+    double t = time - start;
+    if (t <= out) return {side * (speed * t - 1.5 * t * t), side * (speed - 3.0 * t)};
+    t -= out;
+    if (t <= back) return {side * (top - 0.5 * t * t), -side * t};
+    start += out + back;
+    speed = back;
+    side = -side;
+  }
+  return {0.0, 0.0};
+}
+
+}  // namespace
+
+TEST_CASE("case 13: twisting comes to rest at t = 1 + 2/sqrt 3, through infinitely many events", "[hard]") {
+  const DeckRun run = run_text(twisting("", "0.01 3"));
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.statistics.accumulations == 1);
+  REQUIRE(run.rows.size() == 301);
+  for (const auto& row : run.rows) {
+    INFO("t = " << row[0]);
+    const Place expected = twisted(row[0]);
+    CHECK(std::abs(row[1] - expected.x) <= exact);
+    CHECK(std::abs(row[2] - expected.v) <= exact);
+  }
+  CHECK(run.answer.certificate.complementarity <= exact);
+  CHECK(run.answer.certificate.kcl_kvl <= exact);
+  CHECK(run.answer.certificate.energy <= exact);
+}
+
+TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]") {
+  const DeckRun run = run_text(twisting("", "0.25 3"), true);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  const double limit = 1.0 + 2.0 / std::sqrt(3.0);
+  int found = 0;
+  for (const auto& row : run.rows)
+    if (std::abs(row[0] - limit) <= exact * limit) {
+      ++found;
+      CHECK(std::abs(row[1]) <= exact);
+      CHECK(std::abs(row[2]) <= exact);
+    }
+  CHECK(found == 2);
+}
+
+// With a term -0.3 v the times between events shrink by a ratio that only tends to 1/3. The limit is from 200 turns of the closed form
+// v = f/k + (v0 - f/k) e^(-k t) between events, with 60 digits (mpmath).
+TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
+  const DeckRun run = run_text(twisting(" - 0.3*V(v)", "0.25 3"), true);
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  double last = 0.0;
+  for (std::size_t i = 1; i < run.rows.size(); ++i)
+    if (run.rows[i][0] == run.rows[i - 1][0]) last = run.rows[i][0];
+  constexpr double crossing_error = 1e-11;  // of the limit, which is found a millionth of the run ahead
+  CHECK(last == Approx(1.9795625684615682159).epsilon(0).margin(crossing_error));
+  CHECK(std::abs(run.rows.back()[1]) <= exact);
+  CHECK(std::abs(run.rows.back()[2]) <= exact);
+}
+
+TEST_CASE("a run that ends, or a source that moves, before the limit follows the events", "[unit]") {
+  const DeckRun run = run_text(twisting("", "0.01 2.1"));
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.statistics.accumulations == 0);
+  const Place expected = twisted(2.1);
+  CHECK(std::abs(run.rows.back()[1] - expected.x) <= exact);
+  CHECK(std::abs(run.rows.back()[2] - expected.v) <= exact);
+}
