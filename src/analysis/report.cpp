@@ -34,6 +34,44 @@ std::string residual(double value) { return value == 0.0 ? "0" : fmt::format("{:
 
 std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
+std::string jump_details(const std::vector<engine::Jump>& jumps) {
+  std::vector<std::string> items;
+  for (const engine::Jump& jump : jumps) {
+    std::vector<std::string> impulses, states;
+    for (const auto& impulse : jump.impulses)
+      impulses.push_back(json_line({{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
+    for (const auto& state : jump.states)
+      states.push_back(json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
+    items.push_back(json_line({{"time", json_number(jump.time)},
+                               {"impulses", json_line(impulses)},
+                               {"higher_order", json_truth(jump.higher_order)},
+                               {"states", json_line(states)},
+                               {"energy_before", json_number(jump.energy_before)},
+                               {"energy_after", json_number(jump.energy_after)},
+                               {"energy_lost", json_number(jump.energy_before - jump.energy_after)}}));
+  }
+  std::string text = "[";
+  for (const std::string& item : items) text += (text.size() > 1 ? ",\n    " : "\n    ") + item;
+  return text + (items.empty() ? "]" : "\n  ]");
+}
+
+std::string unit_of(const std::string& state) { return state[0] == 'v' ? "V" : state[0] == 'i' ? "A" : "Vs"; }
+
+std::string jump_text(const engine::Jump& jump) {
+  constexpr int digits = 6;
+  std::vector<std::string> parts;
+  for (const auto& impulse : jump.impulses)
+    parts.push_back(fmt::format("{} {} {}", impulse.element, impulse.unit == "C" ? "passes" : "takes", quantity(impulse.value, impulse.unit, digits)));
+  std::vector<std::string> states;
+  for (const auto& state : jump.states) {
+    const std::string unit = unit_of(state.name);
+    states.push_back(fmt::format("{} from {} to {}", state.name, quantity(state.before, unit, digits), quantity(state.after, unit, digits)));
+  }
+  return fmt::format("jump at t = {}: {}{}; {}; stored energy from {} to {}", quantity(jump.time, "s"), fmt::join(parts, ", "),
+                     jump.higher_order ? " and impulses of higher order" : "", fmt::join(states, ", "), quantity(jump.energy_before, "J", digits),
+                     quantity(jump.energy_after, "J", digits));
+}
+
 }  // namespace
 
 std::string statistics_json(const RunReport& report) {
@@ -71,6 +109,7 @@ std::string statistics_json(const RunReport& report) {
                       {"klu_solves", number(s.klu_solves)},
                       {"steps", number(s.steps)},
                       {"rows", number(s.rows)},
+                      {"jump_details", jump_details(report.jumps)},
                       {"seconds", seconds},
                       {"certificate", certificate},
                       {"notes", json_array(report.notes)}},
@@ -98,6 +137,14 @@ std::string details(const RunReport& report) {
                      counted(s.jumps, "jump"), counted(s.lcp_pivots, "LCP pivot")) +
          fmt::format("time: parse {}, flatten {}, model {}, simulate {}, write {}, certificate {}, total {}\n", time(t.parse),
                      time(t.flatten), time(t.model), time(t.simulate), time(t.write), time(t.certificate), time(t.total));
+}
+
+std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all) {
+  constexpr std::size_t most_told = 20;
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < jumps.size() && i < most_told; ++i) texts.push_back(jump_text(jumps[i]));
+  if (all > texts.size()) texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - texts.size()));
+  return texts;
 }
 
 std::string operating_point_text(std::span<const std::string> names, std::span<const double> values) {

@@ -25,6 +25,7 @@ struct RunReport {
   engine::Statistics statistics;
   engine::Certificate certificate;
   Seconds seconds;
+  std::vector<engine::Jump> jumps;
   std::vector<std::string> notes;  ///< the messages of the run, "warning[W-…]: …"
 };
 
@@ -36,6 +37,9 @@ struct RunReport {
 
 /// The lines that --verbose adds: phases and counts.
 [[nodiscard]] std::string details(const RunReport& report);
+
+/// A sentence a jump: "t = 0 s: D1 passes 2 C; v(C1) 3 V to 1 V, …; stored energy 4.5 J to 1.5 J". The first twenty; then how many more of `all`.
+[[nodiscard]] std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all);
 
 /// `name = value`, one a line.
 [[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values);

@@ -81,6 +81,7 @@ engine::Request request_of(const circuit::Analyses& analyses, const RunControl& 
   request.stop = analyses.transient->stop.seconds;
   request.grid = row_grid(*analyses.transient);
   request.events = control.events;
+  request.jumps = control.jumps;
   request.use_initial_conditions = analyses.transient->use_initial_conditions;
   request.non_unique = non_unique(analyses.non_unique);
   request.progress = control.progress;

@@ -18,6 +18,7 @@ using Simulate = std::function<engine::Answer(const engine::Request&, engine::Ro
 
 struct RunControl {
   bool events = false;                          ///< a row before and after every event
+  bool jumps = false;                           ///< keep what jumped
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
 };

@@ -119,6 +119,9 @@ int Session::open_files() {
 void Session::take_remarks(const engine::Answer& answer) {
   for (const engine::Remark& remark : answer.remarks) messages_.report({severity_of(remark), remark.id, {}, remark.text});
   report_.statistics = answer.statistics;
+  report_.jumps = answer.jumps;
+  if (options_.events)
+    for (const std::string& text : analysis::jump_texts(answer.jumps, answer.statistics.jumps)) messages_.report({Severity::note, "N-jump", {}, text});
   report_.certificate = answer.certificate;
   report_.seconds.simulate = answer.statistics.seconds_simulate;
   report_.seconds.certificate = answer.statistics.seconds_certificate;
@@ -142,7 +145,7 @@ int Session::transient() {
   analysis::TransientRun run;
   {
     Progress progress(options_.progress, stop);
-    analysis::RunControl control{options_.events, {}, &caught_signal()};
+    analysis::RunControl control{options_.events, options_.events || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model_, request, sink); };
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);

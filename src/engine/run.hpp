@@ -30,6 +30,7 @@ struct Request {
   double stop = 0.0;  ///< seconds
   RowGrid grid;
   bool events = false;          ///< a row before and after every event
+  bool jumps = false;           ///< keep what jumped (Answer::jumps)
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
   std::function<void(double)> progress;                 ///< called now and then with the time reached; may be empty
@@ -60,6 +61,24 @@ struct Statistics {
   double seconds_model = 0.0, seconds_simulate = 0.0, seconds_certificate = 0.0;
 };
 
+/// A jump of states: what happened in one part of the circuit at one instant.
+struct Jump {
+  struct Impulse {
+    std::string element;
+    std::string unit;  ///< "C": a charge through it; "Vs": a flux across it; "s": of a multiplier that has no unit
+    double value = 0.0;
+  };
+  struct State {
+    std::string name;  ///< "v(C1)" in V, "i(L1)" in A, "flux(L1)" in Vs
+    double before = 0.0, after = 0.0;
+  };
+  double time = 0.0;                ///< s
+  std::vector<Impulse> impulses;    ///< of first order
+  bool higher_order = false;        ///< derivatives of impulses acted too
+  std::vector<State> states;        ///< those that changed
+  double energy_before = 0.0, energy_after = 0.0;  ///< stored, J
+};
+
 struct Answer {
   Outcome outcome = Outcome::completed;
   double time = 0.0;                   ///< reached, seconds
@@ -69,6 +88,7 @@ struct Answer {
   Statistics statistics;
   Certificate certificate;
   std::vector<Remark> remarks;
+  std::vector<Jump> jumps;  ///< the first thousand, where they were asked for
 };
 
 }  // namespace pwlsim::engine

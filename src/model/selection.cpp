@@ -241,7 +241,7 @@ std::vector<IndexSet> Selector::candidates(const IndexSet& wanted, const Problem
 
 /// First-order impulses u = μδ must push the way complementarity allows: x⁺ − x⁻ = B_J μ and D_JJ μ = 0 with μ ≥ 0 on active diodes,
 /// and D_iJ μ ≥ 0, the impulse of y, on the others. Where μ is not unique, the least.
-bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jump) const {
+bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jump) {
   const auto size = static_cast<Eigen::Index>(system_.size());
   std::vector<int> active;
   for (int i = 0; i < system_.ports; ++i)
@@ -268,9 +268,12 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jum
   // A small jump is the difference of large states.
   const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
   const bool first_order = (effect * scaled - wanted).norm() <= tolerance * wanted.norm();
+  // The effect on x was divided by the root, that on y was not.
+  impulse_ = Vector::Zero(system_.ports);
+  for (Eigen::Index i = 0; i < q; ++i) impulse_[active[static_cast<std::size_t>(i)]] = scale[i] * scaled[i];
+  const Vector& impulse = impulse_;
+  impulse_is_higher_ = !first_order;
   if (!first_order) return true;
-  Vector impulse = Vector::Zero(system_.ports);
-  for (Eigen::Index i = 0; i < q; ++i) impulse[active[static_cast<std::size_t>(i)]] = scale[i] * scaled[i];
   const Vector response = system_.d * impulse;
   const double least_impulse = -tolerance * impulse.cwiseAbs().maxCoeff();
   const double least_response = least_impulse * system_.d.cwiseAbs().maxCoeff();
@@ -472,6 +475,9 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     }
     if (jumped) {
       ++result.jumps;
+      if (result.impulse.size() == 0) result.impulse = impulse_;
+      else result.impulse += impulse_;
+      result.higher_order |= impulse_is_higher_;
       trigger_ = -1;
       current = found->active;
       continue;

@@ -22,6 +22,8 @@ struct Selected {
   const Mode* mode = nullptr;
   int jumps = 0;
   double relaxation = 1.0;            ///< factor on the rounding level that the verification needed
+  Vector impulse;                     ///< with jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
+  bool higher_order = false;          ///< derivatives of impulses acted too
   const Mode* alternative = nullptr;  ///< with `several`: one that continues differently
 };
 
@@ -61,7 +63,7 @@ class Selector {
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
-  bool impulse_allowed(const Mode& mode, const double* x, const Vector& jump) const;
+  bool impulse_allowed(const Mode& mode, const double* x, const Vector& jump);
   void series(const double* x, double s, Problem& problem);
   void without_switches(const IndexSet& wanted, Problem& problem) const;
   std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);
@@ -84,6 +86,8 @@ class Selector {
   int trigger_ = -1;           ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_;
+  Vector impulse_;              ///< of the jump last examined
+  bool impulse_is_higher_ = false;
   std::uint64_t visited_ = 0, pivots_ = 0;
 };
 

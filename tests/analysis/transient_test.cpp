@@ -83,10 +83,11 @@ TEST_CASE("the request carries what the deck and the command line asked", "[unit
     seen = request;
     return engine::Answer{};
   };
-  (void)analysis::run_transient(compiled, look, *file, {true, [](double) {}, &flag});
+  (void)analysis::run_transient(compiled, look, *file, {true, true, [](double) {}, &flag});
   CHECK(seen.stop == 0.5);
   CHECK(seen.grid.rows == 6);
   CHECK(seen.events);
+  CHECK(seen.jumps);
   CHECK(seen.use_initial_conditions);
   CHECK(seen.non_unique == engine::NonUnique::stay);
   CHECK(seen.progress);

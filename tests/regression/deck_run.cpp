@@ -44,7 +44,7 @@ void simulate(const circuit::Compiled& compiled, const engine::ExactModel& model
   engine::Request request;
   request.stop = run.stop = compiled.analyses.transient->stop.seconds;
   request.grid = analysis::row_grid(*compiled.analyses.transient);
-  request.events = events;
+  request.events = request.jumps = events;
   request.use_initial_conditions = compiled.analyses.transient->use_initial_conditions;
   request.non_unique = non_unique(compiled.analyses.non_unique);
   Rows rows(run.rows);

@@ -38,7 +38,7 @@ void add_name(std::vector<std::string>& names, const std::string& name) {
 }  // namespace
 
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
-    : model_(exact_model), request_(request), sink_(sink) {
+    : model_(exact_model), request_(request), sink_(sink), jump_recorder_(exact_model.islands, request.jumps) {
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands) islands_.emplace_back(island, request.non_unique != NonUnique::error);
   for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
@@ -99,6 +99,7 @@ bool Transient::begin(const Start& start) {
     island.evaluate_sources(0.0);
     island.take_breakpoints(0.0, tolerance_);
     recorder_.start(island.model(), island.x.data());
+    jump_recorder_.before(number_of(island), island.x);
   }
   if (!settle(instant, true)) return false;
   if (instant.jumps > 0 && request_.use_initial_conditions)
@@ -114,12 +115,13 @@ double Transient::next_instant() {
 }
 
 void Transient::open_island(IslandRun& island, Instant& instant) {
-  Opened& opened = opened_[static_cast<std::size_t>(&island - islands_.data())];
+  Opened& opened = opened_[number_of(island)];
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   island.open(instant.time);
+  jump_recorder_.before(number_of(island), island.x);
   if (island.take_breakpoints(instant.time, tolerance_)) instant.source_edge = true;
 }
 
@@ -178,6 +180,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     note_mode_changes(instant);
     for (auto& island : islands_) {
       if (!island.is_open()) continue;
+      jump_recorder_.after(number_of(island), instant.time, island.x);
       island.close(instant.time, on_);
     }
     return true;
@@ -199,6 +202,7 @@ bool Transient::select_open(Instant& instant) {
     if (!island.is_open()) continue;
     const model::Selected selected = island.select();
     instant.jumps += selected.jumps;
+    if (selected.jumps > 0) jump_recorder_.jumped(number_of(island), selected);
     if (selected.choice == model::Choice::found) continue;
     fail_selection(island, selected, instant.time);
     return false;
@@ -396,6 +400,7 @@ void Transient::finish() {
                                                                  "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
                                                                  island.locator().sampled(), island.system().name, 1024)});
   }
+  answer_.jumps = jump_recorder_.take();
   s.seconds_model = model_.seconds;
   const auto clock = Clock::now();
   answer_.certificate = recorder_.check();

@@ -6,6 +6,7 @@
 
 #include "engine/exact/certificate.hpp"
 #include "engine/exact/island_run.hpp"
+#include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/start.hpp"
 
 namespace pwlsim::engine {
@@ -24,6 +25,7 @@ class Transient {
     int jumps = 0;
   };
 
+  [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
   bool begin(const Start& start);
   double next_instant();
   bool handle(double time);
@@ -61,6 +63,7 @@ class Transient {
   enum class Opened : char { no, by_own_event, from_outside };
   std::vector<Opened> opened_;              ///< at the instant at hand
   CertificateRecorder recorder_;
+  JumpRecorder jump_recorder_;
   double tolerance_ = 0.0;                  ///< instants closer than this are one
   double now_ = 0.0;
   std::size_t width_ = 1;

@@ -1,0 +1,68 @@
+#include "engine/exact/jump_recorder.hpp"
+
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+constexpr std::size_t most_jumps_kept = 1000;
+/// Of an impulse against the largest at the instant, and of a store's change against its value: rounding.
+constexpr double impulse_rounding = 1e-12;
+constexpr double change_rounding = 1e-14;
+
+}  // namespace
+
+void JumpRecorder::before(std::size_t island, const std::vector<double>& x) {
+  if (before_.empty() || jumps_.size() >= most_jumps_kept) return;
+  before_[island].x = Eigen::Map<const model::Vector>(x.data(), static_cast<Eigen::Index>(x.size()));
+  before_[island].impulse.resize(0);
+  before_[island].higher_order = false;
+}
+
+void JumpRecorder::jumped(std::size_t island, const model::Selected& selected) {
+  if (before_.empty()) return;
+  Open& open = before_[island];
+  if (open.impulse.size() == 0) open.impulse = selected.impulse;
+  else open.impulse += selected.impulse;
+  open.higher_order |= selected.higher_order;
+}
+
+std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open& open) const {
+  const model::System& system = islands_[island].extraction.system;
+  std::vector<Jump::Impulse> result;
+  const double largest = open.impulse.cwiseAbs().maxCoeff();
+  for (int i = 0; i < system.ports; ++i) {
+    if (std::abs(open.impulse[i]) <= impulse_rounding * largest) continue;
+    const model::Port& port = system.port[static_cast<std::size_t>(i)];
+    const auto diodes = static_cast<int>(islands_[island].island.network.diodes.size());
+    const bool is_multiplier = i >= diodes && i < system.diodes;
+    result.push_back({port.name, is_multiplier ? "s" : port.input_is_current ? "C" : "Vs", open.impulse[i] * port.u_unit});
+  }
+  return result;
+}
+
+void JumpRecorder::after(std::size_t island, double time, const std::vector<double>& x) {
+  if (before_.empty() || before_[island].impulse.size() == 0 || jumps_.size() >= most_jumps_kept) return;
+  const IslandModel& model = islands_[island];
+  const model::StoreValues& stores = stores_.try_emplace(island, model.island, model.extraction).first->second;
+  const Open& open = before_[island];
+  const model::Vector now = Eigen::Map<const model::Vector>(x.data(), static_cast<Eigen::Index>(x.size()));
+  const model::Vector old_values = stores.values(open.x);
+  const model::Vector new_values = stores.values(now);
+  Jump jump;
+  jump.time = time;
+  jump.impulses = impulses(island, open);
+  jump.higher_order = open.higher_order;
+  jump.energy_before = stores.energy(open.x);
+  jump.energy_after = stores.energy(now);
+  for (Eigen::Index i = 0; i < old_values.size(); ++i) {
+    const double size = std::max(std::abs(old_values[i]), std::abs(new_values[i]));
+    if (std::abs(new_values[i] - old_values[i]) > change_rounding * size)
+      jump.states.push_back({stores.names()[static_cast<std::size_t>(i)], old_values[i], new_values[i]});
+  }
+  jumps_.push_back(std::move(jump));
+  before_[island].impulse.resize(0);
+}
+
+}  // namespace pwlsim::engine

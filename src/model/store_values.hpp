@@ -1,0 +1,29 @@
+#pragma once
+/// The stores of an island in SI units: voltages of capacitors, currents of inductors, stored energy.
+
+#include <string>
+#include <vector>
+
+#include "model/extraction.hpp"
+
+namespace pwlsim::model {
+
+class StoreValues {
+ public:
+  StoreValues(const Island& island, const Extraction& extraction);
+
+  /// "v(C1)" in V, "i(L1)" in A; "flux(L1)" in Vs where perfect coupling leaves the single currents open.
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  /// One a name, from the state x = (ξ, ζ) (system.size() entries).
+  [[nodiscard]] Vector values(const Vector& x) const { return rows_ * x; }
+  /// J. A negative capacitance or inductance counts negative.
+  [[nodiscard]] double energy(const Vector& x) const;
+
+ private:
+  std::vector<std::string> names_;
+  Matrix rows_;         ///< values × (ξ, ζ)
+  Matrix coordinates_;  ///< energy coordinates of all stores, in √J
+  Vector sign_;
+};
+
+}  // namespace pwlsim::model
