@@ -28,6 +28,12 @@ analysis::RunReport example() {
   report.certificate = {.complementarity = 1e-16, .kcl_kvl = 2.5e-15, .energy = std::numeric_limits<double>::quiet_NaN()};
   report.seconds = {
       .parse = 0.001, .flatten = 0.002, .model = 0.003, .simulate = 0.00042, .write = 0.005, .certificate = 0.006, .total = 0.5};
+  report.jumps = {{.time = 0.5,
+                   .impulses = {{"D1", "C", 2.0}},
+                   .higher_order = false,
+                   .states = {{"v(C1)", 3.0, 1.0}, {"v(C2)", 0.0, 1.0}},
+                   .energy_before = 4.5,
+                   .energy_after = 1.5}};
   report.notes = {"warning[W-x]: a \"quoted\"\tword"};
   return report;
 }
@@ -45,11 +51,15 @@ TEST_CASE("the statistics file has the keys of the contract", "[golden]") {
   "modes_visited": 3,
   "events": 1000,
   "jumps": 4,
+  "accumulations": 0,
   "lcp_pivots": 12,
   "klu_factorizations": 0,
   "klu_solves": 0,
   "steps": 7,
   "rows": 501,
+  "jump_details": [
+    {"time": 0.5, "impulses": [{"element": "D1", "value": 2, "unit": "C"}], "higher_order": false, "states": [{"name": "v(C1)", "before": 3, "after": 1}, {"name": "v(C2)", "before": 0, "after": 1}], "energy_before": 4.5, "energy_after": 1.5, "energy_lost": 3}
+  ],
   "seconds": {
     "parse": 0.001,
     "flatten": 0.002,
@@ -79,6 +89,15 @@ TEST_CASE("passivity is true, false or null", "[unit]") {
   CHECK(analysis::statistics_json(report).find("\"passive\": false") != std::string::npos);
   report.certificate.passive = true;
   CHECK(analysis::statistics_json(report).find("\"passive\": true") != std::string::npos);
+}
+
+TEST_CASE("a jump in a sentence, and how many were not told", "[golden]") {
+  const std::vector<engine::Jump> jumps = example().jumps;
+  CHECK(analysis::jump_texts(jumps, 1) ==
+        std::vector<std::string>{"jump at t = 500 ms: D1 passes 2 C; v(C1) from 3 V to 1 V, v(C2) from 0 V to 1 V; stored energy from 4.5 J to 1.5 J"});
+  const auto many = analysis::jump_texts(std::vector<engine::Jump>(25, jumps[0]), 30);
+  REQUIRE(many.size() == 21);
+  CHECK(many.back() == "and jumps at 10 more instants; --stats lists the first thousand");
 }
 
 TEST_CASE("the summary is one line with the certificate", "[golden]") {
