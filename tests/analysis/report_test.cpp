@@ -42,7 +42,7 @@ analysis::RunReport example() {
 
 TEST_CASE("the statistics file has the keys of the contract", "[golden]") {
   // Keys and nesting as language.md lists them; escapes as RFC 8259 section 7 has them; NaN has no JSON form, so null.
-  CHECK(analysis::statistics_json(example()) == R"({
+  CHECK(analysis::statistics_json(example()) == R"json({
   "engine": "exact",
   "islands": 1,
   "states": 2,
@@ -80,7 +80,7 @@ TEST_CASE("the statistics file has the keys of the contract", "[golden]") {
     "warning[W-x]: a \"quoted\"\u0009word"
   ]
 }
-)");
+)json");
 }
 
 TEST_CASE("passivity is true, false or null", "[unit]") {
