@@ -27,12 +27,13 @@ constexpr double switch_rank_tolerance = 1e-11;
 constexpr double impulse_tolerance = 1e-8;
 constexpr double impulse_rank_tolerance = 1e-9;
 constexpr std::size_t most_remembered = 6;
+constexpr int few_ports = 6;  ///< with so many all modes are tried for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
 
 }  // namespace
 
-Selector::Selector(const System& system, bool allow_several) : system_(system), allow_several_(allow_several) {
+Selector::Selector(const System& system, Several several) : system_(system), several_(several) {
   rate_ = linalg::spectral_norm(system.a);
   if (!(rate_ > 0.0)) rate_ = 1.0;
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
@@ -368,36 +369,45 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
   return true;
 }
 
-/// Where no certificate promises uniqueness: another verified mode, among all (few ports) or near this one, that continues differently.
-const Mode* Selector::other_continuation(const double* x, const Mode& chosen) {
+/// Where no certificate promises uniqueness: the verified modes that continue differently, one of each kind, `chosen` among them. All
+/// modes are tried where there are few, else those near the chosen one.
+std::vector<const Mode*> Selector::continuations(const double* x, const Mode& chosen) {
   const int k = system_.diodes;
-  std::vector<double> copy(x, x + system_.size());
-  const auto differs = [&](const IndexSet& set) -> const Mode* {
+  const std::vector<double> copy(x, x + system_.size());
+  std::vector<const Mode*> found{&chosen};
+  const auto try_set = [&](const IndexSet& set) {
     const Mode& m = mode(set);
-    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data())) return nullptr;
-    if (!accepts(m, projected_.data()) || continues_alike(chosen, m, copy.data())) return nullptr;
-    return &m;
+    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || !accepts(m, projected_.data())) return;
+    if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); })) found.push_back(&m);
   };
   IndexSet set = chosen.active;
-  constexpr int all_up_to = 6;
-  if (k <= all_up_to) {
+  if (k <= few_ports) {
     for (unsigned bits = 0; bits < (1U << k); ++bits) {
       for (int i = 0; i < k; ++i) set.set(i, (bits >> i) & 1U);
-      if (const Mode* m = differs(set)) return m;
+      try_set(set);
     }
-    return nullptr;
+    return found;
   }
   for (int i = 0; i < k; ++i) {
     set.flip(i);
-    if (const Mode* m = differs(set)) return m;
+    try_set(set);
     for (int j = i + 1; j < k; ++j) {
       set.flip(j);
-      if (const Mode* m = differs(set)) return m;
+      try_set(set);
       set.flip(j);
     }
     set.flip(i);
   }
-  return nullptr;
+  return found;
+}
+
+/// Of several: the first has u = 0 in the earliest port in which they differ.
+const Mode* Selector::first_of(const std::vector<const Mode*>& modes) const {
+  return *std::min_element(modes.begin(), modes.end(), [&](const Mode* a, const Mode* b) {
+    for (int i = 0; i < system_.diodes; ++i)
+      if (a->active.contains(i) != b->active.contains(i)) return b->active.contains(i);
+    return false;
+  });
 }
 
 /// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then
@@ -485,10 +495,12 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     if (!warm) remember(current, *found);
     found = with_free_ports(x, *found);
     result.mode = found;
-    if (!system_.passive && !allow_several_ && system_.diodes > 0) {
-      result.alternative = other_continuation(x, *found);
-      if (result.alternative) result.choice = Choice::several;
-    }
+    if (system_.passive || system_.diodes == 0) return result;
+    result.continuations = continuations(x, *found);
+    if (result.continuations.size() == 1) return result;
+    result.choice = Choice::several;
+    if (several_ == Several::first) result.mode = first_of(result.continuations);
+    if (result.mode != found && strictly_consistent(*result.mode, x, projected_.data())) std::copy(projected_.begin(), projected_.end(), x);
     return result;
   }
   result.choice = Choice::too_many_jumps;

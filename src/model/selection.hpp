@@ -15,7 +15,11 @@
 
 namespace pwlsim::model {
 
+/// `several`: `mode` is one of different continuations.
 enum class Choice { found, none, several, too_many_jumps };
+
+/// Which of several different continuations is taken: the first in the order of the ports, or the previous mode where it is one.
+enum class Several { first, stay };
 
 struct Selected {
   Choice choice = Choice::found;
@@ -24,12 +28,12 @@ struct Selected {
   double relaxation = 1.0;            ///< factor on the rounding level that the verification needed
   Vector impulse;                     ///< with jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
   bool higher_order = false;          ///< derivatives of impulses acted too
-  const Mode* alternative = nullptr;  ///< with `several`: one that continues differently
+  std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
 };
 
 class Selector {
  public:
-  Selector(const System& system, bool allow_several);
+  Selector(const System& system, Several several);
 
   /// x (system.size() entries) holds the state before, ζ already right of the instant; on return the state after all jumps.
   /// `wanted`: previous mode's set with the switch ports set as they now stand. `trigger`: port whose guard reached zero, −1: none.
@@ -37,8 +41,6 @@ class Selector {
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
-  /// Among modes that continue differently, stay in the previous one where it is one of them.
-  void allow_several(bool allow) { allow_several_ = allow; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   [[nodiscard]] double largest_state() const { return largest_; }
@@ -69,10 +71,11 @@ class Selector {
   std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
-  const Mode* other_continuation(const double* x, const Mode& mode);
+  std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
+  [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
 
   const System& system_;
-  bool allow_several_ = false;
+  Several several_ = Several::stay;
   double rate_ = 0.0;
   double largest_ = 0.0;  ///< ‖x‖ seen so far
   std::vector<Matrix> markov_;  ///< C A^{j−1} B, j = 1 …

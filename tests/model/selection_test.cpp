@@ -23,7 +23,7 @@ struct Outcome {
 };
 
 Outcome select(const model::System& system, Vector x, const model::IndexSet& before) {
-  model::Selector selector(system, false);
+  model::Selector selector(system, model::Several::stay);
   Outcome outcome;
   outcome.selected = selector.select(x.data(), before, -1);
   outcome.x = x;
@@ -104,11 +104,14 @@ TEST_CASE("8, 9: a relay of the wrong sign has three ways on, of the right sign 
 TEST_CASE("8: where several ways are allowed, the previous mode goes on", "[hard]") {
   const model::System system = relay(1.0);
   for (const auto& before : {set_of(2, {}), set_of(2, {0}), set_of(2, {0, 1})}) {
-    model::Selector selector(system, true);
+    model::Selector selector(system, model::Several::stay);
     Vector x = vector({0.0, 1.0});
     const model::Selected selected = selector.select(x.data(), before, -1);
-    REQUIRE(selected.choice == Choice::found);
+    REQUIRE(selected.choice == Choice::several);
+    CHECK(selected.continuations.size() == 3);
     CHECK(selected.mode->active == before);
+    model::Selector by_order(system, model::Several::first);
+    CHECK(by_order.select(x.data(), before, -1).mode->active == set_of(2, {}));
   }
 }
 
@@ -129,7 +132,7 @@ model::System twisting() {
 // The parabolas between the switchings are integrated by their formulas here, so that only the decisions are the program's.
 TEST_CASE("13: twisting decides right at every switching", "[hard]") {
   const model::System system = twisting();
-  model::Selector selector(system, false);
+  model::Selector selector(system, model::Several::stay);
   Vector x = vector({0.0, 1.0, 1.0});
   model::IndexSet before(4);
   double time = 0.0;

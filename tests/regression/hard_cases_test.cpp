@@ -57,4 +57,5 @@ TEST_CASE("case 8: three solutions are reported, not chosen", "[hard]") {
   CHECK(run.answer.time == 0.0);
   CHECK_FALSE(run.answer.message.empty());
   CHECK_FALSE(run.answer.elements.empty());
+  CHECK(run.answer.message.find(" in 3 ways") != std::string::npos);
 }

@@ -20,8 +20,8 @@ constexpr double threshold_noise = 3e-14;
 
 }  // namespace
 
-IslandRun::IslandRun(const IslandModel& island_model, bool allow_several)
-    : model_(island_model), system_(island_model.extraction.system), selector_(system_, allow_several) {
+IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
+    : model_(island_model), system_(island_model.extraction.system), selector_(system_, several) {
   const auto size = static_cast<std::size_t>(system_.size());
   x.assign(size, 0.0);
   scratch_.resize(size);

@@ -13,7 +13,7 @@ namespace pwlsim::engine {
 
 class IslandRun {
  public:
-  IslandRun(const IslandModel& model, bool allow_several);
+  IslandRun(const IslandModel& model, model::Several several);
 
   [[nodiscard]] const model::System& system() const { return system_; }
   [[nodiscard]] model::Selector& selector() { return selector_; }

@@ -40,7 +40,7 @@ void add_name(std::vector<std::string>& names, const std::string& name) {
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
     : model_(exact_model), request_(request), sink_(sink), jump_recorder_(exact_model.islands, request.jumps) {
   islands_.reserve(model_.islands.size());
-  for (const auto& island : model_.islands) islands_.emplace_back(island, request.non_unique != NonUnique::error);
+  for (const auto& island : model_.islands) islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
   for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
@@ -204,6 +204,10 @@ bool Transient::select_open(Instant& instant) {
     instant.jumps += selected.jumps;
     if (selected.jumps > 0) jump_recorder_.jumped(number_of(island), selected);
     if (selected.choice == model::Choice::found) continue;
+    if (selected.choice == model::Choice::several && request_.non_unique != NonUnique::error) {
+      note_several(island, selected, instant.time);
+      continue;
+    }
     fail_selection(island, selected, instant.time);
     return false;
   }
@@ -310,13 +314,29 @@ std::vector<std::string> Transient::differing(const IslandRun& island, const mod
   return names;
 }
 
+/// Elements with a port that is not on the same side in all continuations.
+std::vector<std::string> Transient::undecided_elements(const IslandRun& island, const model::Selected& selected) const {
+  std::vector<std::string> names;
+  const model::IndexSet& first = selected.continuations.front()->active;
+  for (int i = 0; i < island.system().ports; ++i)
+    if (std::any_of(selected.continuations.begin(), selected.continuations.end(), [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
+      add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
+  return names;
+}
+
+void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
+  if (several_++ > 0) return;
+  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time, fmt::join(undecided_elements(island, selected), ", "),
+                              selected.continuations.size());
+}
+
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
   std::vector<std::string> names;
   if (selected.choice == model::Choice::several) {
-    names = differing(island, selected.mode->active, selected.alternative->active);
+    names = undecided_elements(island, selected);
     fail(Outcome::not_unique, "E-not-unique",
-         fmt::format("the solution is not unique at t = {} s: {} may go on in more than one way; try .options nonunique=first", time,
-                     fmt::join(names, ", ")),
+         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time, fmt::join(names, ", "),
+                     selected.continuations.size()),
          names);
     return;
   }
@@ -401,6 +421,10 @@ void Transient::finish() {
                                                                  island.locator().sampled(), island.system().name, 1024)});
   }
   answer_.jumps = jump_recorder_.take();
+  if (several_ > 0)
+    answer_.remarks.push_back({"N-not-unique", fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
+                                                           several_ > 1 ? fmt::format(" (and so {} times more)", several_ - 1) : "",
+                                                           request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
   s.seconds_model = model_.seconds;
   const auto clock = Clock::now();
   answer_.certificate = recorder_.check();

@@ -45,6 +45,8 @@ class Transient {
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
+  [[nodiscard]] std::vector<std::string> undecided_elements(const IslandRun& island, const model::Selected& selected) const;
+  void note_several(const IslandRun& island, const model::Selected& selected, double time);
   void open_island(IslandRun& island, Instant& instant);
   void fill_row(double time, double* row);
   [[nodiscard]] std::vector<std::string> differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const;
@@ -64,6 +66,8 @@ class Transient {
   std::vector<Opened> opened_;              ///< at the instant at hand
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
+  std::uint64_t several_ = 0;               ///< selections that had a choice, and the first of them in words
+  std::string several_text_;
   double tolerance_ = 0.0;                  ///< instants closer than this are one
   double now_ = 0.0;
   std::size_t width_ = 1;
