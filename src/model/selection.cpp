@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lcp/lemke.hpp"
-
 namespace pwlsim::model {
 
 namespace {
@@ -14,28 +12,22 @@ namespace {
 constexpr double consistency_per_noise = 30.0;
 /// Of a state, against the largest there was.
 constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
-constexpr double series_noise = 3e-14;
-constexpr double share_of_norm = 0.1;
 constexpr int most_jumps = 20;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 /// Rounding levels of the verification, tried in turn.
 constexpr double relaxations[] = {1.0, 1e2, 1e4};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
-constexpr double tie_tolerance = 1e-12;
-constexpr double regularisation = 1e-8;    ///< of a problem whose diagonal is about 1
-constexpr double switch_rank_tolerance = 1e-11;
 constexpr double impulse_tolerance = 1e-8;
-constexpr double impulse_rank_tolerance = 1e-9;
 constexpr std::size_t most_remembered = 6;
-constexpr int few_ports = 6;  ///< with so many all modes are tried for further continuations
+constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
+/// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
+constexpr double derivative_noise = 1e-15;
 
 }  // namespace
 
-Selector::Selector(const System& system, Several several) : system_(system), several_(several) {
-  rate_ = linalg::spectral_norm(system.a);
-  if (!(rate_ > 0.0)) rate_ = 1.0;
+Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system) {
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
   departures_.resize(static_cast<std::size_t>(system.diodes));
   y_.resize(static_cast<std::size_t>(system.size()));
@@ -115,185 +107,28 @@ void Selector::remember(const IndexSet& wanted, const Mode& mode) {
   if (list.size() > most_remembered) list.pop_back();
 }
 
-/// M(s) = D + Σ C A^{j−1} B s^{−j} and q(s) = Σ C A^j x s^{−j}, every term that is rounding set to zero: uncleaned noise is
-/// amplified by a power of s, and s could then be neither large nor small enough.
-void Selector::series(const double* x, double s, Problem& problem) {
-  const int n = system_.n;
-  const int size = system_.size();
-  const int k = system_.ports;
-  if (markov_.empty() && k > 0) {
-    Matrix w = system_.b;
-    Matrix bound = w.cwiseAbs();
-    const Matrix size_a = system_.a.cwiseAbs();
-    const Matrix size_c = system_.c.cwiseAbs();
-    for (int j = 0; j <= n; ++j) {
-      Matrix term = system_.c * w;
-      const Matrix term_bound = size_c * bound;
-      for (Eigen::Index i = 0; i < term.size(); ++i)
-        if (std::abs(term.data()[i]) <= series_noise * term_bound.data()[i]) term.data()[i] = 0.0;
-      markov_.push_back(std::move(term));
-      w = system_.a * w / rate_;
-      bound = size_a * bound / rate_;
-    }
-  }
-  problem.m = system_.d;
-  double power = 1.0 / s;
-  for (const Matrix& term : markov_) {
-    problem.m += term * power;
-    power *= rate_ / s;
-  }
-  Vector z = Eigen::Map<const Vector>(x, size);
-  Vector bound = z.cwiseAbs();
-  bound.head(n).array() += share_of_norm * z.head(n).norm();
-  const Matrix size_a = system_.a.cwiseAbs();
-  const Matrix size_c = system_.c.cwiseAbs();
-  const Vector row_norm = system_.c.rowwise().norm();
-  problem.q = Vector::Zero(k);
-  power = 1.0;
-  for (int j = 0; j <= size; ++j) {
-    const Vector value = system_.c * z;
-    const Vector level = series_noise * (size_c * bound + share_of_norm * z.norm() * row_norm);
-    for (int i = 0; i < k; ++i)
-      if (std::abs(value[i]) > level[i]) problem.q[i] += value[i] * power;
-    z = system_.a * z / rate_;
-    bound = size_a * bound / rate_;
-    power *= rate_ / s;
-  }
-}
-
-/// Active switch ports have y = 0 and a free u. They are solved out of the problem where their own block allows it; else u = u⁺ − u⁻ with
-/// ±y ≥ 0 keeps the problem complementary (and monotone when it was).
-void Selector::without_switches(const IndexSet& wanted, Problem& problem) const {
-  std::vector<int> active;
-  for (int i = system_.diodes; i < system_.ports; ++i)
-    if (wanted.contains(i)) active.push_back(i);
-  const auto d = static_cast<Eigen::Index>(system_.diodes);
-  const auto a = static_cast<Eigen::Index>(active.size());
-  Problem diodes{problem.m.topLeftCorner(d, d), problem.q.head(d)};
-  if (a == 0) {
-    problem = std::move(diodes);
-    return;
-  }
-  Matrix ss(a, a), sd(a, d), ds(d, a);
-  Vector qs(a);
-  for (Eigen::Index i = 0; i < a; ++i) {
-    const int port = active[static_cast<std::size_t>(i)];
-    qs[i] = problem.q[port];
-    sd.row(i) = problem.m.row(port).head(d);
-    ds.col(i) = problem.m.col(port).head(d);
-    for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
-  }
-  Vector scale(a);
-  for (Eigen::Index i = 0; i < a; ++i) {
-    const double largest = std::max(std::abs(ss(i, i)), 1e-2 * ss.row(i).cwiseAbs().maxCoeff());
-    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-  }
-  const Matrix scaled = scale.asDiagonal() * ss * scale.asDiagonal();
-  Eigen::FullPivLU<Matrix> lu(scaled);
-  lu.setThreshold(switch_rank_tolerance);
-  if (!lu.isInvertible()) {
-    problem.m.resize(d + 2 * a, d + 2 * a);
-    problem.m << diodes.m, ds, -ds, sd, ss, -ss, -sd, -ss, ss;
-    problem.q.resize(d + 2 * a);
-    problem.q << diodes.q, qs, -qs;
-    return;
-  }
-  // A Schur complement cancels: what is left of equal terms is rounding, and must not decide.
-  const Matrix to = ds * scale.asDiagonal();
-  const Matrix inverse = lu.inverse();
-  const Matrix left = to * inverse;
-  const Matrix left_bound = to.cwiseAbs() * inverse.cwiseAbs();
-  const Matrix right = scale.asDiagonal() * sd;
-  const Vector right_q = scale.asDiagonal() * qs;
-  problem.m = linalg::cleaned(diodes.m - left * right, diodes.m.cwiseAbs() + left_bound * right.cwiseAbs());
-  problem.q = linalg::cleaned(diodes.q - left * right_q, diodes.q.cwiseAbs() + left_bound * right_q.cwiseAbs());
-}
-
-std::vector<IndexSet> Selector::candidates(const IndexSet& wanted, const Problem& problem) {
-  const auto k = problem.q.size();
-  Vector scale(k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const double largest = std::max(std::abs(problem.m(i, i)), 1e-2 * problem.m.row(i).cwiseAbs().maxCoeff());
-    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-  }
-  const Vector q = scale.asDiagonal() * problem.q;
-  const Matrix scaled = scale.asDiagonal() * problem.m * scale.asDiagonal();
-  lcp::Solution solution = lcp::lemke(scaled, q);
-  pivots_ += static_cast<std::uint64_t>(solution.pivots);
-  if (solution.status != lcp::Status::solved) {
-    // Rounding of a singular problem (series and parallel diodes) can leave it without a solution; a small multiple of 1 restores one.
-    solution = lcp::lemke(scaled + regularisation * Matrix::Identity(k, k), q);
-    pivots_ += static_cast<std::uint64_t>(solution.pivots);
-  }
-  if (solution.status != lcp::Status::solved) return {};
-  const double tie = tie_tolerance * (k > 0 ? q.cwiseAbs().maxCoeff() : 0.0);
-  IndexSet by_value = wanted;
-  IndexSet by_basis = wanted;
-  for (int i = 0; i < system_.diodes; ++i) {
-    const bool tied = solution.z[i] <= tie && solution.w[i] <= tie;
-    if (!tied) by_value.set(i, solution.z[i] > solution.w[i]);
-    by_basis.set(i, false);
-  }
-  for (const int i : solution.basis)
-    if (i < system_.diodes) by_basis.set(i, true);
-  if (by_value == by_basis) return {by_value};
-  return {by_value, by_basis};
-}
-
-/// First-order impulses u = μδ must push the way complementarity allows: x⁺ − x⁻ = B_J μ and D_JJ μ = 0 with μ ≥ 0 on active diodes,
-/// and D_iJ μ ≥ 0, the impulse of y, on the others. Where μ is not unique, the least.
-bool Selector::impulse_allowed(const Mode& m, const double* x, const Vector& jump) {
+/// Impulses must push the way complementarity allows, the highest order first; a port without impulse must go on with the right sign in the
+/// same mode. A passive system has one state after the jump, and what goes on there is decided anew.
+bool Selector::impulse_allowed(const Mode& m, const double* x, const double* after) {
   const auto size = static_cast<Eigen::Index>(system_.size());
-  std::vector<int> active;
-  for (int i = 0; i < system_.ports; ++i)
-    if (m.active.contains(i)) active.push_back(i);
-  const auto q = static_cast<Eigen::Index>(active.size());
-  // In units of √rate the columns of B and of D are of one size.
-  const double root = std::sqrt(rate_);
-  Matrix effect(size + q, q);
-  Vector scale(q);
-  for (Eigen::Index i = 0; i < q; ++i) {
-    const int port = active[static_cast<std::size_t>(i)];
-    effect.col(i).head(size) = system_.b.col(port) / root;
-    for (Eigen::Index j = 0; j < q; ++j) effect(size + j, i) = system_.d(active[static_cast<std::size_t>(j)], port);
-    const double norm = effect.col(i).norm();
-    scale[i] = norm > 0.0 ? 1.0 / norm : 1.0;
-    effect.col(i) *= scale[i];
-  }
-  Vector wanted = Vector::Zero(size + q);
-  wanted.head(size) = jump / root;
-  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-  decomposition.setThreshold(impulse_rank_tolerance);  // before compute(), which leaves undone what its rank does not call for
-  decomposition.compute(effect);
-  const Vector scaled = decomposition.solve(wanted);
+  const Vector jump = Eigen::Map<const Vector>(after, size) - Eigen::Map<const Vector>(x, size);
   // A small jump is the difference of large states.
   const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
-  const bool first_order = (effect * scaled - wanted).norm() <= tolerance * wanted.norm();
-  // The effect on x was divided by the root, that on y was not.
-  impulse_ = Vector::Zero(system_.ports);
-  for (Eigen::Index i = 0; i < q; ++i) impulse_[active[static_cast<std::size_t>(i)]] = scale[i] * scaled[i];
-  const Vector& impulse = impulse_;
-  impulse_is_higher_ = !first_order;
-  if (!first_order) return true;
-  const Vector response = system_.d * impulse;
-  const double least_impulse = -tolerance * impulse.cwiseAbs().maxCoeff();
-  const double least_response = least_impulse * system_.d.cwiseAbs().maxCoeff();
-  for (int i = 0; i < system_.diodes; ++i)
-    if (m.active.contains(i) ? impulse[i] < least_impulse : response[i] < least_response) return false;
+  impulse_ = find_impulse(system_, m.active, jump, tolerance);
+  if (impulse_.order == 0) return system_.passive;
+  if (std::any_of(impulse_.sign.begin(), impulse_.sign.end(), [](int sign) { return sign < 0; })) return false;
+  if (system_.passive || accepts(m, after)) return true;
+  for (std::size_t i = 0; i < departures_.size(); ++i)
+    if (impulse_.sign[i] == 0 && departures_[i].value < 0.0) return false;
   return true;
 }
 
 const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) {
-  const int size = system_.size();
   jumped = false;
   const Mode* previous = nullptr;
   for (const double factor : s_factors) {
-    Problem problem;
-    series(x, rate_ * factor, problem);
-    without_switches(wanted, problem);
-    if (!problem.m.allFinite() || !problem.q.allFinite()) continue;
     const Mode* first_jump = nullptr;
-    for (const IndexSet& set : candidates(wanted, problem)) {
+    for (const IndexSet& set : rational_.candidates(x, rational_.rate() * factor, wanted)) {
       const Mode& m = mode(set);
       if (!m.regular) continue;
       if (consistent(m, x, projected_.data())) {
@@ -301,8 +136,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
         std::copy(projected_.begin(), projected_.end(), x);
         return &m;
       }
-      const Vector jump = Eigen::Map<const Vector>(projected_.data(), size) - Eigen::Map<const Vector>(x, size);
-      if (!impulse_allowed(m, x, jump)) continue;
+      if (!impulse_allowed(m, x, projected_.data())) continue;
       if (&m == previous || factor >= trusted_s_factor) {
         // Once more: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
         linalg::multiply(m.projector, projected_.data(), x);
@@ -313,7 +147,29 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
     }
     previous = first_jump;
   }
-  return nullptr;
+  return system_.passive || system_.diodes > few_ports ? nullptr : from_all_modes(x, wanted, jumped);
+}
+
+/// Lemke's method solves for P-matrices and semidefinite ones; elsewhere it can miss the solution. A mode without jump before one with.
+const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& jumped) {
+  const Mode* jump = nullptr;
+  Impulse impulse;
+  IndexSet set = wanted;
+  for (unsigned bits = 0; bits < (1U << static_cast<unsigned>(system_.diodes)); ++bits) {
+    for (int i = 0; i < system_.diodes; ++i) set.set(i, (bits >> static_cast<unsigned>(i)) & 1U);
+    if (const Mode* m = try_without_jump(x, set)) return m;
+    const Mode& m = mode(set);
+    if (jump || !m.regular || consistent(m, x, projected_.data())) continue;
+    if (!impulse_allowed(m, x, projected_.data())) continue;
+    jump = &m;
+    impulse = impulse_;
+  }
+  if (!jump) return nullptr;
+  impulse_ = impulse;
+  const Vector before = Eigen::Map<const Vector>(x, system_.size());
+  linalg::multiply(jump->projector, before.data(), x);
+  jumped = true;
+  return jump;
 }
 
 const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {
@@ -340,17 +196,22 @@ const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int 
 /// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
 /// differs (the split between parallel diodes, the potential of a floating part).
 bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {
-  const Vector start = Eigen::Map<const Vector>(x, system_.size());
-  Vector za = start, zb = start, moved(start.size());
+  Vector za(system_.size()), zb(system_.size()), moved(system_.size());
   Vector ua(system_.ports), ub(system_.ports), ya(system_.ports), dy(system_.ports);
-  const auto differentiate = [&](Vector& z, const Vector& u) {
-    linalg::multiply(system_.a, z.data(), moved.data());
-    linalg::multiply(system_.b, u.data(), z.data());
-    z = (z + moved) / rate_;
-  };
-  double size = start.norm();
-  for (int j = 0; j <= system_.size(); ++j) {
-    if ((za - zb).norm() > alike_tolerance * size) return false;
+  // In the coordinates of each mode, so that rounding does not leave its subspace, where it could grow.
+  Vector ca(a.ny), cb(b.ny);
+  to_mode(system_, a, x, ca.data());
+  to_mode(system_, b, x, cb.data());
+  double size = linalg::norm(x, system_.size());
+  double rounding = derivative_noise * size;
+  const double largest_row = std::sqrt(std::max({a.k.rowwise().squaredNorm().maxCoeff(), b.k.rowwise().squaredNorm().maxCoeff(),
+                                                 system_.c.rowwise().squaredNorm().maxCoeff()}));
+  const double growth = std::max({1.0, a.norm_a / rational_.rate(), b.norm_a / rational_.rate()});
+  for (int j = 0; j <= system_.size(); ++j, rounding *= growth) {
+    from_mode(system_, a, ca.data(), za.data());
+    from_mode(system_, b, cb.data(), zb.data());
+    size = std::max({size * 1e-3, za.norm(), zb.norm()});
+    if ((za - zb).norm() > alike_tolerance * size + rounding) return false;
     linalg::multiply(a.k, za.data(), ua.data());
     linalg::multiply(b.k, zb.data(), ub.data());
     linalg::multiply(system_.c, za.data(), ya.data());
@@ -361,10 +222,9 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
     linalg::multiply(system_.d, du.data(), ya.data());
     dy += ya;
     for (int i = 0; i < system_.ports; ++i)
-      if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size) return false;
-    differentiate(za, ua);
-    differentiate(zb, ub);
-    size = std::max({size * 1e-3, za.norm(), zb.norm()});
+      if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size + rounding * largest_row) return false;
+    ca = a.flow.a() * ca / rational_.rate();
+    cb = b.flow.a() * cb / rational_.rate();
   }
   return true;
 }
@@ -444,6 +304,7 @@ IndexSet Selector::with_flipped(const IndexSet& set, int port) const {
 }
 
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
+  if (rational_only_) return from_rcp(x, current, jumped);
   // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
   const Mode* found = system_.passive ? remembered(x, current) : nullptr;
   warm = found != nullptr;
@@ -485,9 +346,9 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     }
     if (jumped) {
       ++result.jumps;
-      if (result.impulse.size() == 0) result.impulse = impulse_;
-      else result.impulse += impulse_;
-      result.higher_order |= impulse_is_higher_;
+      if (result.impulse.size() == 0) result.impulse = impulse_.weight;
+      else result.impulse += impulse_.weight;
+      result.higher_order |= impulse_.order != 1;
       trigger_ = -1;
       current = found->active;
       continue;

@@ -10,7 +10,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "model/impulse.hpp"
 #include "model/mode.hpp"
+#include "model/rcp.hpp"
 #include "model/verify.hpp"
 
 namespace pwlsim::model {
@@ -41,8 +43,10 @@ class Selector {
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
+  /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
+  void rational_only(bool only) { rational_only_ = only; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
-  [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
+  [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
   [[nodiscard]] double largest_state() const { return largest_; }
   void mark_visited(const Mode& mode);
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
@@ -52,10 +56,6 @@ class Selector {
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
 
  private:
-  struct Problem {
-    Matrix m;
-    Vector q;
-  };
   bool consistent(const Mode& mode, const double* x, double* projected) const;
   bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
   bool accepts(const Mode& mode, const double* x);
@@ -64,11 +64,9 @@ class Selector {
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
+  const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
-  bool impulse_allowed(const Mode& mode, const double* x, const Vector& jump);
-  void series(const double* x, double s, Problem& problem);
-  void without_switches(const IndexSet& wanted, Problem& problem) const;
-  std::vector<IndexSet> candidates(const IndexSet& wanted, const Problem& problem);
+  bool impulse_allowed(const Mode& mode, const double* x, const double* after);
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
   std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
@@ -76,9 +74,9 @@ class Selector {
 
   const System& system_;
   Several several_ = Several::stay;
-  double rate_ = 0.0;
+  bool rational_only_ = false;
+  RationalProblem rational_;
   double largest_ = 0.0;  ///< ‖x‖ seen so far
-  std::vector<Matrix> markov_;  ///< C A^{j−1} B, j = 1 …
   std::unordered_map<IndexSet, std::unique_ptr<Mode>, IndexSet::Hash> modes_;
   std::unordered_map<IndexSet, std::vector<const Mode*>, IndexSet::Hash> successors_;
   std::unordered_map<const Mode*, const Mode*> enriched_;
@@ -89,9 +87,8 @@ class Selector {
   int trigger_ = -1;           ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_;
-  Vector impulse_;              ///< of the jump last examined
-  bool impulse_is_higher_ = false;
-  std::uint64_t visited_ = 0, pivots_ = 0;
+  Impulse impulse_;  ///< of the jump last examined
+  std::uint64_t visited_ = 0;
 };
 
 }  // namespace pwlsim::model

@@ -1,0 +1,113 @@
+#include "model/impulse.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::model {
+
+namespace {
+
+constexpr double rank_tolerance = 1e-9;
+
+/// Orders 1 … L tried in turn. Time in units of 1/‖A‖ and u, y in units of √‖A‖, in which B, C and D are of one size.
+class Impulses {
+ public:
+  Impulses(const System& system, const IndexSet& active, double tolerance) : s_(system), tolerance_(tolerance) {
+    double rate = linalg::spectral_norm(system.a);
+    if (!(rate > 0.0)) rate = 1.0;
+    root_ = std::sqrt(rate);
+    a_ = system.a / rate;
+    c_ = system.c / root_;
+    for (int i = 0; i < system.ports; ++i)
+      if (active.contains(i)) active_.push_back(i);
+    effect_.push_back(system.b / root_);
+    markov_.push_back(system.d);
+  }
+
+  bool solve(int order, const Vector& jump) {
+    while (static_cast<int>(effect_.size()) < order) {
+      markov_.push_back(linalg::clean_product(c_, effect_.back()));
+      effect_.push_back(linalg::clean_product(a_, effect_.back()));
+    }
+    const auto size = jump.size();
+    const auto q = static_cast<Eigen::Index>(active_.size());
+    Matrix equations = Matrix::Zero(size + order * q, order * q);
+    for (int j = 1; j <= order; ++j) {
+      const auto column = (j - 1) * q;  // of u^{−j}
+      equations.block(0, column, size, q) = effect_[at(j - 1)](Eigen::all, active_);
+      for (int m = 1; m <= j; ++m) equations.block(size + (m - 1) * q, column, q, q) = markov_[at(j - m)](active_, active_);
+    }
+    Vector scale = equations.colwise().norm().transpose();
+    for (double& norm : scale) norm = norm > 0.0 ? 1.0 / norm : 1.0;
+    equations = equations * scale.asDiagonal();
+    Vector right = Vector::Zero(equations.rows());
+    right.head(size) = jump;
+    Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
+    decomposition.setThreshold(rank_tolerance);  // before compute(), which leaves undone what its rank does not call for
+    decomposition.compute(equations);
+    const Vector weights = decomposition.solve(right);
+    if (!((equations * weights - right).norm() <= tolerance_ * jump.norm())) return false;
+    u_.assign(at(order), Vector::Zero(s_.ports));
+    size_.assign(at(order), Vector::Zero(s_.ports));
+    for (int j = 1; j <= order; ++j)
+      for (Eigen::Index i = 0; i < q; ++i) {
+        const auto from = (j - 1) * q + i;
+        u_[at(j - 1)][active_[at(i)]] = scale[from] * weights[from];
+        size_[at(j - 1)][active_[at(i)]] = scale[from] * weights.norm();
+      }
+    return true;
+  }
+
+  /// u^{−1} in the units of the system.
+  [[nodiscard]] Vector weight() const { return u_.front() / root_; }
+
+  [[nodiscard]] int sign_of_input(int port) const {
+    for (std::size_t j = u_.size(); j-- > 0;)
+      if (std::abs(u_[j][port]) > tolerance_ * size_[j][port]) return u_[j][port] > 0.0 ? 1 : -1;
+    return 0;
+  }
+
+  [[nodiscard]] int sign_of_output(int port) const {
+    const auto order = static_cast<int>(u_.size());
+    for (int m = order; m >= 1; --m) {
+      double sum = 0.0, size = 0.0;
+      for (int j = m; j <= order; ++j) {
+        const auto row = markov_[at(j - m)].row(port);
+        sum += row.dot(u_[at(j - 1)]);
+        size += row.cwiseAbs().dot(size_[at(j - 1)]);
+      }
+      if (std::abs(sum) > tolerance_ * size) return sum > 0.0 ? 1 : -1;
+    }
+    return 0;
+  }
+
+ private:
+  static std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+  const System& s_;
+  double tolerance_, root_ = 1.0;
+  std::vector<int> active_;
+  Matrix a_, c_;
+  std::vector<Matrix> effect_;  ///< A^j B
+  std::vector<Matrix> markov_;
+  std::vector<Vector> u_, size_;  ///< u^{−j−1} and what counts as its size
+};
+
+}  // namespace
+
+Impulse find_impulse(const System& system, const IndexSet& active, const Vector& jump, double tolerance) {
+  Impulses impulses(system, active, tolerance);
+  Impulse result;
+  result.weight = Vector::Zero(system.ports);
+  for (int order = 1; order <= std::max(system.n, 1); ++order) {
+    if (!impulses.solve(order, jump)) continue;
+    result.order = order;
+    result.weight = impulses.weight();
+    for (int i = 0; i < system.diodes; ++i) result.sign.push_back(active.contains(i) ? impulses.sign_of_input(i) : impulses.sign_of_output(i));
+    break;
+  }
+  return result;
+}
+
+}  // namespace pwlsim::model
