@@ -25,6 +25,10 @@ constexpr double rank_tolerance = 1e-9;
 constexpr double constraint_tolerance = 1e-12;
 /// An entry of D (of order one by construction) below this is rounding.
 constexpr Wide port_noise = 1e-15L;
+/// What the solution of G z = r is off by, against |G⁻¹||G||G⁻¹||r|.
+constexpr Wide solution_rounding = 4e-19L;
+/// Of an entry of an orthonormal basis.
+constexpr Wide basis_rounding = 4e-19L;
 constexpr int largest_index = 6;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
@@ -97,6 +101,7 @@ class Extractor {
   WideMatrix h_, s_zeta_;          ///< H x + S_ζ ζ = 0
   WideMatrix basis_, offset_;      ///< x = basis·ξ + offset·ζ
   WideMatrix z_xi_, z_a_, z_zeta_; ///< z = …·ξ, …·a, …·ζ
+  WideMatrix z_xi_error_, z_a_error_, z_zeta_error_;
   WideMatrix a_, b_, e_;           ///< ξ' = a ξ + b a_wave + e ζ
   WideVector theta_;
   WideMatrix c_, d_, f1_;          ///< y = c ξ + d u + f1 ζ
@@ -261,6 +266,12 @@ void Extractor::solve_constraints() {
   offset_ = wide_cleaned(offset_, WideMatrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
 }
 
+/// Entries within their own error become zero.
+void without_rounding(WideMatrix& m, const WideMatrix& error) {
+  for (Eigen::Index i = 0; i < m.size(); ++i)
+    if (std::abs(m.data()[i]) <= error.data()[i]) m.data()[i] = 0;
+}
+
 void Extractor::solve_unknowns() {
   const auto m = g_.rows();
   const auto stores = assembly_.stores();
@@ -269,23 +280,39 @@ void Extractor::solve_unknowns() {
   WideMatrix right(m, stores + k + nz);
   right << f_, ha_, hw_;
   WideMatrix solution = WideMatrix::Zero(m, right.cols());
+  WideMatrix error = solution;
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
     const WideMatrix size = inverse.cwiseAbs();
     solution = -inverse * right;
     // One step of refinement: the inverse of a stiff network leaves more than the last digit.
     solution -= inverse * (g_ * solution + right);
-    solution = wide_cleaned(solution, size * (g_.cwiseAbs() * (size * right.cwiseAbs())));
+    const WideMatrix bound = size * (g_.cwiseAbs() * (size * right.cwiseAbs()));
+    solution = wide_cleaned(solution, bound);
+    error = solution_rounding * bound;
   }
+  const bool fixed_stores = basis_.cols() < basis_.rows();
   const WideMatrix z_full = solution.leftCols(stores);
+  const WideMatrix z_full_error = error.leftCols(stores);
   z_a_ = solution.middleCols(stores, k);
+  z_a_error_ = error.middleCols(stores, k);
   z_zeta_ = solution.rightCols(nz);
   z_zeta_ = wide_cleaned(z_zeta_ + z_full * offset_, z_zeta_.cwiseAbs() + z_full.cwiseAbs() * offset_.cwiseAbs());
+  z_zeta_error_ = error.rightCols(nz) + z_full_error * offset_.cwiseAbs();
   z_xi_ = wide_clean_product(z_full, basis_);
+  const WideMatrix basis_error = WideMatrix::Constant(basis_.rows(), basis_.cols(), fixed_stores ? basis_rounding : 0.0L);
+  z_xi_error_ = z_full_error * basis_.cwiseAbs() + z_full.cwiseAbs() * basis_error;
+  without_rounding(z_xi_, z_xi_error_);
+  without_rounding(z_zeta_, z_zeta_error_);
   const WideMatrix rates = basis_.transpose() * assembly_.sx;
+  const WideMatrix size_of_rates = rates.cwiseAbs();
+  const WideMatrix rates_error = basis_error.transpose() * assembly_.sx.cwiseAbs();
   a_ = wide_clean_product(rates, z_xi_);
   b_ = wide_clean_product(rates, z_a_);
   e_ = wide_clean_product(rates, z_zeta_);
+  without_rounding(a_, size_of_rates * z_xi_error_ + rates_error * z_xi_.cwiseAbs());
+  without_rounding(b_, size_of_rates * z_a_error_ + rates_error * z_a_.cwiseAbs());
+  without_rounding(e_, size_of_rates * z_zeta_error_ + rates_error * z_zeta_.cwiseAbs());
 }
 
 /// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
@@ -318,6 +345,12 @@ void Extractor::choose_causality() {
     if (std::abs(d_.data()[i]) < port_noise) d_.data()[i] = 0.0;
   c_ = wide_clean_product(inverse, cw);
   f1_ = wide_clean_product(inverse, fw);
+  // (S + Θ) C = C_w, and the same for D and F.
+  const WideMatrix size = inverse.cwiseAbs();
+  const WideMatrix of_s = 2.0 * z_a_error_.middleRows(first, k);
+  without_rounding(d_, size * of_s * (WideMatrix::Identity(k, k) + d_.cwiseAbs()));
+  without_rounding(c_, size * (2.0 * z_xi_error_.middleRows(first, k) + of_s * c_.cwiseAbs()));
+  without_rounding(f1_, size * (2.0 * z_zeta_error_.middleRows(first, k) + of_s * f1_.cwiseAbs()));
 }
 
 void Extractor::add_ports() {

@@ -31,6 +31,8 @@ constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
 constexpr Wide solution_noise = 1e-14L;
 constexpr Wide unrounded_solution_noise = 4e-18L;
 constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
+/// Of an entry of D that was not rounded to double: a few of its last places at order one.
+constexpr Wide entry_rounding = 4e-19L;
 /// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
 constexpr double row_noise = 1e-15;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
@@ -172,7 +174,8 @@ class Builder {
   void reduce_coordinates();
   void build_flow();
   void build_rows();
-  [[nodiscard]] Matrix in_mode(const WideMatrix& state_rows, const WideMatrix& input_rows) const;
+  void clean_diode_rows(WideMatrix& rows) const;
+  [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
 
   const System& s_;
   std::shared_ptr<const Unrounded> w_;
@@ -334,9 +337,18 @@ void Builder::build_flow() {
   set_flow(s_, m, std::move(a));
 }
 
-/// Rows that read x and u as rows that read y.
-Matrix Builder::in_mode(const WideMatrix& state_rows, const WideMatrix& input_rows) const {
-  const WideMatrix full = wide_clean_sum(state_rows, input_rows, k_);
+/// What is left of y_i where C_i and D_i K cancel: D is of order one, and its rounding with it, even where an entry is small.
+void Builder::clean_diode_rows(WideMatrix& rows) const {
+  if (s_.ports == 0 || !s_.unrounded) return;
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+    const Wide rounding = entry_rounding * k_.col(j).cwiseAbs().sum();
+    for (int i = 0; i < s_.diodes; ++i)
+      if (std::abs(rows(i, j)) <= rounding) rows(i, j) = 0;
+  }
+}
+
+/// Rows that read x as rows that read y.
+Matrix Builder::in_mode(const WideMatrix& full) const {
   return (mode_->constrained ? wide_clean_product(full, embedding_) : full).cast<double>();
 }
 
@@ -359,7 +371,9 @@ void Builder::build_rows() {
     state.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
     input.row(s_.diodes + i) = row.input.transpose().cast<Wide>();
   }
-  const Matrix rows = in_mode(state, input);
+  WideMatrix full = wide_clean_sum(std::move(state), input, k_);
+  clean_diode_rows(full);
+  const Matrix rows = in_mode(full);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);
   m.guards.topRows(s_.diodes) = rows.topRows(s_.diodes);
   for (int i = 0; i < controls; ++i) {
