@@ -281,6 +281,9 @@ bool Builder::solve_generally() {
 /// parallel diodes share their current.
 void Builder::take_least_norm(const WideMatrix& free_directions) {
   mode_->unique_inputs = false;
+  mode_->free_inputs = Matrix::Zero(s_.ports, free_directions.cols());
+  for (std::size_t a = 0; a < r_.j.size(); ++a)
+    mode_->free_inputs.row(r_.j[a]) = free_directions.row(static_cast<Eigen::Index>(a)).cast<double>();
   WideMatrix d_columns(s_.ports, static_cast<Eigen::Index>(r_.j.size()));
   for (std::size_t a = 0; a < r_.j.size(); ++a) d_columns.col(static_cast<Eigen::Index>(a)) = w_->d.col(r_.j[a]);
   const auto q = kj_.rows();

@@ -29,6 +29,7 @@ struct Mode {
   bool regular = false;
   bool unique_inputs = true;   ///< false: some u of the mode is not unique
   std::vector<char> input_unique;  ///< a port: its u and y are unique in this mode
+  Matrix free_inputs;          ///< directions of u that the mode leaves open (ports × any number); empty where u is unique
   bool constrained = false;    ///< V is smaller than the whole space
   int n1 = 0;                  ///< dim of c
   int ny = 0;                  ///< n1 + n_ζ

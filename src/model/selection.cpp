@@ -19,6 +19,8 @@ constexpr double relaxations[] = {1.0, 1e2, 1e4};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr double impulse_tolerance = 1e-8;
 constexpr std::size_t most_remembered = 6;
+/// A signal moves along an open direction of u when its terms do not cancel there.
+constexpr double open_tolerance = 1e-9;
 constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
@@ -42,6 +44,44 @@ const Mode& Selector::mode(const IndexSet& set) {
 
 void Selector::mark_visited(const Mode& mode) {
   if (mode.visits++ == 0) ++visited_;
+}
+
+/// Ports that are zero on both sides may stand on either: where many are active a part may float, where few are a current may circulate.
+Matrix Selector::open_directions(const Mode& mode) const {
+  IndexSet most = mode.active, fewest = mode.active;
+  for (int i = 0; i < system_.diodes; ++i)
+    if (mode.guard_norm[i] == 0.0) {
+      most.set(i, true);
+      fewest.set(i, false);
+    }
+  Matrix directions = mode.free_inputs.cols() > 0 ? mode.free_inputs : Matrix(system_.ports, 0);
+  for (const IndexSet& set : {most, fewest}) {
+    if (set == mode.active) continue;
+    const Matrix found = build_mode(system_, set)->free_inputs;
+    if (found.cols() == 0) continue;
+    Matrix both(system_.ports, directions.cols() + found.cols());
+    both << directions, found;
+    directions = std::move(both);
+  }
+  return directions;
+}
+
+std::vector<std::size_t> Selector::open_outputs() const {
+  std::vector<char> open(system_.outputs.size(), 0);
+  for (const auto& [set, mode] : modes_) {
+    if (mode->visits == 0 || system_.ports == 0) continue;
+    const Matrix directions = open_directions(*mode);
+    if (directions.cols() == 0) continue;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Vector moved = directions.transpose() * system_.outputs[i].input;
+      const Vector size = directions.cwiseAbs().transpose() * system_.outputs[i].input.cwiseAbs();
+      if (((moved.cwiseAbs() - open_tolerance * size).array() > 0.0).any()) open[i] = 1;
+    }
+  }
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (open[i] != 0) numbers.push_back(i);
+  return numbers;
 }
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {

@@ -49,6 +49,8 @@ class Selector {
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
   [[nodiscard]] double largest_state() const { return largest_; }
   void mark_visited(const Mode& mode);
+  /// Numbers of the system's outputs that some visited mode leaves open (their least-norm value is what rows hold).
+  [[nodiscard]] std::vector<std::size_t> open_outputs() const;
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
@@ -56,6 +58,7 @@ class Selector {
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
 
  private:
+  [[nodiscard]] Matrix open_directions(const Mode& mode) const;
   bool consistent(const Mode& mode, const double* x, double* projected) const;
   bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
   bool accepts(const Mode& mode, const double* x);

@@ -401,6 +401,16 @@ bool Transient::flush() {
   return accepted;
 }
 
+void Transient::note_open_signals() {
+  std::set<std::string> names;
+  for (const auto& island : islands_)
+    for (const std::size_t output : island.selector().open_outputs())
+      names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
+  if (!names.empty())
+    answer_.remarks.push_back({"N-indeterminate", fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
+                                                              "the values of least norm", fmt::join(names, ", "))});
+}
+
 void Transient::finish() {
   Statistics& s = answer_.statistics;
   std::set<int> parts;
@@ -420,6 +430,7 @@ void Transient::finish() {
                                                                  "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
                                                                  island.locator().sampled(), island.system().name, 1024)});
   }
+  note_open_signals();
   answer_.jumps = jump_recorder_.take();
   if (several_ > 0)
     answer_.remarks.push_back({"N-not-unique", fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,

@@ -47,6 +47,7 @@ class Transient {
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
   [[nodiscard]] std::vector<std::string> undecided_elements(const IslandRun& island, const model::Selected& selected) const;
   void note_several(const IslandRun& island, const model::Selected& selected, double time);
+  void note_open_signals();
   void open_island(IslandRun& island, Instant& instant);
   void fill_row(double time, double* row);
   [[nodiscard]] std::vector<std::string> differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const;
