@@ -343,6 +343,15 @@ IndexSet Selector::with_flipped(const IndexSet& set, int port) const {
   return flipped;
 }
 
+IndexSet Selector::by_rule(const double* x, const IndexSet& set) {
+  IndexSet next = set;
+  const Mode& m = mode(set);
+  if (!m.regular || !consistent(m, x, projected_.data()) || accepts(m, projected_.data())) return next;
+  for (int i = 0; i < system_.diodes; ++i)
+    if (departures_[static_cast<std::size_t>(i)].value < 0.0) next.flip(i);
+  return next;
+}
+
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
   if (rational_only_) return from_rcp(x, current, jumped);
   // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
@@ -356,9 +365,22 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
   if (!found && trigger >= 0 && trigger < system_.diodes) {
     found = try_without_jump(x, with_flipped(current, trigger));
   }
+  if (!found) {
+    const IndexSet guess = by_rule(x, current);
+    if (guess != current) found = try_without_jump(x, guess);
+  }
   if (!found) found = from_rcp(x, current, jumped);
   if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
   return found;
+}
+
+void Selector::note_impulse(Selected& result) {
+  if (result.jumps == 1) details_ = {impulse_.weight, impulse_.order != 1, {}};
+  else {
+    details_.impulse += impulse_.weight;
+    details_.higher_order |= impulse_.order != 1;
+  }
+  result.details = &details_;
 }
 
 Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
@@ -386,9 +408,7 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     }
     if (jumped) {
       ++result.jumps;
-      if (result.impulse.size() == 0) result.impulse = impulse_.weight;
-      else result.impulse += impulse_.weight;
-      result.higher_order |= impulse_.order != 1;
+      note_impulse(result);
       trigger_ = -1;
       current = found->active;
       continue;
@@ -397,10 +417,11 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     found = with_free_ports(x, *found);
     result.mode = found;
     if (system_.passive || system_.diodes == 0) return result;
-    result.continuations = continuations(x, *found);
-    if (result.continuations.size() == 1) return result;
+    details_.continuations = continuations(x, *found);
+    if (details_.continuations.size() == 1) return result;
+    result.details = &details_;
     result.choice = Choice::several;
-    if (several_ == Several::first) result.mode = first_of(result.continuations);
+    if (several_ == Several::first) result.mode = first_of(details_.continuations);
     if (result.mode != found && strictly_consistent(*result.mode, x, projected_.data())) std::copy(projected_.begin(), projected_.end(), x);
     return result;
   }

@@ -23,14 +23,19 @@ enum class Choice { found, none, several, too_many_jumps };
 /// Which of several different continuations is taken: the first in the order of the ports, or the previous mode where it is one.
 enum class Several { first, stay };
 
+/// What is seldom asked for.
+struct Details {
+  Vector impulse;             ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
+  bool higher_order = false;  ///< derivatives of impulses acted too
+  std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
+};
+
 struct Selected {
   Choice choice = Choice::found;
   const Mode* mode = nullptr;
   int jumps = 0;
   double relaxation = 1.0;            ///< factor on the rounding level that the verification needed
-  Vector impulse;                     ///< with jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
-  bool higher_order = false;          ///< derivatives of impulses acted too
-  std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
+  const Details* details = nullptr;   ///< after jumps and with `several`; valid until the next selection
 };
 
 class Selector {
@@ -49,6 +54,9 @@ class Selector {
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
   [[nodiscard]] double largest_state() const { return largest_; }
   void mark_visited(const Mode& mode);
+  /// The rule J = (I \ Γ2) ∪ Γ1 of van der Schaft & Schumacher's earlier paper: from I every port changes sides whose guard is about to fall
+  /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: where it asks for a jump it may be adhesive.
+  [[nodiscard]] IndexSet by_rule(const double* x, const IndexSet& set);
   /// Numbers of the system's outputs that some visited mode leaves open (their least-norm value is what rows hold).
   [[nodiscard]] std::vector<std::size_t> open_outputs() const;
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
@@ -73,6 +81,7 @@ class Selector {
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
   std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
+  void note_impulse(Selected& result);
   [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
 
   const System& system_;
@@ -90,6 +99,7 @@ class Selector {
   int trigger_ = -1;           ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_;
+  Details details_;
   Impulse impulse_;  ///< of the jump last examined
   std::uint64_t visited_ = 0;
 };

@@ -40,14 +40,14 @@ struct ProblemClass {
 Vector any_right(Problems& random, const Matrix& m) { return random.vector(static_cast<int>(m.rows())); }
 
 Matrix p_matrix(Problems& random, int k) {
+  if (k > 3) {  // rare among random matrices: dominant rows
+    Matrix dominant = random.matrix(k, k);
+    for (int i = 0; i < k; ++i) dominant(i, i) = 1.05 * (dominant.row(i).cwiseAbs().sum() - std::abs(dominant(i, i)));
+    return dominant;
+  }
   for (;;) {
     const Matrix m = random.matrix(k, k) + 0.5 * Matrix::Identity(k, k);
     if (is_p_matrix(m)) return m;
-    if (k > 3) {  // rare among random matrices: dominant rows
-      Matrix dominant = random.matrix(k, k);
-      for (int i = 0; i < k; ++i) dominant(i, i) = 1.05 * (dominant.row(i).cwiseAbs().sum() - std::abs(dominant(i, i)));
-      return dominant;
-    }
   }
 }
 

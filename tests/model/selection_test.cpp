@@ -1,6 +1,7 @@
 /// Which mode follows, where theory knows the answer. Numbers are those of the collection of hard cases.
 #include "model/selection.hpp"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -108,7 +109,7 @@ TEST_CASE("8: where several ways are allowed, the previous mode goes on", "[hard
     Vector x = vector({0.0, 1.0});
     const model::Selected selected = selector.select(x.data(), before, -1);
     REQUIRE(selected.choice == Choice::several);
-    CHECK(selected.continuations.size() == 3);
+    CHECK(selected.details->continuations.size() == 3);
     CHECK(selected.mode->active == before);
     model::Selector by_order(system, model::Several::first);
     CHECK(by_order.select(x.data(), before, -1).mode->active == set_of(2, {}));
@@ -170,6 +171,28 @@ TEST_CASE("14: an obtuse corner", "[hard]") {
   const Outcome o = select(handmade(a, b, c, Matrix::Zero(2, 2)), vector({0.0, 0.0, -1.0, 0.2}), set_of(2, {}));
   REQUIRE(o.selected.choice == Choice::found);
   CHECK((o.x - vector({0.0, 0.0, 0.0, 0.2})).norm() <= tight);
+}
+
+// The same corner: both guards fall, so the rule J = (I \ Γ2) ∪ Γ1 closes both stops and v⁺ = 0. n1 μ1 + n2 μ2 = (1, −0.2) has
+// μ2 = −0.4/√3 = −0.231: the second stop would have to pull.
+TEST_CASE("14: the rule takes both stops, and one of them adheres", "[hard]") {
+  const double s = std::sqrt(3.0) / 2.0;
+  Matrix a = Matrix::Zero(4, 4), b = Matrix::Zero(4, 2), c = Matrix::Zero(2, 4);
+  a(0, 2) = a(1, 3) = 1.0;
+  b.bottomRows(2) << 1.0, 0.5, 0.0, s;
+  c.leftCols(2) << 1.0, 0.0, 0.5, s;
+  const model::System corner = handmade(a, b, c, Matrix::Zero(2, 2));
+  model::Selector selector(corner, model::Several::stay);
+  const Vector before = vector({0.0, 0.0, -1.0, 0.2});
+  const model::IndexSet both = selector.by_rule(before.data(), set_of(2, {}));
+  CHECK(both == set_of(2, {0, 1}));
+  const model::Mode& mode = selector.mode(both);
+  REQUIRE(mode.regular);
+  const Vector after = mode.projector * before;
+  CHECK(after.norm() <= tight);
+  const Vector multipliers = b.bottomRows(2).fullPivLu().solve(after.tail(2) - before.tail(2));
+  CHECK(multipliers[0] == Approx(1.0 + 0.2 / std::sqrt(3.0)).epsilon(tight));
+  CHECK(multipliers[1] == Approx(-0.4 / std::sqrt(3.0)).epsilon(tight));
 }
 
 // x'' = 2 + u, 0 ≤ u ⊥ x − 1.5 t² ≥ 0, from rest: u = 1 holds it on the parabola. States x, x', p = 1.5 t², p', p''.

@@ -13,8 +13,8 @@ constexpr double change_rounding = 1e-14;
 
 }  // namespace
 
-void JumpRecorder::before(std::size_t island, const std::vector<double>& x) {
-  if (before_.empty() || jumps_.size() >= most_jumps_kept) return;
+void JumpRecorder::keep(std::size_t island, const std::vector<double>& x) {
+  if (jumps_.size() >= most_jumps_kept) return;
   before_[island].x = Eigen::Map<const model::Vector>(x.data(), static_cast<Eigen::Index>(x.size()));
   before_[island].impulse.resize(0);
   before_[island].higher_order = false;
@@ -23,9 +23,9 @@ void JumpRecorder::before(std::size_t island, const std::vector<double>& x) {
 void JumpRecorder::jumped(std::size_t island, const model::Selected& selected) {
   if (before_.empty()) return;
   Open& open = before_[island];
-  if (open.impulse.size() == 0) open.impulse = selected.impulse;
-  else open.impulse += selected.impulse;
-  open.higher_order |= selected.higher_order;
+  if (open.impulse.size() == 0) open.impulse = selected.details->impulse;
+  else open.impulse += selected.details->impulse;
+  open.higher_order |= selected.details->higher_order;
 }
 
 std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open& open) const {

@@ -17,7 +17,9 @@ class JumpRecorder {
   JumpRecorder(const std::vector<IslandModel>& islands, bool wanted) : islands_(islands), before_(wanted ? islands.size() : 0) {}
 
   /// The state x = (ξ, ζ) of an island left of the instant.
-  void before(std::size_t island, const std::vector<double>& x);
+  void before(std::size_t island, const std::vector<double>& x) {
+    if (!before_.empty()) keep(island, x);
+  }
   /// A selection in it has jumped.
   void jumped(std::size_t island, const model::Selected& selected);
   /// The state right of the instant.
@@ -25,6 +27,7 @@ class JumpRecorder {
   [[nodiscard]] std::vector<Jump> take() { return std::move(jumps_); }
 
  private:
+  void keep(std::size_t island, const std::vector<double>& x);
   struct Open {
     model::Vector x;
     model::Vector impulse;  ///< empty: no jump

@@ -47,6 +47,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   sets_before_.resize(islands_.size());
   modes_before_.assign(islands_.size(), nullptr);
   opened_.assign(islands_.size(), Opened::no);
+  all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
   width_ = 1 + model_.signal_names.size();
   rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
@@ -259,6 +260,7 @@ void Transient::note_mode_changes(Instant& instant) {
 
 /// In a passive circuit no events accumulate ahead.
 void Transient::watch_accumulation(double time) {
+  if (all_passive_) return;
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     IslandRun& island = islands_[i];
     if (island.system().passive || opened_[i] == Opened::no) continue;
@@ -317,9 +319,9 @@ std::vector<std::string> Transient::differing(const IslandRun& island, const mod
 /// Elements with a port that is not on the same side in all continuations.
 std::vector<std::string> Transient::undecided_elements(const IslandRun& island, const model::Selected& selected) const {
   std::vector<std::string> names;
-  const model::IndexSet& first = selected.continuations.front()->active;
+  const model::IndexSet& first = selected.details->continuations.front()->active;
   for (int i = 0; i < island.system().ports; ++i)
-    if (std::any_of(selected.continuations.begin(), selected.continuations.end(), [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
+    if (std::any_of(selected.details->continuations.begin(), selected.details->continuations.end(), [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
       add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
   return names;
 }
@@ -327,7 +329,7 @@ std::vector<std::string> Transient::undecided_elements(const IslandRun& island, 
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
   several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time, fmt::join(undecided_elements(island, selected), ", "),
-                              selected.continuations.size());
+                              selected.details->continuations.size());
 }
 
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
@@ -336,7 +338,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
     names = undecided_elements(island, selected);
     fail(Outcome::not_unique, "E-not-unique",
          fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time, fmt::join(names, ", "),
-                     selected.continuations.size()),
+                     selected.details->continuations.size()),
          names);
     return;
   }

@@ -64,6 +64,7 @@ class Transient {
   std::vector<model::IndexSet> sets_before_;
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
+  bool all_passive_ = false;
   std::vector<Opened> opened_;              ///< at the instant at hand
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
