@@ -154,7 +154,7 @@ bool confirmed(const model::Selected& selected, const Vector& x, const Ends& end
 bool counted_right(const model::Selected& selected, const ExactOutcome& exact) {
   if (selected.jumps > 0 || selected.choice == Choice::none || !exact.all_regular) return true;
   const auto smooth = std::count_if(exact.solutions.begin(), exact.solutions.end(), [](const ExactSolution& s) { return !s.jumps; });
-  return selected.continuations.size() == static_cast<std::size_t>(smooth);
+  return selected.details->continuations.size() == static_cast<std::size_t>(smooth);
 }
 
 void compare_rational(std::uint64_t seed, const RandomSystem& random, const ExactOutcome& exact, const Ends& ends, Tally& tally) {
