@@ -154,7 +154,8 @@ bool confirmed(const model::Selected& selected, const Vector& x, const Ends& end
 bool counted_right(const model::Selected& selected, const ExactOutcome& exact) {
   if (selected.jumps > 0 || selected.choice == Choice::none || !exact.all_regular) return true;
   const auto smooth = std::count_if(exact.solutions.begin(), exact.solutions.end(), [](const ExactSolution& s) { return !s.jumps; });
-  return selected.details->continuations.size() == static_cast<std::size_t>(smooth);
+  const std::size_t counted = selected.choice == Choice::several ? selected.details->continuations.size() : 1;
+  return counted == static_cast<std::size_t>(smooth);
 }
 
 void compare_rational(std::uint64_t seed, const RandomSystem& random, const ExactOutcome& exact, const Ends& ends, Tally& tally) {
