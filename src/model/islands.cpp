@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace pwlsim::model {
 
@@ -374,14 +375,90 @@ class Distributor {
   std::map<int, std::vector<std::pair<std::size_t, int>>> branch_copies_;         ///< rail source -> (island, local branch)
 };
 
-}  // namespace
+/// Parts that others drive through controlled sources, and that nothing needed reads: a filter behind a buffer that nobody saves.
+class IdleParts {
+ public:
+  IdleParts(const Network& network, const Things& things, const Rails& rails)
+      : network_(network), things_(things), blocks_(Connector(without_forms(network), things, &rails).take()), needed_(static_cast<std::size_t>(things.count), 0) {
+    for (const auto& signal : network.signals) need(signal.form);
+    while (spread()) {
+    }
+  }
 
-std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run) {
+  /// The network with every value that an idle part reads of a needed one replaced by a source, so that the two fall apart. Nothing where
+  /// no part is idle.
+  [[nodiscard]] std::optional<Network> cut() const {
+    Network result = network_;
+    for (std::size_t i = 0; i < result.branches.size(); ++i) cut_form(things_.branch + static_cast<int>(i), result.branches[i].voltage, result);
+    for (std::size_t i = 0; i < result.injections.size(); ++i) cut_form(things_.injection + static_cast<int>(i), result.injections[i].current, result);
+    if (result.sources.size() == network_.sources.size()) return std::nullopt;
+    return result;
+  }
+
+ private:
+  static Network without_forms(Network network) {
+    for (auto& b : network.branches) b.voltage.clear();
+    for (auto& i : network.injections) i.current.clear();
+    for (auto& s : network.switches) s.control.clear();
+    return network;
+  }
+  [[nodiscard]] bool is_needed(int thing) const { return needed_[static_cast<std::size_t>(blocks_.find(thing))] != 0; }
+  void need(const LinearForm& form) {
+    for (const auto& term : form)
+      if (const int thing = things_.of(term); thing >= 0) needed_[static_cast<std::size_t>(blocks_.find(thing))] = 1;
+  }
+  /// What needed elements read is needed; true when that was news.
+  bool spread() {
+    const auto before = needed_;
+    for (std::size_t i = 0; i < network_.branches.size(); ++i)
+      if (is_needed(things_.branch + static_cast<int>(i))) need(network_.branches[i].voltage);
+    for (std::size_t i = 0; i < network_.injections.size(); ++i)
+      if (is_needed(things_.injection + static_cast<int>(i))) need(network_.injections[i].current);
+    for (std::size_t i = 0; i < network_.complementarities.size(); ++i)
+      if (is_needed(things_.complementarity + static_cast<int>(i))) need(network_.complementarities[i].slack);
+    for (std::size_t i = 0; i < network_.switches.size(); ++i)
+      if (is_needed(things_.switch_ + static_cast<int>(i))) need(network_.switches[i].control);
+    return needed_ != before;
+  }
+  void cut_form(int reader, LinearForm& form, Network& network) const {
+    if (is_needed(reader)) return;
+    for (auto& term : form) {
+      const int thing = things_.of(term);
+      if (thing < 0 || !is_needed(thing)) continue;
+      term.kind = Term::Kind::source;
+      term.index = static_cast<int>(network.sources.size());
+      network.sources.push_back({{}, Dc{0.0}, true});
+    }
+  }
+
+  const Network& network_;
+  const Things& things_;
+  mutable DisjointSets blocks_;
+  std::vector<char> needed_;
+};
+
+std::vector<Island> split(const Network& network, const std::function<bool(const Island&)>& must_run) {
   const Things things(network);
   const Rails rails(network);
   DisjointSets sets = Connector(network, things, &rails).take();
   DisjointSets parts = Connector(network, things, nullptr).take();
   return Distributor(network, things, rails, sets, parts).run(must_run);
+}
+
+}  // namespace
+
+std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run) {
+  const Things things(network);
+  const Rails rails(network);
+  const std::optional<Network> cut = IdleParts(network, things, rails).cut();
+  if (!cut) return split(network, must_run);
+  std::vector<Island> islands = split(*cut, must_run);
+  // What must run after all must run on its true input.
+  const bool stand_in_runs = std::any_of(islands.begin(), islands.end(), [](const Island& island) {
+    const auto& sources = island.network.sources;
+    return island.needed && std::any_of(sources.begin(), sources.end(), [](const Source& source) { return source.stands_in; });
+  });
+  return stand_in_runs ? split(network, must_run) : islands;
 }
 
 }  // namespace pwlsim::model

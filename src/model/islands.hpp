@@ -29,7 +29,8 @@ struct Island {
 
 /// Islands in order of their first node. A rail (a node that a source to ground holds at a function of time) joins nothing. A switch
 /// control belongs to the island whose quantities it reads: it joins islands only where it reads several of them. An island is needed
-/// when a saved signal reads it, when it `must_run` for another reason, or when it drives a switch of a needed one.
+/// when a saved signal reads it, when it `must_run` for another reason, or when it drives a switch of a needed one. A part that a needed one
+/// drives through controlled sources, without being read by it, is an island of its own with stand-ins for what it reads, and left out.
 [[nodiscard]] std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run = {});
 
 }  // namespace pwlsim::model

@@ -110,6 +110,7 @@ struct Complementarity {
 struct Source {
   Label label;
   SourceFunction function;
+  bool stands_in = false;  ///< for a value of another part, in a part that is left out
 };
 /// A saved signal, named as its CSV column.
 struct Signal {
