@@ -210,6 +210,15 @@ TEST_CASE("concepts, jumps: two capacitors and a corner", "[regression]") {
   page.states(at(corner, 0.0, 2) * 0.5 + at(corner, 0.0, 3) * std::sqrt(0.75), 0.1 * std::sqrt(3.0), "n2·v⁺ = {:.6f}");
 }
 
+TEST_CASE("concepts, events: infinitely many", "[regression]") {
+  const DeckRun run = run_of("docs/concepts/twisting.net", true);
+  const Page page("events");
+  page.states(events_of(run).back(), 1.0 + 2.0 / std::sqrt(3.0), "{:.16f}");
+  CHECK(std::abs(at(run, 2.25, 0)) <= exact);
+  CHECK(std::abs(at(run, 3.0, 1)) <= exact);
+  CHECK(run.answer.statistics.accumulations == 1);
+}
+
 TEST_CASE("concepts, events: the extinction angle and a near touch", "[regression]") {
   double low = pi, high = 5.0;
   const auto current = [](double t) { return std::sin(t - pi / 4.0) + std::sin(pi / 4.0) * std::exp(-t); };
