@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <ctime>
 #include <numeric>
 
-#include "engine/exact/exact.hpp"
+#include "property/independent.hpp"
+#include "property/program_run.hpp"
 
 namespace pwlsim::test {
 namespace {
@@ -21,68 +20,21 @@ constexpr double nothing = 1e-9;            ///< V or A: less than this is what 
 constexpr double small_share = 1e-3;        ///< see scales()
 constexpr double energy_slack = 1e-11;      ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;
-constexpr double patience = 5.0;            ///< s of the processor's time, which other programs do not take; runs need about a millisecond
 
-struct Rows : engine::RowSink {
-  bool write(std::span<const double> values, std::size_t count) override {
-    const std::size_t width = values.size() / count;
-    for (std::size_t i = 0; i < count; ++i) rows.emplace_back(values.begin() + static_cast<long>(i * width), values.begin() + static_cast<long>((i + 1) * width));
-    return true;
-  }
-  std::vector<std::vector<double>> rows;  ///< time, states
-};
-
-struct Run {
-  Finding finding;
-  std::vector<std::vector<double>> rows;
-  engine::Answer answer;
-};
-
-/// The linear equations have no unique solution whatever the diodes do: no state, or no current or voltage, follows.
-bool is_structural(const std::string& id) { return id == "E-floating" || id == "E-source-loop" || id == "E-source-cutset"; }
-
-Run simulate(const model::Network& network, double stop, std::uint64_t row_steps) {
-  Run run;
-  Diagnostics diagnostics;
-  const auto model = engine::prepare(network, diagnostics);
-  if (!model) {
-    const Diagnostic& first = diagnostics.all().front();
-    run.finding = {is_structural(first.id) ? Finding::Kind::refused : Finding::Kind::wrong, first.id, first.text};
-    return run;
-  }
-  const std::clock_t start = std::clock();
-  std::atomic<int> interrupt{0};
-  engine::Request request;
-  request.stop = stop;
-  request.grid = {[=](std::uint64_t k) { return k == row_steps ? stop : stop * static_cast<double>(k) / static_cast<double>(row_steps); }, row_steps + 1};
-  request.use_initial_conditions = true;
-  request.interrupt = &interrupt;
-  request.progress = [&](double) {
-    if (static_cast<double>(std::clock() - start) > patience * CLOCKS_PER_SEC) interrupt = 1;
-  };
-  Rows rows;
-  run.answer = engine::run(*model, request, rows);
-  run.rows = std::move(rows.rows);
-  if (run.answer.outcome == engine::Outcome::interrupted)
-    run.finding = {Finding::Kind::wrong, "too slow", fmt::format("t = {} of {} after {} s", run.answer.time, stop, patience)};
-  else if (run.answer.outcome != engine::Outcome::completed)
-    run.finding = {Finding::Kind::wrong, run.answer.id, run.answer.message};
-  return run;
+std::vector<double> equal_steps(double stop, std::uint64_t count) {
+  std::vector<double> times;
+  for (std::uint64_t k = 0; k < count; ++k) times.push_back(stop * static_cast<double>(k) / static_cast<double>(count));
+  times.push_back(stop);
+  return times;
 }
 
 Finding check_certificate(const engine::Certificate& c) {
   const auto detail = fmt::format("complementarity {:.2g}, KCL/KVL {:.2g}, energy {:.2g}, passive {}", c.complementarity, c.kcl_kvl, c.energy, c.passive);
-  if (!(c.complementarity <= certificate_bound)) return {Finding::Kind::wrong, "certificate: complementarity", detail};
-  if (!(c.kcl_kvl <= certificate_bound)) return {Finding::Kind::wrong, "certificate: KCL/KVL", detail};
-  if (!(c.energy <= certificate_bound)) return {Finding::Kind::wrong, "certificate: energy", detail};
-  if (!c.passive) return {Finding::Kind::wrong, "certificate: passivity", detail};
-  return {};
-}
-
-std::vector<Part> states_of(const RandomNetwork& network) {
-  std::vector<Part> states;
-  std::copy_if(network.parts.begin(), network.parts.end(), std::back_inserter(states), [](const Part& part) { return part.is_state(); });
-  return states;
+  if (!(c.complementarity <= certificate_bound)) return {Finding::Kind::wrong, "certificate: complementarity", detail, c};
+  if (!(c.kcl_kvl <= certificate_bound)) return {Finding::Kind::wrong, "certificate: KCL/KVL", detail, c};
+  if (!(c.energy <= certificate_bound)) return {Finding::Kind::wrong, "certificate: energy", detail, c};
+  if (!c.passive) return {Finding::Kind::wrong, "certificate: passivity", detail, c};
+  return {Finding::Kind::fine, {}, {}, c};
 }
 
 double energy_of(const Part& state, double value) { return 0.5 * state.value * value * value; }
@@ -117,7 +69,7 @@ std::vector<double> scales(const std::vector<Part>& states, const std::vector<st
 }
 
 /// Compares row k of `a` with row k·stride of `b`.
-Finding compare(const RandomNetwork& network, const Run& a, const Run& b, std::size_t stride, const char* what) {
+Finding compare(const RandomNetwork& network, const ProgramRun& a, const ProgramRun& b, std::size_t stride, const char* what) {
   const auto states = states_of(network);
   if (a.rows.size() != steps + 1 || b.rows.size() != stride * steps + 1) return {Finding::Kind::wrong, what, "rows are missing"};
   const auto scale_of = scales(states, a.rows);
@@ -158,7 +110,7 @@ std::vector<int> shuffled(std::size_t size, Random& random) {
 }  // namespace
 
 Finding examine(const RandomNetwork& network, std::uint64_t seed) {
-  const Run run = simulate(to_model(network), network.stop, steps);
+  const ProgramRun run = run_program(to_model(network), equal_steps(network.stop, steps));
   if (run.finding.kind != Finding::Kind::fine) return run.finding;
   if (!network.has_sources())
     if (Finding finding = check_energy(network, run.rows); finding.kind != Finding::Kind::fine) return finding;
@@ -166,12 +118,12 @@ Finding examine(const RandomNetwork& network, std::uint64_t seed) {
   Random random(seed);
   const auto parts = shuffled(network.parts.size(), random);
   const auto nodes = shuffled(static_cast<std::size_t>(network.nodes), random);
-  const Run renumbered = simulate(to_model(network, parts, nodes), network.stop, steps);
+  const ProgramRun renumbered = run_program(to_model(network, parts, nodes), equal_steps(network.stop, steps));
   if (renumbered.finding.kind != Finding::Kind::fine)
     return {Finding::Kind::wrong, "renumbering: " + renumbered.finding.what, renumbered.finding.detail};
   if (Finding finding = compare(network, run, renumbered, 1, "renumbering"); finding.kind != Finding::Kind::fine) return finding;
 
-  const Run halved = simulate(to_model(network), network.stop, 2 * steps);
+  const ProgramRun halved = run_program(to_model(network), equal_steps(network.stop, 2 * steps));
   if (halved.finding.kind != Finding::Kind::fine) return {Finding::Kind::wrong, "half the step: " + halved.finding.what, halved.finding.detail};
   if (Finding finding = compare(network, run, halved, 2, "half the step"); finding.kind != Finding::Kind::fine) return finding;
   return check_certificate(run.answer.certificate);

@@ -1,18 +1,10 @@
 #pragma once
 /// What must hold for every run of a random passive network.
 
-#include <string>
-
+#include "property/program_run.hpp"
 #include "property/random_network.hpp"
 
 namespace pwlsim::test {
-
-struct Finding {
-  enum class Kind { fine, refused, wrong };
-  Kind kind = Kind::fine;
-  std::string what;    ///< of a wrong one: which property, a few words; of a refused one the id of the diagnostic
-  std::string detail;  ///< numbers, for people
-};
 
 /// Runs the network, then renumbered, then with half the output step, and checks that it completes, that its certificate is good, that
 /// neither change has an effect, and that without sources the stored energy never rises. `refused`: its linear equations are singular.

@@ -1,73 +1,62 @@
-/// Random passive networks: see random_network.hpp for what they are, examination.hpp for what must hold.
+/// Random passive networks: see random_network.hpp for what they are, examination.hpp for what must hold, agreement.hpp for the
+/// independent solution beside them.
 #include <catch2/catch.hpp>
-#include <cstdint>
 
-#include "property/examination.hpp"
+#include "property/survey.hpp"
 
 using namespace pwlsim::test;
 
 namespace {
 
-constexpr double most_refused = 0.3;   ///< share of networks whose linear equations may be singular
-constexpr int most_printed = 3;        ///< failures that are minimised and printed
+constexpr double most_refused = 0.3;  ///< share of networks whose linear equations may be singular
+constexpr int long_run = 2000;        ///< networks of a family
 
-/// `known`: networks of this family that are known to fail today (LIMITS.md says how); the number may only go down.
-void check_family(const Recipe& recipe, std::uint64_t first_seed, int networks, int known) {
-  int refused = 0, wrong = 0;
-  for (int i = 0; i < networks; ++i) {
-    const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-    const RandomNetwork network = make_random_network(seed, recipe);
-    const Finding finding = examine(network, seed);
-    if (finding.kind == Finding::Kind::refused) ++refused;
-    if (finding.kind != Finding::Kind::wrong) continue;
-    if (++wrong > most_printed) continue;
-    const RandomNetwork small = minimised(network, seed, finding);
-    const Finding of_small = examine(small, seed);
-    UNSCOPED_INFO("seed " << seed << ": " << finding.what << ": " << finding.detail << "\nsmallest: " << of_small.detail << "\n" << to_deck(small));
-  }
-  INFO(wrong << " of " << networks << " networks failed, " << refused << " were refused");
-  CHECK(wrong <= known);
-  CHECK(refused < most_refused * networks);
+void check_family(const std::string& name, int networks, int known, const Checks& checks) {
+  const Survey result = survey(family(name), networks, checks);
+  for (const auto& failure : result.failures) UNSCOPED_INFO(failure);
+  INFO(result.wrong << " of " << networks << " networks failed, " << result.refused << " were refused");
+  CHECK(result.wrong <= known);
+  CHECK(result.refused < most_refused * networks);
 }
+
+void check_properties(const std::string& name, int networks) { check_family(name, networks, family(name).known, {true, false}); }
+
+void check_agreement(const std::string& name, int networks) { check_family(name, networks, 0, {false, true}); }
+
+void check_all(const std::string& name) { check_family(name, long_run, 0, {true, true}); }
 
 }  // namespace
 
-TEST_CASE("networks of all parts", "[property]") { check_family({}, 1, 600, 0); }
+TEST_CASE("networks of all parts", "[property]") { check_properties("all parts", 600); }
 
-TEST_CASE("networks without sources never gain energy", "[property]") {
-  Recipe recipe;
-  recipe.voltage = recipe.current = 0.0;
-  check_family(recipe, 10'001, 500, 0);
-}
+TEST_CASE("networks without sources never gain energy", "[property]") { check_properties("no sources", 500); }
 
 TEST_CASE("networks of stores and diodes with little resistance: capacitor loops, inductor cutsets, jumps", "[property]") {
-  Recipe recipe;
-  recipe.resistor = 1.0;
-  recipe.capacitor = 4.0;
-  recipe.inductor = 3.0;
-  recipe.diode = 4.0;
-  recipe.stiff_source = 0.8;
-  check_family(recipe, 20'001, 500, 0);
+  check_properties("little resistance", 500);
 }
 
-TEST_CASE("networks of many diodes", "[property]") {
-  Recipe recipe;
-  recipe.diode = 8.0;
-  recipe.most_nodes = 5;
-  check_family(recipe, 30'001, 500, 0);
-}
+TEST_CASE("networks of many diodes", "[property]") { check_properties("many diodes", 500); }
 
-TEST_CASE("networks that float when their diodes and switches block", "[property]") {
-  Recipe recipe;
-  recipe.floating = 1.0;
-  recipe.diode = 5.0;
-  recipe.switch_ = 2.0;
-  check_family(recipe, 40'001, 400, 0);
-}
+TEST_CASE("networks that float when their diodes and switches block", "[property]") { check_properties("floating", 400); }
+
+TEST_CASE("networks of up to twelve ports", "[property]") { check_properties("up to twelve ports", 300); }
 
 TEST_CASE("networks of diodes with forward and reverse resistance: modes up to 10^12 times faster than what one looks at", "[property]") {
-  Recipe recipe;
-  recipe.diode = 5.0;
-  recipe.real_diodes = 0.8;
-  check_family(recipe, 50'001, 500, 6);
+  check_properties("real diodes", 500);
 }
+
+TEST_CASE("implicit Euler comes towards the program's states as its steps shrink", "[property]") {
+  check_agreement("all parts", 30);
+  check_agreement("no sources", 30);
+  check_agreement("little resistance", 30);
+  check_agreement("many diodes", 30);
+  check_agreement("floating", 30);
+  check_agreement("up to twelve ports", 20);
+}
+
+TEST_CASE("2,000 networks of all parts", "[property][long]") { check_all("all parts"); }
+TEST_CASE("2,000 networks without sources", "[property][long]") { check_all("no sources"); }
+TEST_CASE("2,000 networks of little resistance", "[property][long]") { check_all("little resistance"); }
+TEST_CASE("2,000 networks of many diodes", "[property][long]") { check_all("many diodes"); }
+TEST_CASE("2,000 networks that float", "[property][long]") { check_all("floating"); }
+TEST_CASE("2,000 networks of up to twelve ports", "[property][long]") { check_all("up to twelve ports"); }

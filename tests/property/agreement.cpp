@@ -1,0 +1,273 @@
+#include "property/agreement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "property/independent.hpp"
+#include "property/program_run.hpp"
+
+namespace pwlsim::test {
+namespace {
+
+using States = std::vector<double>;
+using Rows = std::vector<States>;
+
+constexpr int levels = 4;              ///< h, h/2, h/4, h/8
+constexpr int coarsest_steps = 160;    ///< of length h in a window
+constexpr double shrinking = 8.0;      ///< of the window where it is too long for the steps
+constexpr int most_shrinkings = 5;     ///< the fastest tanks have 10⁶ rad/s, the longest runs 50 ms
+constexpr double resolved_change = 0.02;  ///< most that the last halving may change
+constexpr double settling = 0.8;       ///< most by which a halving may shrink the change, on average (0.5: order 1)
+constexpr double safety = 3.0;         ///< between an error and its estimate by the last halvings
+constexpr double rounding = 1e-8;      ///< of thousands of steps, each solved to 1e-12
+constexpr double nothing = 1e-12;      ///< of 10 V or 10 mA: rounding of a state that is zero
+constexpr int most_events = 6;         ///< around which windows are laid
+constexpr double in_the_middle = 0.381966;  ///< of the run, and one more window there
+
+/// Norm of the stored energy.
+struct Norm {
+  std::vector<Part> parts;
+
+  double of(const States& x) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts.size(); ++i) sum += parts[i].value * x[i] * x[i];
+    return std::sqrt(sum);
+  }
+  double largest(const Rows& rows) const {
+    double result = 0.0;
+    for (const auto& row : rows) result = std::max(result, of(row));
+    return result;
+  }
+  /// What rounding leaves of states of this size.
+  double noise(double scale) const {
+    States typical;
+    for (const Part& part : parts) typical.push_back(typical_state(part));
+    return rounding * scale + nothing * of(typical);
+  }
+  double distance(const Rows& a, const Rows& b) const {
+    double result = 0.0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      States difference = a[k];
+      for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= b[k][i];
+      result = std::max(result, of(difference));
+    }
+    return result;
+  }
+};
+
+Rows extrapolated(const Rows& fine, const Rows& coarse) {
+  Rows result = fine;
+  for (std::size_t k = 0; k < fine.size(); ++k)
+    for (std::size_t i = 0; i < fine[k].size(); ++i) result[k][i] += fine[k][i] - coarse[k][i];
+  return result;
+}
+
+/// Largest difference of one state.
+double distance_of(std::size_t state, const Rows& a, const Rows& b) {
+  double result = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) result = std::max(result, std::abs(a[k][state] - b[k][state]));
+  return result;
+}
+
+struct Window {
+  double start = 0.0, length = 0.0;
+};
+
+/// Implicit Euler with all step sizes in one window.
+struct Refinement {
+  StepGrid grid;
+  States initial;
+  std::array<Rows, levels> rows;
+  std::string problem;
+
+  double change(const Norm& norm, int level) const { return norm.distance(rows[static_cast<std::size_t>(level)], rows[static_cast<std::size_t>(level - 1)]); }
+
+  double scale(const Norm& norm) const { return std::max(norm.of(initial), norm.largest(rows.back())); }
+
+  bool resolves(const Norm& norm) const {
+    const double scale = this->scale(norm);
+    const double last = change(norm, levels - 1);
+    return last <= norm.noise(scale) || (last <= resolved_change * scale && last <= settling * settling * change(norm, 1));
+  }
+};
+
+Refinement refine(const RandomNetwork& network, const Window& window, const States& initial) {
+  Refinement result;
+  result.initial = initial;
+  result.grid = make_grid(network, window.start, window.start + window.length, coarsest_steps);
+  for (std::size_t level = 0; level < levels && result.problem.empty(); ++level) {
+    Trajectory trajectory = implicit_euler(network, result.grid, initial, 1 << level, level == 0);
+    result.problem = trajectory.problem;
+    result.rows[level] = std::move(trajectory.states);
+  }
+  return result;
+}
+
+class Comparison {
+ public:
+  explicit Comparison(const RandomNetwork& network) : network_(network), norm_{states_of(network)} {}
+
+  Agreement run() {
+    if (norm_.parts.empty()) return result_;
+    Window window{0.0, network_.stop};
+    examine_from(window);
+    result_.whole = result_.windows == 1 && window.length == network_.stop;
+    if (result_.kind == Agreement::Kind::agrees && !result_.whole)
+      for (const double start : later_starts(window.length)) {
+        Window later{start, std::min(window.length, network_.stop - start)};
+        if (result_.kind == Agreement::Kind::agrees) examine_from(later);
+      }
+    return result_;
+  }
+
+ private:
+  /// Windows of this length that hold edges of the sources and events of the program's run, a third of the window after their start.
+  std::vector<double> later_starts(double length) {
+    std::vector<double> instants = some_of(edges_of(network_, network_.stop));
+    const auto events = some_of(program_events());
+    instants.insert(instants.end(), events.begin(), events.end());
+    instants.push_back(network_.stop * in_the_middle);
+    std::vector<double> starts;
+    for (const double t : instants)
+      if (t > length) starts.push_back(t - length / 3.0);
+    return starts;
+  }
+
+  static std::vector<double> some_of(const std::vector<double>& times) {
+    std::vector<double> result;
+    const std::size_t stride = times.size() / most_events + 1;
+    for (std::size_t k = 0; k < times.size(); k += stride) result.push_back(times[k]);
+    return result;
+  }
+
+  std::vector<double> program_events() {
+    const ProgramRun run = run_program(to_model(network_), {0.0, network_.stop}, true);
+    std::vector<double> times;
+    for (std::size_t k = 1; k < run.rows.size(); ++k)
+      if (run.rows[k][0] == run.rows[k - 1][0]) times.push_back(run.rows[k][0]);
+    return times;
+  }
+
+  void fail(const char* what, std::string detail) {
+    result_.kind = Agreement::Kind::wrong;
+    result_.what = what;
+    result_.detail = std::move(detail);
+  }
+
+  /// The states of the program at these times; empty where it fails.
+  Rows program(const std::vector<double>& times) {
+    const ProgramRun run = run_program(to_model(network_), times);
+    if (run.finding.kind != Finding::Kind::fine) {
+      result_.kind = run.finding.kind == Finding::Kind::refused ? Agreement::Kind::refused : Agreement::Kind::wrong;
+      result_.what = run.finding.what;
+      result_.detail = run.finding.detail;
+      return {};
+    }
+    Rows rows;
+    for (const auto& row : run.rows) rows.emplace_back(row.begin() + 1, row.end());
+    return rows;
+  }
+
+  void examine_from(Window& window) {
+    disagreement_.clear();
+    States initial = initial_states(network_);
+    if (window.start > 0.0) {
+      const Rows rows = program({0.0, window.start});
+      if (rows.empty()) return;
+      initial = rows.back();
+    }
+    for (int k = 0; k <= most_shrinkings; ++k, window.length /= shrinking) {
+      const Refinement refinement = refine(network_, window, initial);
+      if (!refinement.problem.empty()) return fail("implicit Euler", refinement.problem);
+      if (!refinement.resolves(norm_)) {
+        disagreement_ += fmt::format("; implicit Euler does not settle in the window {} + {}", window.start, window.length);
+        continue;
+      }
+      if (compare(window, refinement)) return;
+    }
+    if (result_.kind == Agreement::Kind::agrees) fail("independent solution", disagreement_);
+  }
+
+  /// False where they disagree: the window may be too long still, where a tank rings below the changes of all others.
+  bool compare(const Window& window, const Refinement& refinement) {
+    std::vector<double> times{0.0};
+    for (const std::size_t sample : refinement.grid.samples) times.push_back(refinement.grid.times[sample]);
+    Rows exact = program(times);
+    if (exact.empty()) return true;
+    exact.erase(exact.begin());
+    const Measured measured = measure(exact, refinement);
+    if (!measured.complaint.empty())
+      disagreement_ += fmt::format("; {} in the window {} + {}: differences {:.3g} {:.3g} {:.3g} {:.3g}, extrapolated {:.3g}", measured.complaint, window.start,
+                                window.length, measured.error[0], measured.error[1], measured.error[2], measured.error[3], measured.extrapolated);
+    if (!measured.complaint.empty()) return false;
+    ++result_.windows;
+    if (measured.noise) return true;
+    if (measured.error.back() > result_.difference) {
+      result_.difference = measured.error.back();
+      result_.order = std::log2(measured.error.front() / measured.error.back()) / (levels - 1);
+    }
+    result_.extrapolated = std::max(result_.extrapolated, measured.extrapolated);
+    return true;
+  }
+
+  struct Measured {
+    std::array<double, levels> error{};  ///< relative
+    double extrapolated = 0.0;
+    bool noise = false;  ///< the differences are rounding
+    std::string complaint;
+  };
+
+  Measured measure(const Rows& exact, const Refinement& refinement) const {
+    Measured result;
+    const auto& rows = refinement.rows;
+    const double scale = refinement.scale(norm_), noise = norm_.noise(scale), unit = scale + noise;
+    for (std::size_t level = 0; level < levels; ++level) result.error[level] = norm_.distance(exact, rows[level]) / unit;
+    result.extrapolated = norm_.distance(exact, extrapolated(rows[3], rows[2])) / unit;
+    const double last_change = norm_.distance(rows[3], rows[2]) / unit;
+    result.noise = result.error[3] <= noise / unit;
+    if (result.error[3] > std::max(noise / unit, std::pow(settling, levels - 1) * result.error[0])) result.complaint = "they do not come nearer";
+    if (result.extrapolated > last_change + noise / unit) result.complaint = "extrapolation leads elsewhere";
+    for (std::size_t i = 0; i < norm_.parts.size(); ++i)
+      if (!state_agrees(i, exact, refinement, noise)) result.complaint = norm_.parts[i].name;
+    return result;
+  }
+
+  /// Each state for itself, small ones too.
+  bool state_agrees(std::size_t state, const Rows& exact, const Refinement& refinement, double noise) const {
+    double change = 0.0;
+    for (std::size_t level = 1; level < levels; ++level)
+      change = std::max(change, std::ldexp(distance_of(state, refinement.rows[level], refinement.rows[level - 1]), static_cast<int>(level) - (levels - 1)));
+    return distance_of(state, exact, refinement.rows[3]) <= safety * change + noise / std::sqrt(norm_.parts[state].value);
+  }
+
+  const RandomNetwork& network_;
+  Norm norm_;
+  Agreement result_;
+  std::string disagreement_;  ///< of the windows, from the longest on
+};
+
+}  // namespace
+
+Agreement compare_with_independent(const RandomNetwork& network) { return Comparison(network).run(); }
+
+RandomNetwork smallest_disagreement(RandomNetwork network, const Agreement& agreement) {
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (std::size_t i = 0; i < network.parts.size(); ++i) {
+      RandomNetwork without = network;
+      without.parts.erase(without.parts.begin() + static_cast<long>(i));
+      if (without.parts.empty() || !sources_can_be_met(without)) continue;
+      const Agreement again = compare_with_independent(without);
+      if (again.kind != agreement.kind || again.what != agreement.what) continue;
+      network = std::move(without);
+      smaller = true;
+      --i;
+    }
+  }
+  return network;
+}
+
+}  // namespace pwlsim::test

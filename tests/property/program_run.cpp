@@ -1,0 +1,59 @@
+#include "property/program_run.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <ctime>
+
+#include "engine/exact/exact.hpp"
+
+namespace pwlsim::test {
+namespace {
+
+constexpr double patience = 5.0;  ///< s of the processor's time, which other programs do not take; runs need about a millisecond
+
+struct Rows : engine::RowSink {
+  bool write(std::span<const double> values, std::size_t count) override {
+    const std::size_t width = values.size() / count;
+    for (std::size_t i = 0; i < count; ++i) rows.emplace_back(values.begin() + static_cast<long>(i * width), values.begin() + static_cast<long>((i + 1) * width));
+    return true;
+  }
+  std::vector<std::vector<double>> rows;  ///< time, states
+};
+
+/// The linear equations have no unique solution whatever the diodes do: no state, or no current or voltage, follows.
+bool is_structural(const std::string& id) { return id == "E-floating" || id == "E-source-loop" || id == "E-source-cutset"; }
+
+}  // namespace
+
+ProgramRun run_program(const model::Network& network, const std::vector<double>& times, bool events) {
+  ProgramRun run;
+  Diagnostics diagnostics;
+  const auto model = engine::prepare(network, diagnostics);
+  if (!model) {
+    const Diagnostic& first = diagnostics.all().front();
+    run.finding = {is_structural(first.id) ? Finding::Kind::refused : Finding::Kind::wrong, first.id, first.text};
+    return run;
+  }
+  const std::clock_t start = std::clock();
+  std::atomic<int> interrupt{0};
+  engine::Request request;
+  request.stop = times.back();
+  request.grid = {[&](std::uint64_t k) { return times[k]; }, times.size()};
+  request.events = events;
+  request.use_initial_conditions = true;
+  request.interrupt = &interrupt;
+  request.progress = [&](double) {
+    if (static_cast<double>(std::clock() - start) > patience * CLOCKS_PER_SEC) interrupt = 1;
+  };
+  Rows rows;
+  run.answer = engine::run(*model, request, rows);
+  run.rows = std::move(rows.rows);
+  if (run.answer.outcome == engine::Outcome::interrupted)
+    run.finding = {Finding::Kind::wrong, "too slow", fmt::format("t = {} of {} after {} s", run.answer.time, times.back(), patience)};
+  else if (run.answer.outcome != engine::Outcome::completed)
+    run.finding = {Finding::Kind::wrong, run.answer.id, run.answer.message};
+  return run;
+}
+
+}  // namespace pwlsim::test

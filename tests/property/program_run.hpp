@@ -1,0 +1,29 @@
+#pragma once
+/// One run of the program on a network, with uic.
+
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::test {
+
+struct Finding {
+  enum class Kind { fine, refused, wrong };
+  Kind kind = Kind::fine;
+  std::string what;    ///< of a wrong one: which property, a few words; of a refused one the id of the diagnostic
+  std::string detail;  ///< numbers, for people
+  engine::Certificate certificate = {};
+};
+
+struct ProgramRun {
+  Finding finding;                        ///< `refused`: the linear equations are singular
+  std::vector<std::vector<double>> rows;  ///< time, signals
+  engine::Answer answer;
+};
+
+/// Rows at `times`, ascending; the run ends with the last. `events`: a row before and after each event as well.
+[[nodiscard]] ProgramRun run_program(const model::Network& network, const std::vector<double>& times, bool events = false);
+
+}  // namespace pwlsim::test
