@@ -23,7 +23,7 @@ void check_properties(const std::string& name, int networks) { check_family(name
 
 void check_agreement(const std::string& name, int networks) { check_family(name, networks, 0, {false, true}); }
 
-void check_all(const std::string& name) { check_family(name, long_run, 0, {true, true}); }
+void check_all(const std::string& name) { check_family(name, long_run, family(name).known_long, {true, true}); }
 
 }  // namespace
 

@@ -24,7 +24,7 @@ std::string processor() {
   return "unknown processor";
 }
 
-std::string number(const std::optional<double>& value) { return value ? fmt::format("{:.1e}", *value) : "–"; }
+std::string text_of(const std::optional<double>& value) { return value ? fmt::format("{:.1e}", *value) : "–"; }
 
 bool holds(const Measured& measured) {
   if (!measured.problem.empty()) return false;
@@ -37,12 +37,12 @@ int print_cases() {
   for (const HardCase& item : hard_cases()) {
     const Measured measured = measure(item);
     std::string value = measured.outcome;
-    if (measured.value) value += (value.empty() ? "" : "; ") + number(measured.value);
+    if (measured.value) value += (value.empty() ? "" : "; ") + text_of(measured.value);
     if (!holds(measured)) {
       ++failed;
       value = "**fails** " + measured.problem + " " + value;
     }
-    fmt::print("| {} | {} | {} | {} | {} |\n", item.number, item.system, item.tests, value, number(measured.event_time));
+    fmt::print("| {} | {} | {} | {} | {} |\n", item.number, item.system, item.tests, value, text_of(measured.event_time));
   }
   return failed;
 }
