@@ -24,6 +24,8 @@ constexpr Wide feedthrough_tolerance = 1e-10L;
 constexpr Wide unrounded_feedthrough_tolerance = 1e-13L;
 /// Rank of the normalised matrix of first Markov parameters on the kernel of D_JJ.
 constexpr double jump_rank_tolerance = 1e-9;
+/// A constraint or jump direction below this share of its terms is what rounding left of zero: the port is then not determined.
+constexpr Wide cancelled_norm = 1e-14L;
 /// Relative rounding of a guard: the floor, and what a condition number κ adds (30 ulp each).
 constexpr double noise_floor = 3e-14;
 constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
@@ -228,7 +230,11 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
   }
   WideMatrix constraint = r_.c;
   WideMatrix jump = r_.b;
+  WideMatrix constraint_bound = r_.c.cwiseAbs();
+  WideMatrix jump_bound = r_.b.cwiseAbs();
   if (!zero) {
+    constraint_bound = absolute_product(left.transpose(), r_.c);
+    jump_bound = absolute_product(r_.b, right);
     // An entry of a null vector is exact to the rounding of its largest.
     constraint = product(left.transpose(), r_.c);
     clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
@@ -241,7 +247,9 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
     row_norm[i] = constraint.row(i).head(s_.n).norm();
     column_norm[i] = jump.col(i).norm();
   }
-  if (s_.n == 0 || row_norm.minCoeff() == 0.0 || column_norm.minCoeff() == 0.0) return false;
+  const auto is_rounding = [](const WideVector& norm, const WideVector& bound) { return (norm.array() <= cancelled_norm * bound.array()).any(); };
+  if (s_.n == 0 || is_rounding(row_norm, constraint_bound.leftCols(s_.n).rowwise().norm())) return false;
+  if (is_rounding(column_norm, jump_bound.colwise().norm().transpose())) return false;
   constraint.array().colwise() /= row_norm.array();
   jump.array().rowwise() /= column_norm.transpose().array();
   right.array().rowwise() /= column_norm.transpose().array();

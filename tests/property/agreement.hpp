@@ -16,14 +16,17 @@ struct Agreement {
   enum class Kind { agrees, refused, wrong };
   Kind kind = Kind::agrees;
   std::string what, detail;
-  int windows = 0;               ///< compared
-  bool whole = false;            ///< the whole run was one window
-  double difference = 0.0;       ///< largest distance of the program from the solution with h/8
-  double extrapolated = 0.0;     ///< largest distance from 2 x(h/8) − x(h/4)
-  double order = 0.0;            ///< of that with the largest difference: log₂ of the mean factor by which a halving brings the solutions nearer
+  int windows = 0;            ///< compared
+  bool whole = false;         ///< the whole run was one window
+  double difference = 0.0;    ///< largest distance of the program from the solution with h/8
+  double extrapolated = 0.0;  ///< largest distance from 2 x(h/8) − x(h/4)
+  double order = 0.0;  ///< of that with the largest difference: log₂ of the mean factor by which a halving brings the solutions nearer
 };
 
 [[nodiscard]] Agreement compare_with_independent(const RandomNetwork& network);
+
+/// The same with another network given to implicit Euler, of the same stores, sources and switches: to see what the comparison notices.
+[[nodiscard]] Agreement compare_with_independent(const RandomNetwork& network, const RandomNetwork& beside);
 
 /// The network with every part removed that the disagreement does not need.
 [[nodiscard]] RandomNetwork smallest_disagreement(RandomNetwork network, const Agreement& agreement);

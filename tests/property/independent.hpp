@@ -35,7 +35,8 @@ struct Trajectory {
 
 /// From `initial` at the first time of the grid, each of whose steps is divided into `division` equal ones. `examine_all`: at the steps in which a
 /// diode changes, and at every sixteenth, all positions that solve it must lead to the same states.
-[[nodiscard]] Trajectory implicit_euler(const RandomNetwork& network, const StepGrid& grid, std::vector<double> initial, int division, bool examine_all);
+[[nodiscard]] Trajectory implicit_euler(const RandomNetwork& network, const StepGrid& grid, std::vector<double> initial, int division,
+                                        bool examine_all);
 
 /// The voltage or current that random networks give their sources and stores at most: what rounding is a share of where a state is zero.
 [[nodiscard]] double typical_state(const Part& part);

@@ -15,7 +15,8 @@ constexpr double patience = 5.0;  ///< s of the processor's time, which other pr
 struct Rows : engine::RowSink {
   bool write(std::span<const double> values, std::size_t count) override {
     const std::size_t width = values.size() / count;
-    for (std::size_t i = 0; i < count; ++i) rows.emplace_back(values.begin() + static_cast<long>(i * width), values.begin() + static_cast<long>((i + 1) * width));
+    for (std::size_t i = 0; i < count; ++i)
+      rows.emplace_back(values.begin() + static_cast<long>(i * width), values.begin() + static_cast<long>((i + 1) * width));
     return true;
   }
   std::vector<std::vector<double>> rows;  ///< time, states
@@ -23,6 +24,13 @@ struct Rows : engine::RowSink {
 
 /// The linear equations have no unique solution whatever the diodes do: no state, or no current or voltage, follows.
 bool is_structural(const std::string& id) { return id == "E-floating" || id == "E-source-loop" || id == "E-source-cutset"; }
+
+/// Of this thread.
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 }  // namespace
 
@@ -35,7 +43,7 @@ ProgramRun run_program(const model::Network& network, const std::vector<double>&
     run.finding = {is_structural(first.id) ? Finding::Kind::refused : Finding::Kind::wrong, first.id, first.text};
     return run;
   }
-  const std::clock_t start = std::clock();
+  const double start = processor_seconds();
   std::atomic<int> interrupt{0};
   engine::Request request;
   request.stop = times.back();
@@ -44,7 +52,7 @@ ProgramRun run_program(const model::Network& network, const std::vector<double>&
   request.use_initial_conditions = true;
   request.interrupt = &interrupt;
   request.progress = [&](double) {
-    if (static_cast<double>(std::clock() - start) > patience * CLOCKS_PER_SEC) interrupt = 1;
+    if (processor_seconds() - start > patience) interrupt = 1;
   };
   Rows rows;
   run.answer = engine::run(*model, request, rows);

@@ -21,7 +21,12 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 class Trial {
  public:
   Trial(const ResistiveNetwork& network, ResistiveNetwork::Position position, Real slack)
-      : network_(network), position_(position), slack_(slack), tree_(at(network.nodes), -1), above_(at(network.nodes)), edges_(at(network.nodes)) {}
+      : network_(network),
+        position_(position),
+        slack_(slack),
+        tree_(at(network.nodes), -1),
+        above_(at(network.nodes)),
+        edges_(at(network.nodes)) {}
 
   bool solves() { return grow_forest() && join_parts() && blocking_are_tied() && solve_trees() && none_forward() && none_backward(); }
   std::vector<Real> potentials() const { return e_; }
@@ -180,8 +185,8 @@ class Trial {
   const Real slack_;
   int trees_ = 0;
   std::vector<int> tree_, order_, part_;
-  std::vector<Real> rise_;           ///< of a node above the root of its tree
-  std::vector<Edge> above_;            ///< of a node: the edge towards the root
+  std::vector<Real> rise_;   ///< of a node above the root of its tree
+  std::vector<Edge> above_;  ///< of a node: the edge towards the root
   std::vector<std::vector<Edge>> edges_;
   std::vector<Real> e_;
   std::vector<Real> size_;   ///< of the potentials that e is a difference of

@@ -37,7 +37,7 @@ class ResistiveNetwork {
     int p = 0, n = 0;
   };
 
-  int nodes = 1;  ///< with ground, which is 0
+  int nodes = 1;                          ///< with ground, which is 0
   std::vector<Conductance> conductances;  ///< a current source has the conductance 0
   std::vector<Rigid> rigid;               ///< of several in a loop the last is redundant
   std::vector<Diode> diodes;              ///< at most 20

@@ -104,7 +104,8 @@ class Surveyor {
   void check_agreement(const RandomNetwork& network, std::uint64_t seed) {
     const Agreement agreement = compare_with_independent(network);
     if (agreement.kind == Agreement::Kind::refused && !checks_.properties) ++result_.refused;
-    if (agreement.kind == Agreement::Kind::wrong) fail(seed, agreement.what, agreement.detail, [&] { return smallest_disagreement(network, agreement); });
+    if (agreement.kind == Agreement::Kind::wrong)
+      fail(seed, agreement.what, agreement.detail, [&] { return smallest_disagreement(network, agreement); });
     if (agreement.kind != Agreement::Kind::agrees || agreement.windows == 0) return;
     ++result_.compared;
     if (agreement.whole) ++result_.whole;
@@ -131,7 +132,8 @@ class Surveyor {
 }  // namespace
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{all_parts(), without_sources(), little_resistance(), many_diodes(), floating(), twelve_ports(), real_diodes()};
+  static const std::vector<Family> all{all_parts(), without_sources(), little_resistance(), many_diodes(),
+                                       floating(),  twelve_ports(),    real_diodes()};
   return all;
 }
 

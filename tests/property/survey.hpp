@@ -28,10 +28,10 @@ struct Checks {
 
 struct Survey {
   int networks = 0, refused = 0, wrong = 0;
-  std::vector<std::string> failures;  ///< with seed and smallest deck: the first few
-  engine::Certificate worst;          ///< largest of each residual
-  int most_ports = 0;                 ///< diodes and switches of one network
-  int compared = 0, whole = 0, windows = 0;  ///< with the independent solution; as one window; windows in all
+  std::vector<std::string> failures;                         ///< with seed and smallest deck: the first few
+  engine::Certificate worst;                                 ///< largest of each residual
+  int most_ports = 0;                                        ///< diodes and switches of one network
+  int compared = 0, whole = 0, windows = 0;                  ///< with the independent solution; as one window; windows in all
   double difference = 0.0, extrapolated = 0.0, order = 0.0;  ///< largest, largest, median over networks (agreement.hpp)
 };
 

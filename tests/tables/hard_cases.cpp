@@ -16,7 +16,7 @@ namespace {
 
 constexpr double nearest_bound = 1e-5;  ///< of a run's length: events further apart are others
 constexpr int touching_case = 31;
-constexpr double decided = 1e-9;        ///< beyond this a sign is not rounding
+constexpr double decided = 1e-9;  ///< beyond this a sign is not rounding
 
 Measured failed(const std::string& problem) {
   Measured result;
@@ -47,7 +47,8 @@ void measure_rows(const DeckRun& run, const Reference& reference, Measured& resu
       result.problem = fmt::format("no row at {}", expected[0]);
       return;
     }
-    for (std::size_t k = 0; k < reference.signals.size(); ++k) raise(result.value, std::abs((*row)[k + 1] - expected[k + 1]) / reference.maximum(k));
+    for (std::size_t k = 0; k < reference.signals.size(); ++k)
+      raise(result.value, std::abs((*row)[k + 1] - expected[k + 1]) / reference.maximum(k));
   }
 }
 
@@ -71,7 +72,8 @@ void measure_events(const DeckRun& run, const Reference& reference, Measured& re
       continue;
     }
     raise(result.event_time, std::abs((*row)[0] - expected.time) / run.stop);
-    for (std::size_t k = 0; k < reference.signals.size(); ++k) raise(result.value, std::abs((*row)[k + 1] - expected.after[k]) / reference.maximum(k));
+    for (std::size_t k = 0; k < reference.signals.size(); ++k)
+      raise(result.value, std::abs((*row)[k + 1] - expected.after[k]) / reference.maximum(k));
   }
 }
 
@@ -177,7 +179,9 @@ std::pair<double, double> twisted(double time) {
 
 Measured twisting() {
   const DeckRun run = run_text(
-      "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran 0.25 3 uic\n.end\n", true);
+      "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran 0.25 3 "
+      "uic\n.end\n",
+      true);
   Measured result = against(run, {[](double t) { return twisted(t).first; }, [](double t) { return twisted(t).second; }});
   measure_event(run, 1.0 + 2.0 / std::sqrt(3.0), result);
   return result;
@@ -190,18 +194,24 @@ Measured corner() {
 
 Measured support() {
   const auto rest = [](double t) { return 1.5 * t * t; };
-  return against(run_raw("A\n0 1 0 0\n0 0 0 0\n0 0 0 1\n0 0 0 0\nB\n0\n1\n0\n0\nC\n1 0 -1 0\nE\n0\n2\n0\n3\nw\nDC 1\nF\n0\n", ".tran 0.25 1\n"), {rest});
+  return against(
+      run_raw("A\n0 1 0 0\n0 0 0 0\n0 0 0 1\n0 0 0 0\nB\n0\n1\n0\n0\nC\n1 0 -1 0\nE\n0\n2\n0\n3\nw\nDC 1\nF\n0\n", ".tran 0.25 1\n"),
+      {rest});
 }
 
 Measured negative_matrix() {
-  const auto outcome = [](const char* level) { return run_raw(std::string("D\n-1\nF\n1\nw\nDC ") + level + "\n", ".tran 0.5 1\n").answer.outcome; };
-  if (outcome("1") == engine::Outcome::not_unique && outcome("-1") == engine::Outcome::no_solution) return told("q > 0: not unique; q < 0: none");
+  const auto outcome = [](const char* level) {
+    return run_raw(std::string("D\n-1\nF\n1\nw\nDC ") + level + "\n", ".tran 0.5 1\n").answer.outcome;
+  };
+  if (outcome("1") == engine::Outcome::not_unique && outcome("-1") == engine::Outcome::no_solution)
+    return told("q > 0: not unique; q < 0: none");
   return failed("not told");
 }
 
 Measured cycling_matrix() {
   const auto third = [](double) { return 1.0 / 3.0; };
-  return against(run_raw("D\n1 0 2\n2 1 0\n0 2 1\nF\n-1\n-1\n-1\nw\nDC 1\n", ".save u(s,1) u(s,2) u(s,3)\n.tran 0.5 1\n"), {third, third, third});
+  return against(run_raw("D\n1 0 2\n2 1 0\n0 2 1\nF\n-1\n-1\n-1\nw\nDC 1\n", ".save u(s,1) u(s,2) u(s,3)\n.tran 0.5 1\n"),
+                 {third, third, third});
 }
 
 }  // namespace
@@ -250,15 +260,24 @@ const std::vector<HardCase>& hard_cases() {
 
 Measured measure(const HardCase& hard_case) {
   switch (hard_case.number) {
-    case 5: return sign_patterns();
-    case 8: return three_solutions();
-    case 11: return dead_zone();
-    case 13: return twisting();
-    case 14: return corner();
-    case 15: return support();
-    case 34: return negative_matrix();
-    case 35: return cycling_matrix();
-    default: return measure_decks(hard_case.number);
+    case 5:
+      return sign_patterns();
+    case 8:
+      return three_solutions();
+    case 11:
+      return dead_zone();
+    case 13:
+      return twisting();
+    case 14:
+      return corner();
+    case 15:
+      return support();
+    case 34:
+      return negative_matrix();
+    case 35:
+      return cycling_matrix();
+    default:
+      return measure_decks(hard_case.number);
   }
 }
 

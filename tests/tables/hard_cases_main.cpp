@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <future>
 #include <string>
+#include <vector>
 
 #include "property/survey.hpp"
 #include "tables/hard_cases.hpp"
@@ -48,20 +50,25 @@ int print_cases() {
 }
 
 std::string agreement(const Survey& result) {
-  return fmt::format("{} ({} whole, {} windows) | {:.1e} | {:.1e} | {:.2f}", result.compared, result.whole, result.windows, result.difference, result.extrapolated,
-                     result.order);
+  return fmt::format("{} ({} whole, {} windows) | {:.1e} | {:.1e} | {:.2f}", result.compared, result.whole, result.windows,
+                     result.difference, result.extrapolated, result.order);
 }
 
 int print_networks(int networks) {
   int failed = 0;
   std::string failures;
-  fmt::print("| family | run | refused | ports | failures | complementarity | KCL/KVL | energy | compared | difference | extrapolated | order |\n"
-             "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-  for (const Family& family : families()) {
-    const Survey result = survey(family, networks, {true, family.independent});
+  fmt::print(
+      "| family | run | refused | ports | failures | complementarity | KCL/KVL | energy | compared | difference | extrapolated | order |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  std::vector<std::future<Survey>> surveys;
+  for (const Family& family : families())
+    surveys.push_back(std::async(std::launch::async, [&family, networks] { return survey(family, networks, {true, family.independent}); }));
+  for (std::size_t i = 0; i < surveys.size(); ++i) {
+    const Family& family = families()[i];
+    const Survey result = surveys[i].get();
     const std::string last = family.independent ? agreement(result) : "– | – | – | –";
-    fmt::print("| {} | {} | {} | {} | {} | {:.1e} | {:.1e} | {:.1e} | {} |\n", family.name, result.networks, result.refused, result.most_ports, result.wrong,
-               result.worst.complementarity, result.worst.kcl_kvl, result.worst.energy, last);
+    fmt::print("| {} | {} | {} | {} | {} | {:.1e} | {:.1e} | {:.1e} | {} |\n", family.name, result.networks, result.refused,
+               result.most_ports, result.wrong, result.worst.complementarity, result.worst.kcl_kvl, result.worst.energy, last);
     std::fflush(stdout);
     failed += result.wrong;
     for (const auto& failure : result.failures) failures += "- " + family.name + ", " + failure.substr(0, failure.find('\n')) + "\n";
@@ -74,17 +81,27 @@ int print_networks(int networks) {
 
 int main(int argc, char** argv) {
   const int networks = argc > 1 ? std::atoi(argv[1]) : default_networks;
-  fmt::print("# Hard cases and random networks\n\nMade by `validation/hard_cases{}` on {:%Y-%m-%d}, {}. Numbers of random networks depend on nothing but "
-             "their seeds.\n\n## The hard cases\n\n",
-             argc > 1 ? fmt::format(" {}", networks) : "", fmt::gmtime(std::chrono::system_clock::now()), processor());
-  fmt::print("Circuits and systems with answers in closed form, which no simulator made. Errors of signals are relative to the largest value of the signal, those of "
-             "times to the length of\nthe run. References: tests/reference, 20 digits (validation/references), or a formula in the table's program. Case 31 touches its stop "
-             "without speed: a double root\ncosts half the digits of its time.\n\n");
+  fmt::print(
+      "# Hard cases and random networks\n\nMade by `validation/hard_cases{}` on {:%Y-%m-%d}, {}. Numbers of random networks depend on "
+      "nothing but "
+      "their seeds.\n\n## The hard cases\n\n",
+      argc > 1 ? fmt::format(" {}", networks) : "", fmt::gmtime(std::chrono::system_clock::now()), processor());
+  fmt::print(
+      "Circuits and systems with answers in closed form, which no simulator made. Errors of signals are relative to the largest value of "
+      "the signal, those of "
+      "times to the length of\nthe run. References: tests/reference, 20 digits (validation/references), or a formula in the table's "
+      "program. Case 31 touches its stop "
+      "without speed: a double root\ncosts half the digits of its time.\n\n");
   int failed = print_cases();
-  fmt::print("\n## Random passive networks\n\nEach is run three times (as it is, renumbered, with half the output step); residuals are the largest of the certificates. "
-             "Refused: its linear equations are singular\nwhatever the diodes do. Beside it stands an independent solution: implicit Euler with every step solved by trying the "
-             "positions of the diodes, steps h, h/2, h/4, h/8\n(tests/property/agreement.hpp). Difference: from the program at h/8, in the norm of stored energy, relative; "
-             "extrapolated: from 2 x(h/8) − x(h/4); order: median over\nthe networks of log₂ of the factor by which a halving of h brings the two nearer.\n\n");
+  fmt::print(
+      "\n## Random passive networks\n\nEach is run three times (as it is, renumbered, with half the output step); residuals are the "
+      "largest of the certificates. "
+      "Refused: its linear equations are singular\nwhatever the diodes do. Beside it stands an independent solution: implicit Euler with "
+      "every step solved by trying the "
+      "positions of the diodes, steps h, h/2, h/4, h/8\n(tests/property/agreement.hpp). Difference: from the program at h/8, in the norm "
+      "of stored energy, relative; "
+      "extrapolated: from 2 x(h/8) − x(h/4); order: median over\nthe networks of log₂ of the factor by which a halving of h brings the two "
+      "nearer.\n\n");
   failed += print_networks(networks);
   return failed == 0 ? 0 : 1;
 }
