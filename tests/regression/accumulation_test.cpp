@@ -84,6 +84,37 @@ TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
   CHECK(std::abs(run.rows.back()[2]) <= exact);
 }
 
+// The spring of the first term only acts beyond 3e-5: the motion comes to rest inside the play after finitely many events, however long the run.
+TEST_CASE("a sequence that ends is no accumulation, in a run of any length", "[unit]") {
+  const auto play = [](const std::string& tran) {
+    return run_text("play\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*limit(V(x)/3e-5,-1,1) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran + " uic\n.end\n");
+  };
+  const DeckRun brief = play("10 10"), endless = play("1e5 1e5");
+  REQUIRE(brief.answer.outcome == engine::Outcome::completed);
+  REQUIRE(endless.answer.outcome == engine::Outcome::completed);
+  CHECK(brief.answer.statistics.accumulations == 0);
+  CHECK(endless.answer.statistics.accumulations == 0);
+  CHECK(std::abs(brief.rows.back()[1] - endless.rows.back()[1]) <= exact);
+  CHECK(std::abs(brief.rows.back()[1]) <= 1.5e-5);  // where the spring is weaker than the friction
+}
+
+// v(C1), v(C2) are 0 before the source steps at t = 0, as they are where it steps later.
+TEST_CASE("a jump at the start tells what was before the source stepped", "[unit]") {
+  const auto run_at = [](const std::string& delay) {
+    return run_text("start\nV1 a 0 PULSE(0 3 " + delay + " 0 0 10 20)\nC1 a b 1 ic=0\nC2 b 0 2 ic=0\nD1 b c DI\nC3 c 0 1 ic=0\n.model DI D\n.save v(b) v(c)\n.tran 0.5 2 uic\n.end\n", true);
+  };
+  for (const char* delay : {"0", "1"}) {
+    INFO("step at " << delay);
+    const DeckRun run = run_at(delay);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    REQUIRE(run.answer.jumps.size() == 1);
+    CHECK(std::abs(run.answer.jumps[0].energy_before) <= exact);
+    for (const auto& state : run.answer.jumps[0].states) CHECK(std::abs(state.before) <= exact);
+    // C1 in series with C2 and C3 in parallel: v(b) = 3·1/(1 + 3).
+    CHECK(std::abs(run.rows.back()[1] - 0.75) <= exact);
+  }
+}
+
 TEST_CASE("a run that ends, or a source that moves, before the limit follows the events", "[unit]") {
   const DeckRun run = run_text(twisting("", "0.01 2.1"));
   REQUIRE(run.answer.outcome == engine::Outcome::completed);

@@ -49,13 +49,16 @@ double AccumulationWatch::limit_time(int period, int i) const {
   return back(i).time + (back(i).time - back(i + period).time) * r / (1.0 - r);
 }
 
-std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() const {
+std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() {
   for (int p = 1; p <= longest_period; ++p) {
     if (!repeats(p)) continue;
     Limit limit;
     limit.period = p;
     limit.ratio = ratio(p, 0);
     limit.time = limit_time(p, 0);
+    if (!shrinking_) begin_ = back(shrinking_intervals + 2 * p - 1).time;
+    shrinking_ = true;
+    limit.span = limit.time - begin_;
     limit.uncertainty = std::abs(limit.time - limit_time(p, p));
     const auto& last = back(0).xi;
     const auto& before = back(p).xi;
@@ -68,6 +71,7 @@ std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() const {
     }
     return limit;
   }
+  shrinking_ = false;
   return std::nullopt;
 }
 

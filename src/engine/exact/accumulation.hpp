@@ -21,15 +21,19 @@ class AccumulationWatch {
     double ratio = 0.0;       ///< r, of the times between events p apart
     int period = 0;           ///< p
     double uncertainty = 0.0; ///< what the last p events moved t* by, s
+    double span = 0.0;        ///< from the first event of the sequence to t*, s
     linalg::Vector xi;        ///< states there
   };
 
   /// An event of the island's own at `time`, with the mode and the n states ξ after it.
   void note(double time, const model::Mode& mode, const double* x, int n);
   /// Something from outside happened: what came before says nothing.
-  void reset() { count_ = 0; }
+  void reset() {
+    count_ = 0;
+    shrinking_ = false;
+  }
   /// Where the events seen last accumulate, if they do.
-  [[nodiscard]] std::optional<Limit> limit() const;
+  [[nodiscard]] std::optional<Limit> limit();
   [[nodiscard]] std::uint64_t events() const { return count_; }
 
  private:
@@ -46,6 +50,8 @@ class AccumulationWatch {
 
   std::vector<Event> events_;  ///< the last `kept`, in turn
   std::uint64_t count_ = 0;
+  bool shrinking_ = false;     ///< since `begin_`
+  double begin_ = 0.0;
 };
 
 }  // namespace pwlsim::engine

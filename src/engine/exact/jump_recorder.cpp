@@ -37,7 +37,9 @@ std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open
     const model::Port& port = system.port[static_cast<std::size_t>(i)];
     const auto diodes = static_cast<int>(islands_[island].island.network.diodes.size());
     const bool is_multiplier = i >= diodes && i < system.diodes;
-    result.push_back({port.name, is_multiplier ? "s" : port.input_is_current ? "C" : "Vs", open.impulse[i] * port.u_unit});
+    // A voltage port's u blocks; of a switch, which has no such direction, the flux counts from its first node to its second.
+    const double sign = i >= system.diodes && !port.input_is_current ? -1.0 : 1.0;
+    result.push_back({port.name, is_multiplier ? "s" : port.input_is_current ? "C" : "Vs", sign * open.impulse[i] * port.u_unit});
   }
   return result;
 }

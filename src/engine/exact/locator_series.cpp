@@ -131,7 +131,13 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   return walk(right, rest, rest_slope, middle, high, depth + 1);
 }
 
-double remainder_power(double h) { return std::pow(h, order + 1) / factorial_next; }
+/// h^(order + 1)/(order + 1)!
+double remainder_power(double h) {
+  static_assert(order == 10);
+  const double square = h * h;
+  const double fourth = square * square;
+  return fourth * fourth * square * h / factorial_next;
+}
 
 /// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket.
 double polynomial_root(const Coefficients& c, double low, double high) {

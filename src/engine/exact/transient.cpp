@@ -16,11 +16,12 @@ using Clock = std::chrono::steady_clock;
 constexpr double merge_fraction = 1e-14;
 constexpr int most_rounds = 12;          ///< of switches answering switches at one instant
 constexpr std::size_t rows_per_block = 1024;
-/// Of the run: events that accumulate this far ahead are crossed, once their limit is known this well; and in any case this far ahead,
-/// where rounding begins to tell in states that shrink with the square of the time.
+/// Of the time from the first event of a sequence to its limit: so far ahead it is crossed once the limit is known to rounding; and so far
+/// where it is known to a fraction of what is ahead. There rounding begins to tell in states that shrink with the square of the time.
 constexpr double crossing_fraction = 1e-4;
-constexpr double limit_tolerance = 1e-13;
-constexpr double last_crossing_fraction = 1e-6;
+constexpr double last_crossing_fraction = 1e-5;
+constexpr double limit_tolerance = 1e-13;  ///< of the limit's time
+constexpr double known_fraction = 1e-2;
 /// A run whose certificate is worse than this says so.
 constexpr double doubtful_residual = 1e-6;
 /// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
@@ -98,9 +99,9 @@ bool Transient::begin(const Start& start) {
   Instant instant;
   for (auto& island : islands_) {
     island.evaluate_sources(0.0);
+    jump_recorder_.before(number_of(island), island.x);
     island.take_breakpoints(0.0, tolerance_);
     recorder_.start(island.model(), island.x.data());
-    jump_recorder_.before(number_of(island), island.x);
   }
   if (!settle(instant, true)) return false;
   if (instant.jumps > 0 && request_.use_initial_conditions)
@@ -152,7 +153,7 @@ bool Transient::handle(double time) {
   if (has_rows) fill_row(time, row_before_.data());
   open_event_islands(time, instant);
   if (!settle(instant, false)) return false;
-  watch_accumulation(time);
+  watch_accumulation(instant);
   const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
   if (!happened) return watch_crowd(instant);  // nothing but a corner of a source
   ++answer_.statistics.events;
@@ -187,10 +188,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     return true;
   }
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < islands_.size(); ++i)
-    if (islands_[i].is_open())
-      for (const int c : islands_[i].violated_controls(on_))
-        names.push_back(model_.switches[static_cast<std::size_t>(islands_[i].system().controls[static_cast<std::size_t>(c)].driven)].name);
+  for (const int i : flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
   fail(Outcome::no_solution, "E-no-settle",
        fmt::format("the switches {} find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh",
                    fmt::join(names, ", "), instant.time),
@@ -238,6 +236,7 @@ bool Transient::flip_violated(Instant& instant) {
 }
 
 void Transient::flip(const std::vector<int>& switches, Instant& instant) {
+  instant.flips |= !switches.empty();
   for (const int s : switches) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
@@ -259,25 +258,35 @@ void Transient::note_mode_changes(Instant& instant) {
 }
 
 /// In a passive circuit no events accumulate ahead.
-void Transient::watch_accumulation(double time) {
+void Transient::watch_accumulation(const Instant& instant) {
+  const double time = instant.time;
   if (all_passive_) return;
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     IslandRun& island = islands_[i];
     if (island.system().passive || opened_[i] == Opened::no) continue;
     AccumulationWatch& watch = island.accumulation();
-    if (opened_[i] == Opened::from_outside) {
+    if (opened_[i] == Opened::from_outside || instant.flips) {  // what switches do infinitely often has no limit
       watch.reset();
       continue;
     }
     watch.note(time, *island.mode, island.x.data(), island.system().n);
     const auto limit = watch.limit();
-    if (!limit || !(limit->time < std::min(request_.stop, island.next_break()))) continue;
-    // The further events would have to be followed for a row that falls among them.
-    const double ahead = limit->time - time;
-    const bool exact = ahead <= crossing_fraction * request_.stop && limit->uncertainty <= limit_tolerance * request_.stop &&
-                       !(next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit->time - tolerance_);
-    if (exact || ahead <= last_crossing_fraction * request_.stop) cross(island, *limit);
+    if (limit && may_cross(i, *limit, time)) cross(island, *limit);
   }
+}
+
+/// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
+bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, double time) {
+  const double ahead = limit.time - time;
+  const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
+  if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
+  if (limit.uncertainty > known_fraction * ahead) return false;
+  if (limit.time >= request_.stop || (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_)) return false;
+  for (std::size_t j = 0; j < islands_.size(); ++j) {
+    if (islands_[j].next_break() <= limit.time) return false;
+    if (j != i && islands_[j].certify(limit.time) < limit.time) return false;
+  }
+  return true;
 }
 
 void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
@@ -436,7 +445,7 @@ void Transient::finish() {
   answer_.jumps = jump_recorder_.take();
   if (several_ > 0)
     answer_.remarks.push_back({"N-not-unique", fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
-                                                           several_ > 1 ? fmt::format(" (and so {} times more)", several_ - 1) : "",
+                                                           several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
                                                            request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
   s.seconds_model = model_.seconds;
   const auto clock = Clock::now();

@@ -22,6 +22,7 @@ class Transient {
     double time = 0.0;
     bool source_edge = false;
     bool mode_change = false;
+    bool flips = false;
     int jumps = 0;
   };
 
@@ -41,7 +42,8 @@ class Transient {
   bool push_row();
   bool flush();
   bool watch_crowd(const Instant& instant);
-  void watch_accumulation(double time);
+  void watch_accumulation(const Instant& instant);
+  bool may_cross(std::size_t island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
