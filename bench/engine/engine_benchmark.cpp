@@ -45,7 +45,9 @@ engine::Statistics run(const Case& c, std::uint64_t rows) {
   engine::Request request;
   request.stop = c.compiled.analyses.transient->stop.seconds;
   request.grid.rows = rows;
-  request.grid.time = [stop = request.stop, last = static_cast<double>(rows - 1)](std::uint64_t k) { return stop * (static_cast<double>(k) / last); };
+  request.grid.time = [stop = request.stop, last = static_cast<double>(rows - 1)](std::uint64_t k) {
+    return stop * (static_cast<double>(k) / last);
+  };
   request.use_initial_conditions = c.compiled.analyses.transient->use_initial_conditions;
   Nowhere nowhere;
   return engine::run(*c.model, request, nowhere).statistics;
@@ -100,8 +102,11 @@ void modes(benchmark::State& state, const std::string& name) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const char* name : {"fullwave", "buck", "buck_dcm", "boost", "flyback", "flyback_ideal", "six_pulse", "hbridge", "hysteretic_buck"}) {
-    benchmark::RegisterBenchmark((std::string("events/") + name).c_str(), [name](benchmark::State& s) { events(s, name); })->UseManualTime();
+  for (const char* name :
+       {"fullwave", "buck", "buck_dcm", "boost", "flyback", "flyback_ideal", "six_pulse", "hbridge", "hysteretic_buck"}) {
+    benchmark::RegisterBenchmark((std::string("events/") + name).c_str(), [name](benchmark::State& s) {
+      events(s, name);
+    })->UseManualTime();
     benchmark::RegisterBenchmark((std::string("rows/") + name).c_str(), [name](benchmark::State& s) { rows(s, name); })->UseManualTime();
     benchmark::RegisterBenchmark((std::string("modes/") + name).c_str(), [name](benchmark::State& s) { modes(s, name); });
   }

@@ -39,9 +39,11 @@ std::string jump_details(const std::vector<engine::Jump>& jumps) {
   for (const engine::Jump& jump : jumps) {
     std::vector<std::string> impulses, states;
     for (const auto& impulse : jump.impulses)
-      impulses.push_back(json_line({{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
+      impulses.push_back(json_line(
+          {{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
     for (const auto& state : jump.states)
-      states.push_back(json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
+      states.push_back(
+          json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
     items.push_back(json_line({{"time", json_number(jump.time)},
                                {"impulses", json_line(impulses)},
                                {"higher_order", json_truth(jump.higher_order)},
@@ -61,15 +63,17 @@ std::string jump_text(const engine::Jump& jump) {
   constexpr int digits = 6;
   std::vector<std::string> parts;
   for (const auto& impulse : jump.impulses)
-    parts.push_back(fmt::format("{} {} {}", impulse.element, impulse.unit == "C" ? "passes" : "takes", quantity(impulse.value, impulse.unit, digits)));
+    parts.push_back(
+        fmt::format("{} {} {}", impulse.element, impulse.unit == "C" ? "passes" : "takes", quantity(impulse.value, impulse.unit, digits)));
   std::vector<std::string> states;
   for (const auto& state : jump.states) {
     const std::string unit = unit_of(state.name);
-    states.push_back(fmt::format("{} from {} to {}", state.name, quantity(state.before, unit, digits), quantity(state.after, unit, digits)));
+    states.push_back(
+        fmt::format("{} from {} to {}", state.name, quantity(state.before, unit, digits), quantity(state.after, unit, digits)));
   }
   return fmt::format("jump at t = {}: {}{}; {}; stored energy from {} to {}", quantity(jump.time, "s"), fmt::join(parts, ", "),
-                     jump.higher_order ? " and impulses of higher order" : "", fmt::join(states, ", "), quantity(jump.energy_before, "J", digits),
-                     quantity(jump.energy_after, "J", digits));
+                     jump.higher_order ? " and impulses of higher order" : "", fmt::join(states, ", "),
+                     quantity(jump.energy_before, "J", digits), quantity(jump.energy_after, "J", digits));
 }
 
 }  // namespace
@@ -143,7 +147,8 @@ std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std:
   constexpr std::size_t most_told = 20;
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < jumps.size() && i < most_told; ++i) texts.push_back(jump_text(jumps[i]));
-  if (all > texts.size()) texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - texts.size()));
+  if (all > texts.size())
+    texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - texts.size()));
   return texts;
 }
 

@@ -199,20 +199,24 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_one_of(foreign_forms, item->text))) return false;
+    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_one_of(foreign_forms, item->text)))
+      return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
   }
 
   bool gives_current() const { return kind_.letter == 'G' || kind_.letter == 'F'; }
-  bool is_value_form(std::string_view word) const { return gives_current() ? is_one_of(current_forms, word) : is_one_of(voltage_forms, word); }
+  bool is_value_form(std::string_view word) const {
+    return gives_current() ? is_one_of(current_forms, word) : is_one_of(voltage_forms, word);
+  }
   bool at_table() const { return cursor_.peek() != nullptr && same_name(cursor_.peek()->text, "table"); }
 
   bool form() {
     const Item& item = *cursor_.next();
     if (same_name(item.text, "table")) return table(&item);
     if (is_one_of(foreign_forms, item.text)) {
-      reporter().error("E-not-supported", item.span, fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
+      reporter().error("E-not-supported", item.span,
+                       fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
       return false;
     }
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
@@ -224,7 +228,8 @@ class CardBinding {
     if (item.kind == ItemKind::expression) return reader.read(*item.expression, is_current);
     const std::optional<Number> number = place_.scope.number(item);
     if (!number) return false;
-    return reader.read({netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span}, is_current);
+    return reader.read({netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span},
+                       is_current);
   }
 
   /// V={…} or I={…} of B, in any place behind the nodes.

@@ -24,9 +24,7 @@ class BlockBinding {
   BlockBinding(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
       : binder_(binder), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
 
-  bool bind() {
-    return port(cursor_, instance_.inputs, true) && output() && model() && check_inputs();
-  }
+  bool bind() { return port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
 
  private:
   Reporter& reporter() { return binder_.reporter(); }

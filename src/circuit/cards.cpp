@@ -52,10 +52,10 @@ constexpr RefusedElement refused[] = {
 constexpr std::string_view library_names[] = {"mosfet", "igbt", "thyristor", "opamp", "xfmr"};
 
 constexpr std::string_view foreign_types[] = {
-    "R",       "RES",     "C",          "CAP",        "L",     "IND",      "CORE",     "URC",    "LTRA",     "TRN",
-    "NMOS",    "PMOS",    "VDMOS",      "NPN",        "PNP",   "LPNP",     "NJF",      "PJF",    "NMF",      "PMF",
-    "NIGBT",   "PIGBT",   "NHFET",      "PHFET",   "mult",     "divide", "slew",   "climit",   "ilimit",
-    "sidiode", "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple",  "sine",     "square", "triangle",
+    "R",       "RES",        "C",          "CAP",   "L",       "IND",    "CORE",   "URC",      "LTRA",   "TRN",
+    "NMOS",    "PMOS",       "VDMOS",      "NPN",   "PNP",     "LPNP",   "NJF",    "PJF",      "NMF",    "PMF",
+    "NIGBT",   "PIGBT",      "NHFET",      "PHFET", "mult",    "divide", "slew",   "climit",   "ilimit", "sidiode",
+    "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple", "sine",   "square", "triangle",
 };
 
 bool listed(std::span<const std::string_view> list, std::string_view name) {

@@ -17,12 +17,12 @@ enum class CardRole {
   options,
   transient,
   operating_point,
-  save,     ///< .save, .probe
-  print,    ///< .print tran …
+  save,        ///< .save, .probe
+  print,       ///< .print tran …
   raw_system,  ///< .lcs
-  silent,   ///< accepted, means nothing here
-  ignored,  ///< one warning
-  not_yet   ///< will come; an error until then
+  silent,      ///< accepted, means nothing here
+  ignored,     ///< one warning
+  not_yet      ///< will come; an error until then
 };
 
 struct CardKind {

@@ -208,7 +208,8 @@ std::optional<double> Evaluator::of_call(const Expression& expression) {
   return of_builtin(expression, *callee.builtin, values);
 }
 
-std::optional<double> Evaluator::of_builtin(const Expression& expression, const BuiltinFunction& builtin, const std::vector<double>& values) {
+std::optional<double> Evaluator::of_builtin(const Expression& expression, const BuiltinFunction& builtin,
+                                            const std::vector<double>& values) {
   const double result = builtin.value(values);
   if (builtin.passes_infinity && std::isinf(result)) return result;
   if (std::isfinite(result)) return result;

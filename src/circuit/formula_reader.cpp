@@ -39,7 +39,8 @@ const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& 
 }
 
 bool is_finite(const AffineSum& sum) {
-  return std::isfinite(sum.constant) && std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second); });
+  return std::isfinite(sum.constant) &&
+         std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second); });
 }
 
 }  // namespace
@@ -126,8 +127,9 @@ std::optional<Condition> FormulaReader::condition(const Expression& expression, 
 std::optional<Condition> FormulaReader::condition_of(const Meaning& meaning, const Expression& expression) {
   if (meaning.condition) return meaning.condition;
   if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant != 0.0 ? 1.0 : 0.0), std::nullopt};
-  reporter().error("E-not-piecewise-linear", expression.span,
-                   fmt::format("{}: a condition on a signal needs a comparison; try '{} > 0.5'", instance_.name, reporter().text(expression.span)));
+  reporter().error(
+      "E-not-piecewise-linear", expression.span,
+      fmt::format("{}: a condition on a signal needs a comparison; try '{} > 0.5'", instance_.name, reporter().text(expression.span)));
   return std::nullopt;
 }
 
@@ -348,9 +350,10 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   if (builtin == nullptr) {
     static constexpr std::string_view with_memory[] = {"ddt", "d", "idt", "sdt", "idtmod", "delay", "absdelay"};
     const bool known = std::any_of(std::begin(with_memory), std::end(with_memory), [&](std::string_view name) { return key == name; });
-    reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
-                     known ? fmt::format("{}: {} in an expression is not supported; try an A element of type int or d_dt", instance_.name, key)
-                           : fmt::format("unknown function '{}'", expression.text));
+    reporter().error(
+        known ? "E-not-supported" : "E-unknown-function", expression.span,
+        known ? fmt::format("{}: {} in an expression is not supported; try an A element of type int or d_dt", instance_.name, key)
+              : fmt::format("unknown function '{}'", expression.text));
     return std::nullopt;
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;
@@ -359,7 +362,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
     for (const Sum& value : values) numbers.push_back(value.constant);
     const double value = builtin->value(numbers);
     if (std::isfinite(value) || builtin->passes_infinity) return piecewise(constant_sum(value));
-    reporter().error("E-not-finite", expression.span, fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
+    reporter().error("E-not-finite", expression.span,
+                     fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
     return std::nullopt;
   }
   if (key == "abs") return piecewise(builder_.absolute(values[0]));

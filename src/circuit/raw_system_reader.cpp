@@ -70,7 +70,8 @@ class RawSystemReader {
 
   void split() {
     for (const Card& line : card_.rows) {
-      const auto keyword = std::find_if(keywords.begin(), keywords.end(), [&](std::string_view word) { return same_name(word, line.name); });
+      const auto keyword =
+          std::find_if(keywords.begin(), keywords.end(), [&](std::string_view word) { return same_name(word, line.name); });
       if (keyword != keywords.end() && line.items.empty()) {
         if (find(*keyword) != nullptr) fail(line.span, fmt::format("a second {}", *keyword));
         blocks_.push_back({*keyword, line.span, {}, {}});
@@ -116,8 +117,8 @@ class RawSystemReader {
     if (block->rows.size() == rows && given == columns) {
       matrix = block->rows;
     } else if (rows != 0 || columns != 0 || !block->rows.empty()) {
-      fail(block->span, fmt::format("{} is {} by {}, where {} by {} is meant: {} states, {} ports, {} inputs", keyword, block->rows.size(), given,
-                                    rows, columns, states_, ports_, inputs_));
+      fail(block->span, fmt::format("{} is {} by {}, where {} by {} is meant: {} states, {} ports, {} inputs", keyword, block->rows.size(),
+                                    given, rows, columns, states_, ports_, inputs_));
     }
   }
 

@@ -65,7 +65,8 @@ class SignalList {
     const elements::RawSystem& raw = *instance.raw_system;
     for (const auto& [quantity, count] : {std::pair('x', raw.states), std::pair('u', raw.ports), std::pair('y', raw.ports)})
       for (int k = 0; k < count; ++k)
-        add({fmt::format("{}({},{})", quantity, instance.name, k + 1), model::ground, model::ground, element, quantity, static_cast<std::size_t>(k)});
+        add({fmt::format("{}({},{})", quantity, instance.name, k + 1), model::ground, model::ground, element, quantity,
+             static_cast<std::size_t>(k)});
   }
 
   void add_raw(const SaveRequest& request) {
@@ -78,7 +79,8 @@ class SignalList {
     }
     const int count = request.quantity == 'x' ? raw->states : raw->ports;
     if (request.number < 1 || request.number > count) {
-      reporter_.error("E-unknown-signal", request.second_span, fmt::format("{} of {} count from 1 to {}", request.quantity, request.first, count));
+      reporter_.error("E-unknown-signal", request.second_span,
+                      fmt::format("{} of {} count from 1 to {}", request.quantity, request.first, count));
       return;
     }
     add({request.column, model::ground, model::ground, element, request.quantity, static_cast<std::size_t>(request.number) - 1});

@@ -14,8 +14,8 @@ namespace pwlsim::circuit {
 struct SignalSource {
   std::string column;
   model::NodeIndex p = model::ground, n = model::ground;
-  int element = -1;  ///< -1: a voltage
-  char quantity = ' ';  ///< x, u or y of a raw system
+  int element = -1;       ///< -1: a voltage
+  char quantity = ' ';    ///< x, u or y of a raw system
   std::size_t index = 0;  ///< and which, from 0
 };
 

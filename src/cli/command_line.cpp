@@ -164,7 +164,7 @@ void check_file_name(std::string_view option, const CLI::App& app, const std::st
     complaints.add("E-option-value", fmt::format("`{}` lacks its value; try {} out", option, option));
   } else if (value.size() > 1 && value[0] == '-') {
     complaints.add("E-option-value", fmt::format("`{}` lacks its value: `{}` looks like an option; try `{} ./{}` if it is a file", option,
-                                                value, option, value));
+                                                 value, option, value));
   }
 }
 

@@ -149,7 +149,8 @@ void complete_transfer(Model& model, const Settings&, Diagnostics& diagnostics) 
                       fmt::format("the numerator of {} is of higher degree than its denominator; try a d_dt block in series", model.name));
   const std::vector<double> start = v.list("int_ic");
   if (std::any_of(start.begin(), start.end(), [](double x) { return x != 0.0; }))
-    diagnostics.error("E-not-supported", v.span("int_ic"), fmt::format("int_ic of {} other than zero is not supported; try int blocks", model.name));
+    diagnostics.error("E-not-supported", v.span("int_ic"),
+                      fmt::format("int_ic of {} other than zero is not supported; try int blocks", model.name));
 }
 
 constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
@@ -177,7 +178,8 @@ constexpr Parameter transfer_parameters[] = {
     {"int_ic", "", 0.0, Range::any, false, "Start of the states; only zero.", Use::honoured, true},
 };
 
-constexpr Block integrator_block{false, nullptr, integrate}, derivative_block{false, nullptr, differentiate}, transfer_block{false, nullptr, transfer};
+constexpr Block integrator_block{false, nullptr, integrate}, derivative_block{false, nullptr, differentiate},
+    transfer_block{false, nullptr, transfer};
 
 }  // namespace
 

@@ -114,7 +114,8 @@ constexpr Parameter pwl_parameters[] = {
     input_domain,
     fraction,
 };
-constexpr Parameter relay_parameters[] = {{"level", "", 1.0, Range::any, false, "Output above zero; its negative below; anything between at zero."}};
+constexpr Parameter relay_parameters[] = {
+    {"level", "", 1.0, Range::any, false, "Output above zero; its negative below; anything between at zero."}};
 constexpr Parameter deadzone_parameters[] = {
     {"d", "", 0.0, Range::not_negative, false, "No output for inputs between -d and d."},
     {"level", "", 1.0, Range::any, false, "Output above d; its negative below -d."},

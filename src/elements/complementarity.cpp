@@ -27,7 +27,8 @@ LinearForm add_step(Emission& emission, const LinearForm& x, double at_zero) {
 }
 
 /// below + v(chosen): an inner node that one contact ties to the difference of the two values, the other to ground.
-LinearForm add_choice(Emission& emission, const LinearForm& control, const Levels& levels, const LinearForm& above, const LinearForm& below) {
+LinearForm add_choice(Emission& emission, const LinearForm& control, const Levels& levels, const LinearForm& above,
+                      const LinearForm& below) {
   model::Builder& builder = emission.builder();
   const model::NodeIndex difference = emission.inner_node("difference");
   const model::NodeIndex chosen = emission.inner_node("choice");

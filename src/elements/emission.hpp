@@ -31,7 +31,12 @@ class Emission {
   /// `emitted` holds one entry an instance of the circuit; the lists outlive the Emission.
   Emission(const std::vector<Instance>& instances, const std::vector<Model>& models, std::vector<Emitted>& emitted, model::Builder& builder,
            Diagnostics& diagnostics)
-      : instances_(instances), models_(models), emitted_(emitted), builder_(builder), diagnostics_(diagnostics), followed_(instances.size(), 0) {
+      : instances_(instances),
+        models_(models),
+        emitted_(emitted),
+        builder_(builder),
+        diagnostics_(diagnostics),
+        followed_(instances.size(), 0) {
     mark_followed();
   }
 

@@ -132,8 +132,10 @@ AffineSum FormulaBuilder::table(const AffineSum& x, const std::vector<TablePoint
   for (std::size_t k = 0; k < last; ++k) {
     const double width = points[k + 1].x - points[k].x;
     const double rise = points[k + 1].y - points[k].y;
-    if (width > 0.0) segments.emplace_back(points[k].x, rise / width);
-    else if (rise != 0.0) jumps = jumps + rise * step(x - constant_sum(points[k].x));
+    if (width > 0.0)
+      segments.emplace_back(points[k].x, rise / width);
+    else if (rise != 0.0)
+      jumps = jumps + rise * step(x - constant_sum(points[k].x));
   }
   AffineSum sum = constant_sum(points[0].y) + jumps;
   if (segments.empty()) return sum;

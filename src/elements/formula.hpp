@@ -35,10 +35,10 @@ struct AffineSum {
 struct FormulaPart {
   enum class Kind { voltage, current, time, positive, step, choice };
   Kind kind = Kind::voltage;
-  int index = 0;                   ///< voltage: of Instance::control_nodes; current: of Instance::references
+  int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
-  AffineSum argument{};            ///< of positive and step; the control of a choice
-  AffineSum above{}, below{};      ///< choice: its value above on_level until the control falls below off_level, and else
+  AffineSum argument{};              ///< of positive and step; the control of a choice
+  AffineSum above{}, below{};        ///< choice: its value above on_level until the control falls below off_level, and else
   double on_level = 0.0, off_level = 0.0;
   double at_zero = 0.5;  ///< step: its value where the argument, in no loop, rests at 0
 
@@ -86,7 +86,8 @@ class FormulaBuilder {
   [[nodiscard]] static Condition negation(const Condition& a);
   [[nodiscard]] AffineSum choose(const Condition& condition, const AffineSum& yes, const AffineSum& no);
   /// `above` from when the control passes on_level until it falls below off_level ≤ on_level, else `below`.
-  [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above, const AffineSum& below);
+  [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above,
+                                     const AffineSum& below);
 
   [[nodiscard]] AffineSum time();
   /// Whether nothing but time enters, as a sum of constants, exponentials, sinusoids and a straight line.

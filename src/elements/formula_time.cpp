@@ -20,9 +20,7 @@ const model::Sin* oscillation_of(const FormulaPart& part) {
 
 model::Pwl time_itself() { return {{{0.0, 0.0}, {far_future, far_future}}, 0.0, 0.0}; }
 
-bool is_time_itself(const FormulaPart& part) {
-  return part.kind == Kind::time && part.function == model::SourceFunction(time_itself());
-}
+bool is_time_itself(const FormulaPart& part) { return part.kind == Kind::time && part.function == model::SourceFunction(time_itself()); }
 
 /// The point of the line through a and b at time t.
 TablePoint at(const TablePoint& a, const TablePoint& b, double t) { return {t, a.y + (b.y - a.y) / (b.x - a.x) * (t - a.x)}; }

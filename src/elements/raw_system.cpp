@@ -31,7 +31,8 @@ void emit(Emission& emission) {
   }
   const auto first = static_cast<int>(builder.network().complementarities.size());
   for (int i = 0; i < raw.ports; ++i) signals.u.push_back(quantity(Quantity::slack_input, first + i));
-  for (const auto& function : raw.inputs) inputs.push_back(quantity(Quantity::source, builder.add(model::Source{emission.label(), function})));
+  for (const auto& function : raw.inputs)
+    inputs.push_back(quantity(Quantity::source, builder.add(model::Source{emission.label(), function})));
   const auto row = [&](const Rows& of_x, const Rows& of_u, const Rows& of_w, std::size_t index) {
     LinearForm form;
     add_row(form, of_x, index, signals.x);

@@ -29,12 +29,12 @@ enum class NonUnique { error, first, stay };
 struct Request {
   double stop = 0.0;  ///< seconds
   RowGrid grid;
-  bool events = false;          ///< a row before and after every event
-  bool jumps = false;           ///< keep what jumped (Answer::jumps)
+  bool events = false;                  ///< a row before and after every event
+  bool jumps = false;                   ///< keep what jumped (Answer::jumps)
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
-  std::function<void(double)> progress;                 ///< called now and then with the time reached; may be empty
-  const std::atomic<int>* interrupt = nullptr;          ///< nonzero: stop at once
+  std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
+  const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
 };
 
 enum class Outcome { completed, no_solution, not_unique, accumulation, interrupted, sink_stopped };
@@ -43,7 +43,7 @@ struct Certificate {
   double complementarity = 0.0;  ///< worst relative residual over the points checked
   double kcl_kvl = 0.0;
   double energy = 0.0;
-  bool has_passivity = false;    ///< whether `passive` is known
+  bool has_passivity = false;  ///< whether `passive` is known
   bool passive = false;
   std::uint64_t points_checked = 0;
 };
@@ -72,18 +72,18 @@ struct Jump {
     std::string name;  ///< "v(C1)" in V, "i(L1)" in A, "flux(L1)" in Vs
     double before = 0.0, after = 0.0;
   };
-  double time = 0.0;                ///< s
-  std::vector<Impulse> impulses;    ///< of first order
-  bool higher_order = false;        ///< derivatives of impulses acted too
-  std::vector<State> states;        ///< those that changed
+  double time = 0.0;                               ///< s
+  std::vector<Impulse> impulses;                   ///< of first order
+  bool higher_order = false;                       ///< derivatives of impulses acted too
+  std::vector<State> states;                       ///< those that changed
   double energy_before = 0.0, energy_after = 0.0;  ///< stored, J
 };
 
 struct Answer {
   Outcome outcome = Outcome::completed;
-  double time = 0.0;                   ///< reached, seconds
-  std::string message;                 ///< why it stopped, with time and element names; empty when completed
-  std::string id;                      ///< "E-no-solution", …
+  double time = 0.0;    ///< reached, seconds
+  std::string message;  ///< why it stopped, with time and element names; empty when completed
+  std::string id;       ///< "E-no-solution", …
   std::vector<std::string> elements;
   Statistics statistics;
   Certificate certificate;

@@ -127,8 +127,10 @@ void Polyhedron::advance(const Vector& d) {
   for (Eigen::Index i = 0; i < k_; ++i) {
     Side& side = side_[static_cast<std::size_t>(i)];
     if (side != Side::undecided) continue;
-    if (d[i] > kernel_tolerance) side = Side::z;
-    else if (dw[i] > kernel_tolerance * norm_) side = Side::w;
+    if (d[i] > kernel_tolerance)
+      side = Side::z;
+    else if (dw[i] > kernel_tolerance * norm_)
+      side = Side::w;
   }
 }
 

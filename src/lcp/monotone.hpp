@@ -12,9 +12,9 @@
 namespace pwlsim::lcp {
 
 struct SolutionSet {
-  int dimension = 0;                         ///< of the polyhedron; 0: one solution
-  linalg::Vector z, w;                       ///< the solution with the least |z|² + |w|², in the units of the caller
-  bool least = true;                         ///< false: the projection failed; z, w is a solution from inside the polyhedron
+  int dimension = 0;                             ///< of the polyhedron; 0: one solution
+  linalg::Vector z, w;                           ///< the solution with the least |z|² + |w|², in the units of the caller
+  bool least = true;                             ///< false: the projection failed; z, w is a solution from inside the polyhedron
   std::vector<char> z_determined, w_determined;  ///< the same in all solutions
 };
 

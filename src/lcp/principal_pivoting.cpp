@@ -54,7 +54,8 @@ Pivot largest_pivot(const Matrix& m, const std::vector<int>& among) {
 
 }  // namespace
 
-PrincipalTableau::PrincipalTableau(Matrix m, Vector q) : m_(std::move(m)), q_(std::move(q)), exchanged_(static_cast<std::size_t>(q_.size()), 0) {}
+PrincipalTableau::PrincipalTableau(Matrix m, Vector q)
+    : m_(std::move(m)), q_(std::move(q)), exchanged_(static_cast<std::size_t>(q_.size()), 0) {}
 
 std::vector<int> PrincipalTableau::basis() const {
   std::vector<int> basis;
@@ -123,7 +124,8 @@ Solution least_index(const Matrix& m, const Vector& q) {
       return solution;
     }
     const double pivot = std::abs(tableau.m()(first, first));
-    if (!(pivot > pivot_tolerance * tableau.m().row(first).cwiseAbs().maxCoeff())) return {Status::singular, Vector::Zero(k), q, {}, pivots};
+    if (!(pivot > pivot_tolerance * tableau.m().row(first).cwiseAbs().maxCoeff()))
+      return {Status::singular, Vector::Zero(k), q, {}, pivots};
     tableau.exchange({first});
   }
   return {Status::pivot_limit, Vector::Zero(k), q, {}, limit};

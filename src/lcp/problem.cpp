@@ -13,9 +13,9 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double share_of_row = 1e-2;            ///< of a row's largest entry, where the diagonal is smaller
-constexpr double singular_condition = 1e-12;     ///< reciprocal condition number below which a basis counts as singular
-constexpr double rounding_of_largest = 1e-13;    ///< negative entries above −this·max|z| are rounding
+constexpr double share_of_row = 1e-2;          ///< of a row's largest entry, where the diagonal is smaller
+constexpr double singular_condition = 1e-12;   ///< reciprocal condition number below which a basis counts as singular
+constexpr double rounding_of_largest = 1e-13;  ///< negative entries above −this·max|z| are rounding
 
 double largest(const Vector& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
 double share(double part, double whole) { return part > 0.0 ? part / whole : 0.0; }

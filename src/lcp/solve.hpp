@@ -8,12 +8,12 @@ namespace pwlsim::lcp {
 
 /// In the order in which they are tried.
 enum class Method {
-  none,         ///< no solver answered
-  warm_lemke,   ///< principal pivot transform to the previous active set, then Lemke; only with such a set
+  none,        ///< no solver answered
+  warm_lemke,  ///< principal pivot transform to the previous active set, then Lemke; only with such a set
   lemke,
   newton_min,
   least_index,
-  regularised   ///< Lemke for M + 10⁻⁸, its basis then solved with M: where rounding left a singular problem without a solution
+  regularised  ///< Lemke for M + 10⁻⁸, its basis then solved with M: where rounding left a singular problem without a solution
 };
 
 /// What is known of M beforehand.
@@ -25,12 +25,12 @@ enum class Class {
 struct Answer {
   Status status = Status::solved;  ///< of no solver: `ray` where Lemke ended so, for a monotone problem: none exists
   Method method = Method::none;
-  linalg::Vector z, w;             ///< w_i or z_i is exactly zero at every port
-  std::vector<int> basis;          ///< of the solver that answered; z may have been moved to the least norm after it
-  int pivots = 0;                  ///< of all solvers tried
-  Assessment assessment;           ///< of the diagonally scaled problem, by recomputation from z
-  bool least_norm = false;         ///< z, w is the solution of least |z|² + |w|² (or the only one)
-  bool determined = true;          ///< false: solutions differ; only ever false for Class::monotone, where it was examined
+  linalg::Vector z, w;                           ///< w_i or z_i is exactly zero at every port
+  std::vector<int> basis;                        ///< of the solver that answered; z may have been moved to the least norm after it
+  int pivots = 0;                                ///< of all solvers tried
+  Assessment assessment;                         ///< of the diagonally scaled problem, by recomputation from z
+  bool least_norm = false;                       ///< z, w is the solution of least |z|² + |w|² (or the only one)
+  bool determined = true;                        ///< false: solutions differ; only ever false for Class::monotone, where it was examined
   std::vector<char> z_determined, w_determined;  ///< Class::monotone: port by port (a branch current, a floating voltage)
 };
 

@@ -95,9 +95,13 @@ void multiply(const Matrix& m, const double* x, double* y) {
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
-WideMatrix product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, [](Wide value) { return value; }); }
+WideMatrix product(const WideMatrix& x, const WideMatrix& y) {
+  return product_of(x, y, [](Wide value) { return value; });
+}
 
-WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, [](Wide value) { return std::abs(value); }); }
+WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) {
+  return product_of(x, y, [](Wide value) { return std::abs(value); });
+}
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);

@@ -9,10 +9,10 @@ namespace pwlsim::linalg {
 
 namespace {
 
-constexpr double radius = 1.0;             ///< rate·τ up to which the series is summed directly
-constexpr double negligible = 1e-18;       ///< of the largest term: one that cannot change the sum
+constexpr double radius = 1.0;        ///< rate·τ up to which the series is summed directly
+constexpr double negligible = 1e-18;  ///< of the largest term: one that cannot change the sum
 constexpr int most_terms = 60;
-constexpr double same_interval = 1e-8;     ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
+constexpr double same_interval = 1e-8;  ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
 constexpr std::uint32_t worth_a_matrix = 4;
 
 /// y := Σ (Aτ)^k/k! y, until a term changes nothing.

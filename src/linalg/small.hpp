@@ -73,17 +73,38 @@ template <typename Work>
 inline bool with_length(Eigen::Index n, const Work& work) {
   static_assert(largest_small == 10);
   switch (n) {
-    case 1: work(Length<1>{}); return true;
-    case 2: work(Length<2>{}); return true;
-    case 3: work(Length<3>{}); return true;
-    case 4: work(Length<4>{}); return true;
-    case 5: work(Length<5>{}); return true;
-    case 6: work(Length<6>{}); return true;
-    case 7: work(Length<7>{}); return true;
-    case 8: work(Length<8>{}); return true;
-    case 9: work(Length<9>{}); return true;
-    case 10: work(Length<10>{}); return true;
-    default: return false;
+    case 1:
+      work(Length<1>{});
+      return true;
+    case 2:
+      work(Length<2>{});
+      return true;
+    case 3:
+      work(Length<3>{});
+      return true;
+    case 4:
+      work(Length<4>{});
+      return true;
+    case 5:
+      work(Length<5>{});
+      return true;
+    case 6:
+      work(Length<6>{});
+      return true;
+    case 7:
+      work(Length<7>{});
+      return true;
+    case 8:
+      work(Length<8>{});
+      return true;
+    case 9:
+      work(Length<9>{});
+      return true;
+    case 10:
+      work(Length<10>{});
+      return true;
+    default:
+      return false;
   }
 }
 

@@ -50,7 +50,8 @@ class Block {
   /// Whether some z solves M z = right within `error` of each entry.
   [[nodiscard]] bool consistent(const WideVector& right, const WideVector& error) const {
     const WideVector z = column_scale_.asDiagonal() * lu_.solve(row_scale_.cwiseProduct(right));
-    const WideVector left = row_scale_.cwiseInverse().asDiagonal() * (lu_.reconstructedMatrix() * column_scale_.cwiseInverse().cwiseProduct(z));
+    const WideVector left =
+        row_scale_.cwiseInverse().asDiagonal() * (lu_.reconstructedMatrix() * column_scale_.cwiseInverse().cwiseProduct(z));
     const Wide slack = rank_tolerance * (right.cwiseAbs().maxCoeff() + left.cwiseAbs().maxCoeff());
     for (Eigen::Index i = 0; i < right.size(); ++i)
       if (std::abs(left[i] - right[i]) > error[i] + slack) return false;
@@ -134,7 +135,10 @@ class CascadeSteps {
       branches = std::move(next);
     }
     for (const Branch& branch : branches) outcome.continuations.push_back(continuation(branch));
-    outcome.verdict = undecided_ ? Verdict::undecided : branches.empty() ? Verdict::none : branches.size() == 1 ? Verdict::unique : Verdict::several;
+    outcome.verdict = undecided_             ? Verdict::undecided
+                      : branches.empty()     ? Verdict::none
+                      : branches.size() == 1 ? Verdict::unique
+                                             : Verdict::several;
     return outcome;
   }
 
@@ -256,14 +260,17 @@ class CascadeSteps {
     const WideVector of_basis = -(inverse * s.right.v(basis));
     u.v(basis) = of_basis;
     u.error(basis) = inverse.cwiseAbs() * (s.right.error(basis) + rounding * (s.schur(basis, basis).cwiseAbs() * of_basis.cwiseAbs()));
-    Value y{s.right.v + s.schur * u.v, s.right.error + s.schur.cwiseAbs() * (u.error + rounding * u.v.cwiseAbs()) + rounding * s.right.v.cwiseAbs()};
+    Value y{s.right.v + s.schur * u.v,
+            s.right.error + s.schur.cwiseAbs() * (u.error + rounding * u.v.cwiseAbs()) + rounding * s.right.v.cwiseAbs()};
     for (const int i : basis) y.v[i] = y.error[i] = 0;
     Branch result = branch;
     for (Eigen::Index i = 0; i < open; ++i) {
       if (u.v[i] < -u.error[i] || y.v[i] < -y.error[i]) return false;
       Side& side = result.side[static_cast<std::size_t>(s.open[static_cast<std::size_t>(i)])];
-      if (u.v[i] > u.error[i]) side = Side::active;
-      else u.v[i] = 0;
+      if (u.v[i] > u.error[i])
+        side = Side::active;
+      else
+        u.v[i] = 0;
       if (y.v[i] > y.error[i]) side = Side::inactive;
     }
     Value all{WideVector::Zero(k_), WideVector::Zero(k_)};

@@ -33,7 +33,7 @@
 namespace pwlsim::model {
 
 enum class Verdict {
-  none,      ///< no solution
+  none,  ///< no solution
   unique,
   several,
   undecided  ///< N or a block of it is singular where it decides; what was found may not be all

@@ -17,7 +17,8 @@ bool positive_minors(const Matrix& m) {
   if (!(m(0, 0) > minor_tolerance)) return false;
   const auto rest = m.rows() - 1;
   const Matrix without = m.bottomRightCorner(rest, rest);
-  return positive_minors(without) && positive_minors(linalg::clean_sum(without, -m.bottomLeftCorner(rest, 1) / m(0, 0), m.topRightCorner(1, rest)));
+  return positive_minors(without) &&
+         positive_minors(linalg::clean_sum(without, -m.bottomLeftCorner(rest, 1) / m(0, 0), m.topRightCorner(1, rest)));
 }
 
 }  // namespace
@@ -61,11 +62,14 @@ bool has_positive_principal_minors(Matrix m) {
 
 bool has_passive_parts_only(const Network& network) {
   const auto independent = [](const Term& term) { return term.kind == Term::Kind::one || term.kind == Term::Kind::source; };
-  const auto is_source = [&](const Injection& injection) { return std::all_of(injection.current.begin(), injection.current.end(), independent); };
+  const auto is_source = [&](const Injection& injection) {
+    return std::all_of(injection.current.begin(), injection.current.end(), independent);
+  };
   const auto no_gain = [](const auto& element) { return element.resistance >= 0.0; };
   const auto branch_has_no_gain = [&](std::size_t index) {
     return std::all_of(network.branches[index].voltage.begin(), network.branches[index].voltage.end(), [&](const Term& term) {
-      const bool own_resistance = term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient >= 0.0;
+      const bool own_resistance =
+          term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient >= 0.0;
       return independent(term) || own_resistance;
     });
   };

@@ -219,7 +219,8 @@ void Assembly::scale_inputs(Wide input_factor) {
   const auto weigh = [](std::vector<Wide>& largest, const LinearForm& form, Wide factor) {
     for (const auto& term : form)
       if (term.kind == Term::Kind::slack_input)
-        largest[static_cast<std::size_t>(term.index)] = std::max(largest[static_cast<std::size_t>(term.index)], std::abs(factor * term.coefficient));
+        largest[static_cast<std::size_t>(term.index)] =
+            std::max(largest[static_cast<std::size_t>(term.index)], std::abs(factor * term.coefficient));
   };
   for (const auto& b : network.branches) weigh(in_circuit, b.voltage, 1.0L);
   for (const auto& i : network.injections) weigh(in_circuit, i.current, static_cast<Wide>(r0));
@@ -230,7 +231,8 @@ void Assembly::scale_inputs(Wide input_factor) {
     const FormRow row = row_of(slack);
     Wide largest = 0.0;
     for (int j = 0; j < unknowns_; ++j)
-      if (j < port_column(first_complementarity()) || j >= port_column(first_switch())) largest = std::max(largest, std::abs(row.z_part[j]));
+      if (j < port_column(first_complementarity()) || j >= port_column(first_switch()))
+        largest = std::max(largest, std::abs(row.z_part[j]));
     if (largest > 0.0) slack_scale_[i] = 1.0L / largest;
     weigh(in_slacks, slack, slack_scale_[i]);
   }
@@ -267,7 +269,9 @@ Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
       case Term::Kind::one:
         if (c != 0.0) row.zeta_part[exosystem->constant()] += c;
         break;
-      case Term::Kind::source: row.zeta_part += c * exosystem->rows().row(i).transpose().cast<Wide>(); break;
+      case Term::Kind::source:
+        row.zeta_part += c * exosystem->rows().row(i).transpose().cast<Wide>();
+        break;
       case Term::Kind::node_voltage:
         if (i != ground) row.z_part[i] += c;
         break;
@@ -281,12 +285,24 @@ Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
         if (r.n != ground) row.z_part[r.n] -= c / r.resistance;
         break;
       }
-      case Term::Kind::capacitor_current: row.z_part[first_capacitor_ + i] += c / r0; break;
-      case Term::Kind::inductor_current: row.z_part[first_inductor_ + i] += c / r0; break;
-      case Term::Kind::branch_current: row.z_part[first_branch_ + i] += c / r0; break;
-      case Term::Kind::diode_current: row.z_part[port_column(i)] += c / r0; break;
-      case Term::Kind::switch_current: row.z_part[port_column(first_switch() + i)] += c / r0; break;
-      case Term::Kind::slack_input: row.z_part[port_column(first_complementarity() + i)] += c * input_scale_[static_cast<std::size_t>(i)]; break;
+      case Term::Kind::capacitor_current:
+        row.z_part[first_capacitor_ + i] += c / r0;
+        break;
+      case Term::Kind::inductor_current:
+        row.z_part[first_inductor_ + i] += c / r0;
+        break;
+      case Term::Kind::branch_current:
+        row.z_part[first_branch_ + i] += c / r0;
+        break;
+      case Term::Kind::diode_current:
+        row.z_part[port_column(i)] += c / r0;
+        break;
+      case Term::Kind::switch_current:
+        row.z_part[port_column(first_switch() + i)] += c / r0;
+        break;
+      case Term::Kind::slack_input:
+        row.z_part[port_column(first_complementarity() + i)] += c * input_scale_[static_cast<std::size_t>(i)];
+        break;
     }
   }
   return row;

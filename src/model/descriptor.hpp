@@ -43,7 +43,7 @@ struct Assembly {
   const Network& network;
   std::shared_ptr<const Exosystem> exosystem;
   double r0 = 1.0, tau0 = 1.0;
-  WideMatrix inductor_factor;    ///< Λ/√(R0·τ0), inductors × rank
+  WideMatrix inductor_factor;     ///< Λ/√(R0·τ0), inductors × rank
   bool coupling_possible = true;  ///< false where the inductance matrix is indefinite
   WideMatrix g, f, ha, hw, sx;
 
@@ -62,8 +62,8 @@ struct Assembly {
   void add_port(int port, NodeIndex p, NodeIndex n, double resistance, double drop);
   [[nodiscard]] bool is_low(double resistance) const;
 
-  std::vector<Wide> slack_scale_;   ///< of each complementarity: one over the largest coefficient of its slack
-  std::vector<Wide> input_scale_;   ///< u per volt of its unknown
+  std::vector<Wide> slack_scale_;  ///< of each complementarity: one over the largest coefficient of its slack
+  std::vector<Wide> input_scale_;  ///< u per volt of its unknown
   std::vector<int> low_resistor_;  ///< resistor -> its unknown, −1: a conductance
   int first_low_ = 0, first_capacitor_ = 0, first_inductor_ = 0, first_rate_ = 0, first_branch_ = 0, first_port_ = 0, unknowns_ = 0;
 };

@@ -35,8 +35,10 @@ bool ends_with_jump(const Exosystem::Block& block) {
 double Exosystem::Block::derivative_bound(const double* zeta, int order, double h) const {
   switch (kind) {
     case Kind::constant:
-    case Kind::level: return 0.0;
-    case Kind::ramp: return order == 1 ? std::abs(rate * zeta[first + 1]) : 0.0;
+    case Kind::level:
+      return 0.0;
+    case Kind::ramp:
+      return order == 1 ? std::abs(rate * zeta[first + 1]) : 0.0;
     case Kind::decay: {
       const double growth = damping < 0.0 ? std::exp(-damping * h) : 1.0;
       return std::pow(rate, order) * std::abs(zeta[first]) * growth;
@@ -53,8 +55,7 @@ double Exosystem::Block::derivative_bound(const double* zeta, int order, double 
 
 Exosystem::Exosystem(const std::vector<SourceFunction>& functions, bool needs_constant) {
   if (needs_constant) constant_ = blocks_[add_block({})].first;
-  for (std::size_t i = 0; i < functions.size(); ++i)
-    std::visit([&](const auto& f) { add(static_cast<int>(i), f); }, functions[i]);
+  for (std::size_t i = 0; i < functions.size(); ++i) std::visit([&](const auto& f) { add(static_cast<int>(i), f); }, functions[i]);
   fill_matrices(static_cast<int>(functions.size()));
 }
 

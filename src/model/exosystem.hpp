@@ -54,9 +54,9 @@ class Exosystem {
   struct Block {
     enum class Kind { constant, oscillation, level, ramp, decay };
     Kind kind = Kind::constant;
-    int first = 0;          ///< index of its first state
-    int source = -1;        ///< −1 where sources share it
-    double rate = 0.0;      ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
+    int first = 0;      ///< index of its first state
+    int source = -1;    ///< −1 where sources share it
+    double rate = 0.0;  ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
     double omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none
@@ -77,10 +77,10 @@ class Exosystem {
 
   /// Where every piecewise source stands.
   struct Phase {
-    std::vector<Track::Cursor> cursors;   ///< one a track
+    std::vector<Track::Cursor> cursors;           ///< one a track
     std::vector<std::pair<double, int>> pending;  ///< (time, block) of starts and ends of oscillations and decays to come, ascending
     std::vector<signed char> stage;               ///< a block: 0 not started, 1 alive, 2 ended
-    double next = forever;                ///< time of the next breakpoint
+    double next = forever;                        ///< time of the next breakpoint
   };
   /// Left limit at time 0.
   [[nodiscard]] Phase start() const;

@@ -13,9 +13,9 @@ namespace pwlsim::model {
 
 namespace {
 
+using linalg::Wide;
 using linalg::wide_clean_product;
 using linalg::wide_cleaned;
-using linalg::Wide;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
@@ -62,8 +62,14 @@ LeftNull left_null(const WideMatrix& g) {
 class Extractor {
  public:
   Extractor(const Island& island, const Assembly& assembly, Diagnostics& diagnostics)
-      : island_(island), network_(island.network), assembly_(assembly), diagnostics_(diagnostics),
-        g_(assembly.g), f_(assembly.f), ha_(assembly.ha), hw_(assembly.hw) {}
+      : island_(island),
+        network_(island.network),
+        assembly_(assembly),
+        diagnostics_(diagnostics),
+        g_(assembly.g),
+        f_(assembly.f),
+        ha_(assembly.ha),
+        hw_(assembly.hw) {}
 
   std::optional<Extraction> run() {
     if (!assembly_.coupling_possible) {
@@ -98,13 +104,13 @@ class Extractor {
   const Assembly& assembly_;
   Diagnostics& diagnostics_;
   WideMatrix g_, f_, ha_, hw_;
-  WideMatrix h_, s_zeta_;          ///< H x + S_ζ ζ = 0
-  WideMatrix basis_, offset_;      ///< x = basis·ξ + offset·ζ
-  WideMatrix z_xi_, z_a_, z_zeta_; ///< z = …·ξ, …·a, …·ζ
+  WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
+  WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
+  WideMatrix z_xi_, z_a_, z_zeta_;  ///< z = …·ξ, …·a, …·ζ
   WideMatrix z_xi_error_, z_a_error_, z_zeta_error_;
-  WideMatrix a_, b_, e_;           ///< ξ' = a ξ + b a_wave + e ζ
+  WideMatrix a_, b_, e_;  ///< ξ' = a ξ + b a_wave + e ζ
   WideVector theta_;
-  WideMatrix c_, d_, f1_;          ///< y = c ξ + d u + f1 ζ
+  WideMatrix c_, d_, f1_;  ///< y = c ξ + d u + f1 ζ
   Extraction result_;
 };
 
@@ -130,7 +136,8 @@ bool Extractor::reduce_index() {
     if (!take_constraints(null)) return false;
   }
   diagnostics_.error("E-index", network_.nodes.empty() ? SourceSpan{} : network_.nodes.front().span,
-                     "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its loops of controlled sources");
+                     "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its "
+                     "loops of controlled sources");
   return false;
 }
 
@@ -194,8 +201,10 @@ void Extractor::report_improper(const WideMatrix& na) {
     last = label.name;
     names += (names.empty() ? "" : ", ") + label.name;
   }
-  diagnostics_.error("E-improper", span, fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
-                                                      "try a resistor or capacitor beside it", names));
+  diagnostics_.error("E-improper", span,
+                     fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
+                                 "try a resistor or capacitor beside it",
+                                 names));
 }
 
 void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
@@ -205,7 +214,8 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   const WideMatrix kernel = lu.kernel();
   const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
   // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
-  Eigen::FullPivLU<WideMatrix> combination(nf.cols() == 0 ? WideMatrix(WideMatrix::Zero(nf.rows(), 1)).transpose() : WideMatrix(nf.transpose()));
+  Eigen::FullPivLU<WideMatrix> combination(nf.cols() == 0 ? WideMatrix(WideMatrix::Zero(nf.rows(), 1)).transpose()
+                                                          : WideMatrix(nf.transpose()));
   combination.setThreshold(rank_tolerance);
   const WideMatrix free_rows = null.vectors * combination.kernel();
   std::string node_names, element_names;
@@ -237,10 +247,10 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
                                    contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
     return;
   }
-  diagnostics_.error(contradiction ? "E-source-cutset" : "E-floating", node_span,
-                     contradiction
-                         ? fmt::format("current sources force a current into node {} that has no way out; try a resistor to ground", node_names)
-                         : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+  diagnostics_.error(
+      contradiction ? "E-source-cutset" : "E-floating", node_span,
+      contradiction ? fmt::format("current sources force a current into node {} that has no way out; try a resistor to ground", node_names)
+                    : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
 }
 
 void Extractor::solve_constraints() {
@@ -360,8 +370,8 @@ void Extractor::add_ports() {
   for (int i = 0; i < system.ports; ++i) {
     const bool input_is_current = theta_[i] < 0.0;
     const double current = assembly_.current_unit(i), voltage = assembly_.voltage_unit(i);
-    system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, input_is_current, input_is_current ? current : voltage,
-                           input_is_current ? voltage : current});
+    system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, input_is_current,
+                           input_is_current ? current : voltage, input_is_current ? voltage : current});
   }
   for (const auto& s : network_.switches) system.switch_inverted.push_back(s.inverted);
   system.switch_number = island_.switch_number;

@@ -104,7 +104,8 @@ Impulse find_impulse(const System& system, const IndexSet& active, const Vector&
     if (!impulses.solve(order, jump)) continue;
     result.order = order;
     result.weight = impulses.weight();
-    for (int i = 0; i < system.diodes; ++i) result.sign.push_back(active.contains(i) ? impulses.sign_of_input(i) : impulses.sign_of_output(i));
+    for (int i = 0; i < system.diodes; ++i)
+      result.sign.push_back(active.contains(i) ? impulses.sign_of_input(i) : impulses.sign_of_output(i));
     break;
   }
   return result;

@@ -52,15 +52,24 @@ class Things {
   [[nodiscard]] int of(const Term& term) const {
     switch (term.kind) {
       case Term::Kind::one:
-      case Term::Kind::source: return -1;
-      case Term::Kind::node_voltage: return term.index == ground ? -1 : node + term.index;
-      case Term::Kind::resistor_current: return resistor + term.index;
-      case Term::Kind::capacitor_current: return capacitor + term.index;
-      case Term::Kind::inductor_current: return inductor + term.index;
-      case Term::Kind::branch_current: return branch + term.index;
-      case Term::Kind::diode_current: return diode + term.index;
-      case Term::Kind::switch_current: return switch_ + term.index;
-      case Term::Kind::slack_input: return complementarity + term.index;
+      case Term::Kind::source:
+        return -1;
+      case Term::Kind::node_voltage:
+        return term.index == ground ? -1 : node + term.index;
+      case Term::Kind::resistor_current:
+        return resistor + term.index;
+      case Term::Kind::capacitor_current:
+        return capacitor + term.index;
+      case Term::Kind::inductor_current:
+        return inductor + term.index;
+      case Term::Kind::branch_current:
+        return branch + term.index;
+      case Term::Kind::diode_current:
+        return diode + term.index;
+      case Term::Kind::switch_current:
+        return switch_ + term.index;
+      case Term::Kind::slack_input:
+        return complementarity + term.index;
     }
     return -1;
   }
@@ -141,7 +150,8 @@ class Connector {
 
   /// A control that reads nothing but rails lives where they do.
   void control(const LinearForm& terms) {
-    const bool only_rails = std::all_of(terms.begin(), terms.end(), [&](const Term& t) { return things_.of(t) < 0 || (rails_ && rails_->reads(t)); });
+    const bool only_rails =
+        std::all_of(terms.begin(), terms.end(), [&](const Term& t) { return things_.of(t) < 0 || (rails_ && rails_->reads(t)); });
     if (!only_rails) return form(terms, -1);
     int with = -1;
     for (const auto& term : terms) {
@@ -251,7 +261,8 @@ class Distributor {
     Term result = term;
     if (term.kind == Term::Kind::source) result.index = source_in(island, term.index);
     const int thing = things_.of(term);
-    if (thing >= 0) result.index = rails_.reads(term) ? node_in(static_cast<std::size_t>(&island - islands_.data()), term.index) : local(thing);
+    if (thing >= 0)
+      result.index = rails_.reads(term) ? node_in(static_cast<std::size_t>(&island - islands_.data()), term.index) : local(thing);
     return result;
   }
 
@@ -336,10 +347,14 @@ class Distributor {
   void name_islands() {
     for (auto& island : islands_) {
       const Network& n = island.network;
-      if (!n.nodes.empty()) island.name = "node " + n.nodes.front().name;
-      else if (!n.branches.empty()) island.name = n.branches.front().label.name;
-      else if (!n.complementarities.empty()) island.name = n.complementarities.front().label.name;
-      else island.name = "the sources";
+      if (!n.nodes.empty())
+        island.name = "node " + n.nodes.front().name;
+      else if (!n.branches.empty())
+        island.name = n.branches.front().label.name;
+      else if (!n.complementarities.empty())
+        island.name = n.complementarities.front().label.name;
+      else
+        island.name = "the sources";
     }
   }
 
@@ -371,15 +386,18 @@ class Distributor {
   std::vector<Island> islands_;
   std::map<int, std::size_t> index_;
   std::map<std::pair<std::size_t, int>, int> sources_;
-  std::map<std::pair<std::size_t, NodeIndex>, int> copies_;                       ///< (island, rail) -> local node
-  std::map<int, std::vector<std::pair<std::size_t, int>>> branch_copies_;         ///< rail source -> (island, local branch)
+  std::map<std::pair<std::size_t, NodeIndex>, int> copies_;                ///< (island, rail) -> local node
+  std::map<int, std::vector<std::pair<std::size_t, int>>> branch_copies_;  ///< rail source -> (island, local branch)
 };
 
 /// Parts that others drive through controlled sources, and that nothing needed reads: a filter behind a buffer that nobody saves.
 class IdleParts {
  public:
   IdleParts(const Network& network, const Things& things, const Rails& rails)
-      : network_(network), things_(things), blocks_(Connector(without_forms(network), things, &rails).take()), needed_(static_cast<std::size_t>(things.count), 0) {
+      : network_(network),
+        things_(things),
+        blocks_(Connector(without_forms(network), things, &rails).take()),
+        needed_(static_cast<std::size_t>(things.count), 0) {
     for (const auto& signal : network.signals) need(signal.form);
     while (spread()) {
     }
@@ -389,8 +407,10 @@ class IdleParts {
   /// no part is idle.
   [[nodiscard]] std::optional<Network> cut() const {
     Network result = network_;
-    for (std::size_t i = 0; i < result.branches.size(); ++i) cut_form(things_.branch + static_cast<int>(i), result.branches[i].voltage, result);
-    for (std::size_t i = 0; i < result.injections.size(); ++i) cut_form(things_.injection + static_cast<int>(i), result.injections[i].current, result);
+    for (std::size_t i = 0; i < result.branches.size(); ++i)
+      cut_form(things_.branch + static_cast<int>(i), result.branches[i].voltage, result);
+    for (std::size_t i = 0; i < result.injections.size(); ++i)
+      cut_form(things_.injection + static_cast<int>(i), result.injections[i].current, result);
     if (result.sources.size() == network_.sources.size()) return std::nullopt;
     return result;
   }

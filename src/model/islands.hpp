@@ -17,13 +17,13 @@ struct Island {
     int driven = 0;    ///< switch of the whole network
     double on_level = 0.0, off_level = 0.0;
   };
-  std::string name;  ///< its first element or node, for messages
-  Network network;   ///< signals: the island's share of each saved signal
+  std::string name;                ///< its first element or node, for messages
+  Network network;                 ///< signals: the island's share of each saved signal
   std::vector<int> signal_number;  ///< of network.signals, in the whole network
   std::vector<int> switch_number;  ///< of network.switches, in the whole network
   std::vector<Control> controls;
   bool needed = true;
-  int part = 0;  ///< islands of one number hang together in the network as drawn, by rails
+  int part = 0;                      ///< islands of one number hang together in the network as drawn, by rails
   std::vector<int> copied_branches;  ///< of network.branches: sources of rails that belong to another island
 };
 

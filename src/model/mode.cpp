@@ -12,10 +12,10 @@ namespace {
 
 using linalg::absolute_product;
 using linalg::product;
+using linalg::Wide;
 using linalg::wide_clean_product;
 using linalg::wide_clean_sum;
 using linalg::wide_cleaned;
-using linalg::Wide;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
@@ -247,7 +247,9 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
     row_norm[i] = constraint.row(i).head(s_.n).norm();
     column_norm[i] = jump.col(i).norm();
   }
-  const auto is_rounding = [](const WideVector& norm, const WideVector& bound) { return (norm.array() <= cancelled_norm * bound.array()).any(); };
+  const auto is_rounding = [](const WideVector& norm, const WideVector& bound) {
+    return (norm.array() <= cancelled_norm * bound.array()).any();
+  };
   if (s_.n == 0 || is_rounding(row_norm, constraint_bound.leftCols(s_.n).rowwise().norm())) return false;
   if (is_rounding(column_norm, jump_bound.colwise().norm().transpose())) return false;
   constraint.array().colwise() /= row_norm.array();
@@ -301,7 +303,8 @@ void Builder::take_least_norm(const WideMatrix& free_directions) {
   base << kj_, w_->c + d_columns * kj_;
   kj_ -= free_directions * (linalg::wide_pseudo_inverse(moved, 1e-10) * base);
   for (std::size_t a = 0; a < r_.j.size(); ++a)
-    if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > 1e-9L) mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
+    if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > 1e-9L)
+      mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
   for (int i = 0; i < s_.ports; ++i)
     if (moved.row(q + i).cwiseAbs().maxCoeff() > 1e-9L) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
 }
@@ -378,7 +381,8 @@ void Builder::build_rows() {
     }
   }
   for (int i = 0; i < controls + outputs; ++i) {
-    const OutputRow& row = i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
+    const OutputRow& row =
+        i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
     state.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
     input.row(s_.diodes + i) = row.input.transpose().cast<Wide>();
   }

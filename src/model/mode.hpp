@@ -27,30 +27,30 @@ struct Mode {
 
   IndexSet active;
   bool regular = false;
-  bool unique_inputs = true;   ///< false: some u of the mode is not unique
+  bool unique_inputs = true;       ///< false: some u of the mode is not unique
   std::vector<char> input_unique;  ///< a port: its u and y are unique in this mode
-  Matrix free_inputs;          ///< directions of u that the mode leaves open (ports × any number); empty where u is unique
-  bool constrained = false;    ///< V is smaller than the whole space
-  int n1 = 0;                  ///< dim of c
-  int ny = 0;                  ///< n1 + n_ζ
-  Matrix projector;            ///< P (size × size); empty when not constrained
-  Matrix k;                    ///< u = K x (ports × size)
-  Matrix basis, lift;          ///< N (n × n1), R (n × n_ζ); empty when not constrained
-  linalg::Exponential flow;    ///< of A in y
-  Matrix absolute_a;           ///< |A|
-  double norm_a = 0.0;         ///< Frobenius norm of A, for scaling derivatives
-  double growth = 0.0;         ///< max(0, μ(A₁)): logarithmic norm of the c part
-  double noise = 0.0;          ///< relative rounding level of guard values in this mode
+  Matrix free_inputs;              ///< directions of u that the mode leaves open (ports × any number); empty where u is unique
+  bool constrained = false;        ///< V is smaller than the whole space
+  int n1 = 0;                      ///< dim of c
+  int ny = 0;                      ///< n1 + n_ζ
+  Matrix projector;                ///< P (size × size); empty when not constrained
+  Matrix k;                        ///< u = K x (ports × size)
+  Matrix basis, lift;              ///< N (n × n1), R (n × n_ζ); empty when not constrained
+  linalg::Exponential flow;        ///< of A in y
+  Matrix absolute_a;               ///< |A|
+  double norm_a = 0.0;             ///< Frobenius norm of A, for scaling derivatives
+  double growth = 0.0;             ///< max(0, μ(A₁)): logarithmic norm of the c part
+  double noise = 0.0;              ///< relative rounding level of guard values in this mode
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;
-  Matrix absolute_guards;           ///< |guards|
-  Vector guard_norm, guard_c_norm;  ///< ‖row‖, ‖row restricted to c‖
-  Matrix guard_block_norm;          ///< guards × exosystem blocks
-  std::vector<char> guard_constant; ///< no derivative: cannot fire within a segment
-  std::vector<int> guard_twin;      ///< first row with the same values: it speaks for this one
-  Vector input_block_norm;          ///< ‖E₁ restricted to a block‖
-  Matrix outputs;                   ///< signals in y
+  Matrix absolute_guards;            ///< |guards|
+  Vector guard_norm, guard_c_norm;   ///< ‖row‖, ‖row restricted to c‖
+  Matrix guard_block_norm;           ///< guards × exosystem blocks
+  std::vector<char> guard_constant;  ///< no derivative: cannot fire within a segment
+  std::vector<int> guard_twin;       ///< first row with the same values: it speaks for this one
+  Vector input_block_norm;           ///< ‖E₁ restricted to a block‖
+  Matrix outputs;                    ///< signals in y
 
   mutable std::uint64_t visits = 0;
   bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment

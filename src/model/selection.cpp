@@ -116,8 +116,8 @@ bool Selector::accepts(const Mode& mode, const double* x) {
   verifier_.departures(mode, y_.data(), diode_rows_, departures_.data());
   // A guard that was seen to cross cannot stay as it is, even where rounding of fast parts hides its slope here; unless nothing else
   // is left, and it was at rest.
-  if (trigger_ >= 0 && verifier_.relaxation() == 1.0 && mode.active.contains(trigger_) == trigger_side_ && departures_[static_cast<std::size_t>(trigger_)].order < 0 &&
-      mode.guard_norm[trigger_] > 0.0)
+  if (trigger_ >= 0 && verifier_.relaxation() == 1.0 && mode.active.contains(trigger_) == trigger_side_ &&
+      departures_[static_cast<std::size_t>(trigger_)].order < 0 && mode.guard_norm[trigger_] > 0.0)
     return false;
   return std::none_of(departures_.begin(), departures_.end(), [](const Departure& d) { return d.value < 0.0; });
 }
@@ -244,8 +244,8 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
   to_mode(system_, b, x, cb.data());
   double size = linalg::norm(x, system_.size());
   double rounding = derivative_noise * size;
-  const double largest_row = std::sqrt(std::max({a.k.rowwise().squaredNorm().maxCoeff(), b.k.rowwise().squaredNorm().maxCoeff(),
-                                                 system_.c.rowwise().squaredNorm().maxCoeff()}));
+  const double largest_row = std::sqrt(std::max(
+      {a.k.rowwise().squaredNorm().maxCoeff(), b.k.rowwise().squaredNorm().maxCoeff(), system_.c.rowwise().squaredNorm().maxCoeff()}));
   const double growth = std::max({1.0, a.norm_a / rational_.rate(), b.norm_a / rational_.rate()});
   for (int j = 0; j <= system_.size(); ++j, rounding *= growth) {
     from_mode(system_, a, ca.data(), za.data());
@@ -278,7 +278,8 @@ std::vector<const Mode*> Selector::continuations(const double* x, const Mode& ch
   const auto try_set = [&](const IndexSet& set) {
     const Mode& m = mode(set);
     if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || !accepts(m, projected_.data())) return;
-    if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); })) found.push_back(&m);
+    if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); }))
+      found.push_back(&m);
   };
   IndexSet set = chosen.active;
   if (k <= few_ports) {
@@ -375,7 +376,8 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
 }
 
 void Selector::note_impulse(Selected& result) {
-  if (result.jumps == 1) details_ = {impulse_.weight, impulse_.order != 1, {}};
+  if (result.jumps == 1)
+    details_ = {impulse_.weight, impulse_.order != 1, {}};
   else {
     details_.impulse += impulse_.weight;
     details_.higher_order |= impulse_.order != 1;

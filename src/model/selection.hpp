@@ -25,8 +25,8 @@ enum class Several { first, stay };
 
 /// What is seldom asked for.
 struct Details {
-  Vector impulse;             ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
-  bool higher_order = false;  ///< derivatives of impulses acted too
+  Vector impulse;                          ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
+  bool higher_order = false;               ///< derivatives of impulses acted too
   std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
 };
 
@@ -34,8 +34,8 @@ struct Selected {
   Choice choice = Choice::found;
   const Mode* mode = nullptr;
   int jumps = 0;
-  double relaxation = 1.0;            ///< factor on the rounding level that the verification needed
-  const Details* details = nullptr;   ///< after jumps and with `several`; valid until the next selection
+  double relaxation = 1.0;           ///< factor on the rounding level that the verification needed
+  const Details* details = nullptr;  ///< after jumps and with `several`; valid until the next selection
 };
 
 class Selector {
@@ -96,7 +96,7 @@ class Selector {
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;
   const Mode* departures_of_ = nullptr;
-  int trigger_ = -1;           ///< port whose guard was seen to fall below zero, and the side it was on
+  int trigger_ = -1;  ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_;
   Details details_;

@@ -13,9 +13,9 @@ namespace {
 using linalg::Wide;
 using linalg::WideMatrix;
 
-constexpr double gap = 8.0;               ///< ratio of neighbouring rates that makes a cut
-constexpr double least_damping = 0.02;    ///< −Re λ/|λ| of what is dropped
-constexpr int largest_part = 64;          ///< states; beyond, the search would cost more than it saves
+constexpr double gap = 8.0;             ///< ratio of neighbouring rates that makes a cut
+constexpr double least_damping = 0.02;  ///< −Re λ/|λ| of what is dropped
+constexpr int largest_part = 64;        ///< states; beyond, the search would cost more than it saves
 constexpr int most_parts = 4;
 constexpr int most_iterations = 120;
 constexpr Wide converged = 1e-17L;
@@ -73,7 +73,8 @@ double source_rate(const System& system) {
   return rate;
 }
 
-std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, Eigen::Index slow, Wide cut) {
+std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, Eigen::Index slow,
+                                  Wide cut) {
   const Eigen::Index n = a.rows();
   const WideMatrix shifted = a - cut * WideMatrix::Identity(n, n);
   const Eigen::FullPivLU<WideMatrix> lu(shifted);
@@ -86,7 +87,8 @@ std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const 
   const WideMatrix w = inverse.topRows(slow);
   const WideMatrix w_fast = inverse.bottomRows(n - slow);
   const WideMatrix own = w * a * near;
-  if (static_cast<double>((a * near - near * own).norm()) > invariance * static_cast<double>(own.norm() + std::abs(cut) / gap)) return nullptr;
+  if (static_cast<double>((a * near - near * own).norm()) > invariance * static_cast<double>(own.norm() + std::abs(cut) / gap))
+    return nullptr;
 
   auto part = std::make_unique<SlowPart>();
   part->basis = near.cast<double>();

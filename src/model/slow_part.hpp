@@ -17,9 +17,9 @@
 namespace pwlsim::model {
 
 struct SlowPart {
-  Mode mode;            ///< in coordinates (c_s, ζ): flow, guards and their norms; no outputs
-  Matrix basis, lift;   ///< N (n1 × n_s), orthonormal; L (n1 × n_ζ)
-  Matrix coordinates;   ///< W (n_s × n1)
+  Mode mode;           ///< in coordinates (c_s, ζ): flow, guards and their norms; no outputs
+  Matrix basis, lift;  ///< N (n1 × n_s), orthonormal; L (n1 × n_ζ)
+  Matrix coordinates;  ///< W (n_s × n1)
 
   /// y of the whole mode -> y of this part; false where the fast part is not yet at rounding level.
   [[nodiscard]] bool enter(const double* whole, double* slow) const;

@@ -8,13 +8,13 @@ namespace pwlsim::model {
 namespace {
 
 using linalg::wide_null_space;
+using linalg::wide_range_space;
 using linalg::WideMatrix;
 using linalg::WideVector;
-using linalg::wide_range_space;
 
-constexpr double rank_tolerance = 1e-10;   ///< of unit vectors and equilibrated rows
-constexpr double noise_row = 1e-12;        ///< rows and columns below this, after scaling, are rounding
-constexpr double largest_condition = 1e12; ///< of [V T]
+constexpr double rank_tolerance = 1e-10;    ///< of unit vectors and equilibrated rows
+constexpr double noise_row = 1e-12;         ///< rows and columns below this, after scaling, are rounding
+constexpr double largest_condition = 1e12;  ///< of [V T]
 
 /// Rows divided by their largest entry, rows of rounding dropped.
 WideMatrix equilibrated(const WideMatrix& m, WideMatrix* companion = nullptr) {
@@ -84,7 +84,8 @@ double condition_of(const WideMatrix& m) {
 }
 
 /// Minimum-norm least squares.
-WideMatrix feedback_on(const WideMatrix& v, const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d, double& condition) {
+WideMatrix feedback_on(const WideMatrix& v, const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d,
+                       double& condition) {
   const auto size = a.rows();
   const WideMatrix q = complement_rows(v, size);
   WideMatrix left(q.rows() + d.rows(), b.cols());
@@ -144,7 +145,8 @@ Subspaces subspaces_without_sources(const System& system, const IndexSet& active
   std::vector<Eigen::Index> j;
   for (int i = 0; i < system.ports; ++i)
     if (active.contains(i)) j.push_back(i);
-  return find_subspaces(m.a.topLeftCorner(system.n, system.n), m.b.topRows(system.n)(Eigen::all, j), m.c.leftCols(system.n)(j, Eigen::all), m.d(j, j), 0);
+  return find_subspaces(m.a.topLeftCorner(system.n, system.n), m.b.topRows(system.n)(Eigen::all, j), m.c.leftCols(system.n)(j, Eigen::all),
+                        m.d(j, j), 0);
 }
 
 }  // namespace pwlsim::model

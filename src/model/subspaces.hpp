@@ -12,18 +12,18 @@
 namespace pwlsim::model {
 
 struct Subspaces {
-  bool regular = false;   ///< V ⊕ T is the whole space and V reaches every ζ
-  linalg::WideMatrix projector;       ///< on V along T
-  linalg::WideMatrix feedback;        ///< u = feedback·x keeps x in V, by minimum-norm least squares
-  linalg::WideMatrix constraints;     ///< orthonormal rows spanning the complement of V
-  linalg::WideMatrix free_inputs;     ///< orthonormal basis of ker [B; D]: directions of u without effect
+  bool regular = false;            ///< V ⊕ T is the whole space and V reaches every ζ
+  linalg::WideMatrix projector;    ///< on V along T
+  linalg::WideMatrix feedback;     ///< u = feedback·x keeps x in V, by minimum-norm least squares
+  linalg::WideMatrix constraints;  ///< orthonormal rows spanning the complement of V
+  linalg::WideMatrix free_inputs;  ///< orthonormal basis of ker [B; D]: directions of u without effect
   double condition = 1.0;
   int dim_v = 0, dim_t = 0;
 };
 
 /// The last n_zeta states are sources. Extended precision: ranks are decided here, and what cancels must be seen to.
-[[nodiscard]] Subspaces find_subspaces(const linalg::WideMatrix& a, const linalg::WideMatrix& b, const linalg::WideMatrix& c, const linalg::WideMatrix& d,
-                                       int n_zeta);
+[[nodiscard]] Subspaces find_subspaces(const linalg::WideMatrix& a, const linalg::WideMatrix& b, const linalg::WideMatrix& c,
+                                       const linalg::WideMatrix& d, int n_zeta);
 
 /// Those of the energy states alone, sources at zero, with the ports of `active`.
 [[nodiscard]] Subspaces subspaces_without_sources(const System& system, const IndexSet& active);

@@ -52,20 +52,20 @@ struct System {
   int n = 0;         ///< energy states
   int n_zeta = 0;
   int diodes = 0;
-  int ports = 0;     ///< diodes + switches
+  int ports = 0;  ///< diodes + switches
   Matrix a, b, c, d;
   std::shared_ptr<const Unrounded> unrounded;  ///< empty for a system that was made in double
-  Vector x0;         ///< start of ξ with uic (n)
+  Vector x0;                                   ///< start of ξ with uic (n)
   std::vector<Port> port;
-  std::vector<int> switch_number;     ///< of port diodes + i: number of the switch in the whole model
+  std::vector<int> switch_number;  ///< of port diodes + i: number of the switch in the whole model
   std::vector<char> switch_inverted;
-  std::vector<Control> controls;      ///< guards that this island's signals feed, for switches of any island
-  std::vector<OutputRow> outputs;     ///< signals this island contributes to
-  std::vector<int> output_signal;     ///< their numbers in the model
+  std::vector<Control> controls;   ///< guards that this island's signals feed, for switches of any island
+  std::vector<OutputRow> outputs;  ///< signals this island contributes to
+  std::vector<int> output_signal;  ///< their numbers in the model
   std::shared_ptr<const Exosystem> exosystem;
-  bool passive = false;               ///< certified by the KYP inequality in energy coordinates
+  bool passive = false;  ///< certified by the KYP inequality in energy coordinates
   double kyp_residual = 0.0;
-  double time_scale = 1.0;   ///< τ0: the stored energy is ½·τ0·|ξ|² in the units in which uᵀy is a power
+  double time_scale = 1.0;  ///< τ0: the stored energy is ½·τ0·|ξ|² in the units in which uᵀy is a power
 
   [[nodiscard]] int size() const { return n + n_zeta; }
 };

@@ -75,7 +75,7 @@ struct Card {
   SourceSpan name_span;
   std::vector<Item> items;
   SourceSpan span;
-  bool damaged = false;  ///< a syntax error on this card has been reported
+  bool damaged = false;      ///< a syntax error on this card has been reported
   std::vector<Card> rows{};  ///< of `.lcs`: the lines of its file, their first words as names
 };
 

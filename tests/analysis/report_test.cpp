@@ -94,7 +94,8 @@ TEST_CASE("passivity is true, false or null", "[unit]") {
 TEST_CASE("a jump in a sentence, and how many were not told", "[golden]") {
   const std::vector<engine::Jump> jumps = example().jumps;
   CHECK(analysis::jump_texts(jumps, 1) ==
-        std::vector<std::string>{"jump at t = 500 ms: D1 passes 2 C; v(C1) from 3 V to 1 V, v(C2) from 0 V to 1 V; stored energy from 4.5 J to 1.5 J"});
+        std::vector<std::string>{
+            "jump at t = 500 ms: D1 passes 2 C; v(C1) from 3 V to 1 V, v(C2) from 0 V to 1 V; stored energy from 4.5 J to 1.5 J"});
   const auto many = analysis::jump_texts(std::vector<engine::Jump>(25, jumps[0]), 30);
   REQUIRE(many.size() == 21);
   CHECK(many.back() == "and jumps at 10 more instants; --stats lists the first thousand");

@@ -105,7 +105,8 @@ TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]"
   CHECK(refused({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
   CHECK(refused({"inspect"}).find("error[E-no-deck]") == 0);
   CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is no option of pwlsim; try `--json`\n");
-  CHECK(refused({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") == 0);
+  CHECK(refused({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") ==
+        0);
 }
 
 TEST_CASE("wrong command lines are refused with a cure", "[golden]") {

@@ -94,8 +94,7 @@ TEST_CASE("functions have their values and as few ports as they need", "[unit]")
   b.check(b.f.sign(b.x), 2, [](double x, double) { return x > 0.0 ? 1.0 : -1.0; });
   b.check(b.f.limit(b.x, constant_sum(-1.0), constant_sum(2.0)), 2, [](double x, double) { return std::clamp(x, -1.0, 2.0); });
   b.check(b.f.limit(b.x, constant_sum(2.0), constant_sum(-1.0)), 2, [](double x, double) { return std::clamp(x, -1.0, 2.0); });
-  b.check(b.f.limit(b.x, b.y, constant_sum(1.0)), 3,
-          [](double x, double y) { return std::clamp(x, std::min(y, 1.0), std::max(y, 1.0)); });
+  b.check(b.f.limit(b.x, b.y, constant_sum(1.0)), 3, [](double x, double y) { return std::clamp(x, std::min(y, 1.0), std::max(y, 1.0)); });
 }
 
 TEST_CASE("equal parts share their ports", "[unit]") {

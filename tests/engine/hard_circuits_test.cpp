@@ -100,8 +100,7 @@ TEST_CASE("21: a chain of diodes and capacitors is isotonic regression", "[hard]
 
 TEST_CASE("22: two inductors and a freewheeling diode", "[hard]") {
   // L1 feeds node a from ground, L2 and the diode take from it.
-  const auto [i1, i2, e1, e2] =
-      GENERATE(table<double, double, double, double>({{2.0, -1.0, -0.25, -0.25}, {-1.0, 2.0, -1.0, 2.0}}));
+  const auto [i1, i2, e1, e2] = GENERATE(table<double, double, double, double>({{2.0, -1.0, -0.25, -0.25}, {-1.0, 2.0, -1.0, 2.0}}));
   Circuit c;
   const int l1 = c.l("0", "a", 1.0, i1);
   const int l2 = c.l("a", "0", 3.0, i2);
@@ -249,7 +248,8 @@ TEST_CASE("29: voltage doubler climbs in steps", "[hard]") {
   REQUIRE(run.errors.empty());
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   // After the n-th positive edge 2V(1 − (C2/(C1+C2))^n).
-  for (int n = 1; n <= 5; ++n) CHECK(run.at(static_cast<std::size_t>(4 * n - 1), 0) == Approx(2.0 * (1.0 - std::pow(0.75, n))).epsilon(tight));
+  for (int n = 1; n <= 5; ++n)
+    CHECK(run.at(static_cast<std::size_t>(4 * n - 1), 0) == Approx(2.0 * (1.0 - std::pow(0.75, n))).epsilon(tight));
   CHECK(run.at(20, 0) == Approx(1.525390625).epsilon(tight));
 }
 

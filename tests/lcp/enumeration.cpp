@@ -10,8 +10,8 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double sign_slack = 1e-9;         ///< below it a component counts as zero
-constexpr double equation_slack = 1e-9;     ///< of linear equations that have a solution
+constexpr double sign_slack = 1e-9;      ///< below it a component counts as zero
+constexpr double equation_slack = 1e-9;  ///< of linear equations that have a solution
 constexpr double rank_tolerance = 1e-10;
 
 std::vector<int> members(unsigned mask, int k) {

@@ -15,8 +15,12 @@ class Problems {
   explicit Problems(std::uint64_t seed) : engine_(seed) {}
   double number() { return 2.0 * (static_cast<double>(engine_() >> 11U) * 0x1p-53) - 1.0; }
   int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
-  linalg::Matrix matrix(int rows, int columns) { return linalg::Matrix::NullaryExpr(rows, columns, [&] { return number(); }); }
-  linalg::Vector vector(int size) { return linalg::Vector::NullaryExpr(size, [&] { return number(); }); }
+  linalg::Matrix matrix(int rows, int columns) {
+    return linalg::Matrix::NullaryExpr(rows, columns, [&] { return number(); });
+  }
+  linalg::Vector vector(int size) {
+    return linalg::Vector::NullaryExpr(size, [&] { return number(); });
+  }
   std::vector<int> subset(int k);
   /// G Gᵀ of the given rank, plus a skew part.
   linalg::Matrix semidefinite(int k, int rank);

@@ -9,9 +9,9 @@
 
 using namespace pwlsim;
 using namespace pwlsim::test;
+using lcp::Status;
 using linalg::Matrix;
 using linalg::Vector;
-using lcp::Status;
 
 namespace {
 

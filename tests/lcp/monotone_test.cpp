@@ -11,9 +11,9 @@
 
 using namespace pwlsim;
 using namespace pwlsim::test;
+using lcp::Status;
 using linalg::Matrix;
 using linalg::Vector;
-using lcp::Status;
 
 namespace {
 
@@ -183,7 +183,7 @@ TEST_CASE("25: the current around a ring of diodes", "[hard]") {
   m.block(3, 0, 3, 3) = incidence;
   m.block(6, 0, 3, 3) = -incidence;
   Vector q = Vector::Zero(9);
-  q.segment(3, 3) << 0, 1, -1;   // balance of a, b, c: current out into diodes + drawn by the source
+  q.segment(3, 3) << 0, 1, -1;  // balance of a, b, c: current out into diodes + drawn by the source
   q.segment(6, 3) << 0, -1, 1;
   const lcp::Answer answer = lcp::solve(m, q, lcp::Class::monotone);
   REQUIRE(answer.status == Status::solved);

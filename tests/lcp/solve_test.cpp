@@ -14,10 +14,10 @@
 
 using namespace pwlsim;
 using namespace pwlsim::test;
-using linalg::Matrix;
-using linalg::Vector;
 using lcp::Method;
 using lcp::Status;
+using linalg::Matrix;
+using linalg::Vector;
 
 namespace {
 
@@ -25,9 +25,9 @@ constexpr double agreement = 1e-8;  ///< of two ways to solve small random probl
 constexpr double tight = 1e-14;     ///< of problems whose answers are ratios of small integers
 
 enum Promise : unsigned {
-  by_lemke = 1,        ///< Lemke's method solves every problem of the class that has a solution
-  by_newton = 2,       ///< so does Newton's
-  by_least_index = 4   ///< so does the least index (P-matrices)
+  by_lemke = 1,       ///< Lemke's method solves every problem of the class that has a solution
+  by_newton = 2,      ///< so does Newton's
+  by_least_index = 4  ///< so does the least index (P-matrices)
 };
 
 struct ProblemClass {
@@ -136,10 +136,12 @@ const std::vector<Solver>& solvers() {
       {"Lemke", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return lcp::lemke(m, q); }},
       {"Lemke from any set", 0, [](Problems& r, const Matrix& m, const Vector& q) { return lcp::lemke_from(m, q, any_set(r, q)); }},
       {"Newton", by_newton, [](Problems&, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q); }},
-      {"Newton from any set", by_newton, [](Problems& r, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q, any_set(r, q)); }},
+      {"Newton from any set", by_newton,
+       [](Problems& r, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q, any_set(r, q)); }},
       {"least index", by_least_index, [](Problems&, const Matrix& m, const Vector& q) { return lcp::least_index(m, q); }},
       {"driver", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return as_solution(lcp::solve(m, q)); }},
-      {"driver with a set", by_lemke, [](Problems& r, const Matrix& m, const Vector& q) {
+      {"driver with a set", by_lemke,
+       [](Problems& r, const Matrix& m, const Vector& q) {
          const std::vector<int> previous = any_set(r, q);
          return as_solution(lcp::solve(m, q, lcp::Class::general, &previous));
        }},
@@ -203,8 +205,10 @@ TEST_CASE("a warm start costs as many pivots as there are changes", "[unit]") {
       const int flips = 1 + trial % 3;
       for (int f = 0; f < flips; ++f) {
         const int i = (7 * trial + 5 * f) % k;
-        if (const auto at = std::find(start.begin(), start.end(), i); at != start.end()) start.erase(at);
-        else start.insert(std::upper_bound(start.begin(), start.end(), i), i);
+        if (const auto at = std::find(start.begin(), start.end(), i); at != start.end())
+          start.erase(at);
+        else
+          start.insert(std::upper_bound(start.begin(), start.end(), i), i);
       }
       const lcp::Solution warm = lcp::lemke_from(m, q, start);
       REQUIRE(warm.status == Status::solved);

@@ -47,8 +47,8 @@ TEST_CASE("null space and range of a matrix of rank two", "[unit]") {
 
 TEST_CASE("the scale decides what counts as zero", "[unit]") {
   const Matrix tiny = 1e-12 * rank_two();
-  CHECK(null_space(tiny, rank_tolerance).cols() == 2);            // relative to its own largest singular value
-  CHECK(null_space(tiny, rank_tolerance, 1.0).cols() == 4);       // beside one it is nothing
+  CHECK(null_space(tiny, rank_tolerance).cols() == 2);       // relative to its own largest singular value
+  CHECK(null_space(tiny, rank_tolerance, 1.0).cols() == 4);  // beside one it is nothing
   CHECK(range_space(tiny, rank_tolerance, 1.0).cols() == 0);
 }
 

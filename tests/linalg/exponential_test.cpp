@@ -151,7 +151,7 @@ TEST_CASE("the cheap norm bound is a norm's", "[unit]") {
   Matrix m(2, 2);
   m << 1, -2, 3, 4;  // ∞-norm 7, 1-norm 6, Frobenius norm √30
   CHECK(norm_bound(m) == Approx(std::sqrt(30.0)));
-  m << 5, 0, 5, 0;   // ∞-norm 5, 1-norm 10, Frobenius norm √50
+  m << 5, 0, 5, 0;  // ∞-norm 5, 1-norm 10, Frobenius norm √50
   CHECK(norm_bound(m) == 5.0);
   CHECK(norm_bound(Matrix(0, 0)) == 0.0);
 }

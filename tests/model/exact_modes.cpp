@@ -66,7 +66,8 @@ Integer residue(Row p, const Row& q, int steps) {
 /// One mode: numerators of x̂, û, ŷ and their common denominator.
 class ModeTransform {
  public:
-  ModeTransform(const IntegerSystem& system, unsigned bits, const Row& x) : s_(system), n_(system.n()), k_(system.k()), j_(members(bits, k_)), x_(x) {
+  ModeTransform(const IntegerSystem& system, unsigned bits, const Row& x)
+      : s_(system), n_(system.n()), k_(system.k()), j_(members(bits, k_)), x_(x) {
     // A determinant of degree ≤ n that has a zero in each of n + 1 disjoint intervals is zero everywhere.
     for (int trial = 0; trial <= n_ && !regular_; ++trial) regular_ = sample(2 + trial * (n_ + 1));
     if (!regular_) return;
@@ -196,7 +197,8 @@ ExactOutcome solve_exactly(const IntegerSystem& system, const std::vector<Intege
   for (ExactSolution& solution : found) {
     // Two solutions with the same active set are one where that mode is regular.
     const bool known = std::any_of(outcome.solutions.begin(), outcome.solutions.end(), [&](const ExactSolution& other) {
-      return other.active == solution.active && (regular[solution.active] || (other.inactive == solution.inactive && other.after == solution.after));
+      return other.active == solution.active &&
+             (regular[solution.active] || (other.inactive == solution.inactive && other.after == solution.after));
     });
     if (!known) outcome.solutions.push_back(std::move(solution));
   }

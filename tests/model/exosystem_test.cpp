@@ -95,7 +95,8 @@ TEST_CASE("a million periods do not drift", "[unit]") {
   for (const int n : {0, 1, 2, 3, 1000, 99'999, 1'000'000}) {
     INFO("edge " << n);
     player.advance(std::nextafter(delay + n * period, 0.0));
-    const auto rising = static_cast<double>(static_cast<long double>(delay) + static_cast<long double>(n) * static_cast<long double>(period));
+    const auto rising =
+        static_cast<double>(static_cast<long double>(delay) + static_cast<long double>(n) * static_cast<long double>(period));
     CHECK(std::abs(player.next() - rising) <= unit_in_last_place * rising);
     CHECK(player.advance(player.next()));
     CHECK(std::abs(player.next() - (rising + width)) <= 2 * unit_in_last_place * (rising + width));

@@ -34,7 +34,8 @@ Extracted extract(const Circuit& circuit) {
     const model::Network& n = island.network;
     return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.resistors.size();
   };
-  const auto largest = std::max_element(result.islands.begin(), result.islands.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const auto largest =
+      std::max_element(result.islands.begin(), result.islands.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
   result.largest = model::extract(*largest, result.diagnostics);
   return result;
 }

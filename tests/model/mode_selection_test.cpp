@@ -22,8 +22,8 @@ using model::Verdict;
 
 namespace {
 
-constexpr double agreement = 1e-9;   ///< of states after a jump, of numbers of order one
-constexpr int most_stages = 6;       ///< jumps at one instant that are followed exactly
+constexpr double agreement = 1e-9;  ///< of states after a jump, of numbers of order one
+constexpr int most_stages = 6;      ///< jumps at one instant that are followed exactly
 constexpr std::size_t most_ends = 50;
 
 using Sets = std::pair<unsigned, unsigned>;  ///< active, inactive
@@ -62,10 +62,10 @@ double size_of(const std::vector<Integer>& x) {
 
 /// Where the instant can end: smooth continuations after all sequences of jumps.
 struct Ends {
-  bool exact = true;          ///< not too many stages
-  bool regular = true;        ///< every mode at every stage: then there are no others
-  bool branches = false;      ///< some stage has several solutions
-  bool dead = false;          ///< some sequence of jumps ends without solution
+  bool exact = true;      ///< not too many stages
+  bool regular = true;    ///< every mode at every stage: then there are no others
+  bool branches = false;  ///< some stage has several solutions
+  bool dead = false;      ///< some sequence of jumps ends without solution
   std::vector<ExactSolution> smooth;
 };
 
@@ -77,8 +77,10 @@ void follow(const IntegerSystem& system, const std::vector<Integer>& x, double s
   ends.branches |= outcome.solutions.size() > 1;
   ends.dead |= outcome.solutions.empty();
   for (const ExactSolution& s : outcome.solutions) {
-    if (!s.jumps) ends.smooth.push_back(s);
-    else follow(system, s.after, size_of(s.after) > 0.0 ? s.state_after.norm() / size_of(s.after) : 1.0, stage + 1, ends);
+    if (!s.jumps)
+      ends.smooth.push_back(s);
+    else
+      follow(system, s.after, size_of(s.after) > 0.0 ? s.state_after.norm() / size_of(s.after) : 1.0, stage + 1, ends);
   }
 }
 
@@ -95,13 +97,14 @@ struct Tally {
 
   void print() const {
     std::cout << systems << " systems: " << uniform << " of uniform relative degree (0: " << degree[0] << ", 1: " << degree[1]
-              << ", 2: " << degree[2] << ", 3: " << degree[3] << "), " << hypothesis << " with positive leading minors\n  enumeration: none "
-              << of_enumeration[0] << ", one " << of_enumeration[1] << ", several " << of_enumeration[2] << "; a singular mode in " << irregular
-              << "\n  cascade: none " << of_cascade[0] << ", unique " << of_cascade[1] << ", several " << of_cascade[2] << ", undecided "
-              << of_cascade[3] << "; compared " << compared << "\n  after all jumps: none " << ends_none << ", one " << ends_unique
-              << ", several " << ends_several << ", not followed " << ends_inexact << "\n  rational problem: found " << rational_found
-              << ", several " << rational_several << ", none " << rational_none << ", of these in a singular mode " << rational_beyond
-              << ", not confirmed " << rational_wrong.size() << "\n";
+              << ", 2: " << degree[2] << ", 3: " << degree[3] << "), " << hypothesis
+              << " with positive leading minors\n  enumeration: none " << of_enumeration[0] << ", one " << of_enumeration[1] << ", several "
+              << of_enumeration[2] << "; a singular mode in " << irregular << "\n  cascade: none " << of_cascade[0] << ", unique "
+              << of_cascade[1] << ", several " << of_cascade[2] << ", undecided " << of_cascade[3] << "; compared " << compared
+              << "\n  after all jumps: none " << ends_none << ", one " << ends_unique << ", several " << ends_several << ", not followed "
+              << ends_inexact << "\n  rational problem: found " << rational_found << ", several " << rational_several << ", none "
+              << rational_none << ", of these in a singular mode " << rational_beyond << ", not confirmed " << rational_wrong.size()
+              << "\n";
   }
 };
 
@@ -140,12 +143,15 @@ bool confirmed(const model::Selected& selected, const Vector& x, const Ends& end
     case Choice::several: {
       const unsigned mode = bits_of(selected.mode->active, k);
       const bool is_end = std::any_of(ends.smooth.begin(), ends.smooth.end(), [&](const ExactSolution& s) {
-        return (mode & s.active) == s.active && (mode & s.inactive) == 0 && (x - s.state_after).norm() <= agreement * (1.0 + s.state_after.norm());
+        return (mode & s.active) == s.active && (mode & s.inactive) == 0 &&
+               (x - s.state_after).norm() <= agreement * (1.0 + s.state_after.norm());
       });
       return is_end && (ends.branches || selected.choice == Choice::found);
     }
-    case Choice::none: return ends.dead;
-    case Choice::too_many_jumps: return false;
+    case Choice::none:
+      return ends.dead;
+    case Choice::too_many_jumps:
+      return false;
   }
   return false;
 }
@@ -172,8 +178,10 @@ void compare_rational(std::uint64_t seed, const RandomSystem& random, const Exac
   CHECK(counted_right(selected, exact));
   if (confirmed(selected, x, ends, k)) return;
   const bool has_mode = selected.choice == Choice::found || selected.choice == Choice::several;
-  if (has_mode && !ends.regular) ++tally.rational_beyond;
-  else tally.rational_wrong.push_back(seed);
+  if (has_mode && !ends.regular)
+    ++tally.rational_beyond;
+  else
+    tally.rational_wrong.push_back(seed);
 }
 
 Tally examine(std::uint64_t first, int count) {

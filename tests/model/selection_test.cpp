@@ -52,7 +52,8 @@ TEST_CASE("5: all 27 sign patterns of the two carts at the stop", "[hard]") {
         INFO("x2, x3, x4 = " << x2 << ", " << x3 << ", " << x4 << (stuck_before ? ", stuck before" : ", free before"));
         const double jumped = std::max(x3, 0.0);
         const double decisive = jumped != 0.0 ? jumped : x2 != 0.0 ? x2 : x4;
-        const Outcome o = select(system, vector({0.0, x2, x3, x4}), set_of(1, stuck_before ? std::initializer_list<int>{0} : std::initializer_list<int>{}));
+        const Outcome o = select(system, vector({0.0, x2, x3, x4}),
+                                 set_of(1, stuck_before ? std::initializer_list<int>{0} : std::initializer_list<int>{}));
         REQUIRE(o.selected.choice == Choice::found);
         CHECK((o.x - vector({0.0, x2, jumped, x4})).norm() <= tight);
         CHECK(o.selected.jumps == (x3 < 0.0 ? 1 : 0));

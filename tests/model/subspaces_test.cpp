@@ -18,8 +18,14 @@ constexpr double tight = 1e-13;
 /// Rounded to double, which is how the tests compute.
 struct Rounded {
   explicit Rounded(const model::Subspaces& s)
-      : regular(s.regular), projector(s.projector.cast<double>()), feedback(s.feedback.cast<double>()), constraints(s.constraints.cast<double>()),
-        free_inputs(s.free_inputs.cast<double>()), condition(s.condition), dim_v(s.dim_v), dim_t(s.dim_t) {}
+      : regular(s.regular),
+        projector(s.projector.cast<double>()),
+        feedback(s.feedback.cast<double>()),
+        constraints(s.constraints.cast<double>()),
+        free_inputs(s.free_inputs.cast<double>()),
+        condition(s.condition),
+        dim_v(s.dim_v),
+        dim_t(s.dim_t) {}
   bool regular;
   model::Matrix projector, feedback, constraints, free_inputs;
   double condition;

@@ -18,7 +18,7 @@ constexpr double certificate_bound = 1e-9;  ///< relative residuals
 constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
 constexpr double nothing = 1e-9;            ///< V or A: less than this is what rounding leaves of sources of volts and milliamperes
 constexpr double small_share = 1e-3;        ///< see scales()
-constexpr double energy_slack = 1e-11;      ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
+constexpr double energy_slack = 1e-11;  ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;
 
 std::vector<double> equal_steps(double stop, std::uint64_t count) {
@@ -29,7 +29,8 @@ std::vector<double> equal_steps(double stop, std::uint64_t count) {
 }
 
 Finding check_certificate(const engine::Certificate& c) {
-  const auto detail = fmt::format("complementarity {:.2g}, KCL/KVL {:.2g}, energy {:.2g}, passive {}", c.complementarity, c.kcl_kvl, c.energy, c.passive);
+  const auto detail =
+      fmt::format("complementarity {:.2g}, KCL/KVL {:.2g}, energy {:.2g}, passive {}", c.complementarity, c.kcl_kvl, c.energy, c.passive);
   if (!(c.complementarity <= certificate_bound)) return {Finding::Kind::wrong, "certificate: complementarity", detail, c};
   if (!(c.kcl_kvl <= certificate_bound)) return {Finding::Kind::wrong, "certificate: KCL/KVL", detail, c};
   if (!(c.energy <= certificate_bound)) return {Finding::Kind::wrong, "certificate: energy", detail, c};
@@ -81,7 +82,8 @@ Finding compare(const RandomNetwork& network, const ProgramRun& a, const Program
       const double error = std::abs(a.rows[k][i + 1] - b.rows[k * stride][i + 1]);
       if (error <= worst * scale) continue;
       worst = error / scale;
-      detail = fmt::format("{} at t = {}: {} and {}, scale {}", states[i].name, a.rows[k][0], a.rows[k][i + 1], b.rows[k * stride][i + 1], scale);
+      detail = fmt::format("{} at t = {}: {} and {}, scale {}", states[i].name, a.rows[k][0], a.rows[k][i + 1], b.rows[k * stride][i + 1],
+                           scale);
     }
   }
   return worst <= agreement ? Finding{} : Finding{Finding::Kind::wrong, what, detail};
@@ -94,7 +96,8 @@ Finding check_energy(const RandomNetwork& network, const std::vector<std::vector
   for (const auto& row : rows) {
     const double energy = energy_of(states, row);
     if (energy > before + energy_slack * start)
-      return {Finding::Kind::wrong, "energy rises", fmt::format("at t = {}: from {} to {}, {} at the start", row[0], before, energy, start)};
+      return {Finding::Kind::wrong, "energy rises",
+              fmt::format("at t = {}: from {} to {}, {} at the start", row[0], before, energy, start)};
     before = energy;
   }
   return {};
@@ -103,7 +106,8 @@ Finding check_energy(const RandomNetwork& network, const std::vector<std::vector
 std::vector<int> shuffled(std::size_t size, Random& random) {
   std::vector<int> order(size);
   std::iota(order.begin(), order.end(), 0);
-  for (int i = static_cast<int>(size) - 1; i > 0; --i) std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.whole(0, i))]);
+  for (int i = static_cast<int>(size) - 1; i > 0; --i)
+    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.whole(0, i))]);
   return order;
 }
 
@@ -124,7 +128,8 @@ Finding examine(const RandomNetwork& network, std::uint64_t seed) {
   if (Finding finding = compare(network, run, renumbered, 1, "renumbering"); finding.kind != Finding::Kind::fine) return finding;
 
   const ProgramRun halved = run_program(to_model(network), equal_steps(network.stop, 2 * steps));
-  if (halved.finding.kind != Finding::Kind::fine) return {Finding::Kind::wrong, "half the step: " + halved.finding.what, halved.finding.detail};
+  if (halved.finding.kind != Finding::Kind::fine)
+    return {Finding::Kind::wrong, "half the step: " + halved.finding.what, halved.finding.detail};
   if (Finding finding = compare(network, run, halved, 2, "half the step"); finding.kind != Finding::Kind::fine) return finding;
   return check_certificate(run.answer.certificate);
 }

@@ -81,7 +81,8 @@ class Generator {
   }
 
   Kind any_kind() {
-    const double weights[] = {recipe_.resistor, recipe_.capacitor, recipe_.inductor, recipe_.diode, recipe_.switch_, recipe_.voltage, recipe_.current};
+    const double weights[] = {recipe_.resistor, recipe_.capacitor, recipe_.inductor, recipe_.diode,
+                              recipe_.switch_,  recipe_.voltage,   recipe_.current};
     double left = random_.unit() * std::accumulate(std::begin(weights), std::end(weights), 0.0);
     int kind = 0;
     while (kind < 6 && left >= weights[kind]) left -= weights[kind++];
@@ -103,7 +104,8 @@ class Generator {
   }
 
   int count(Kind kind) const {
-    return static_cast<int>(std::count_if(network_.parts.begin(), network_.parts.end(), [&](const Part& part) { return part.kind == kind; }));
+    return static_cast<int>(
+        std::count_if(network_.parts.begin(), network_.parts.end(), [&](const Part& part) { return part.kind == kind; }));
   }
 
   double spread_value(double unit) { return rounded(unit * std::pow(10.0, random_.between(-recipe_.spread, recipe_.spread))); }
@@ -265,7 +267,8 @@ class Emitter {
 
   void save(std::size_t index) {
     const Part& part = network_.parts[index];
-    if (part.kind == Kind::capacitor) builder_.add(model::Signal{"v(" + part.name + ")", model::voltage_between(node(part.p), node(part.n))});
+    if (part.kind == Kind::capacitor)
+      builder_.add(model::Signal{"v(" + part.name + ")", model::voltage_between(node(part.p), node(part.n))});
     if (part.kind == Kind::inductor)
       builder_.add(model::Signal{"i(" + part.name + ")", {{model::Term::Kind::inductor_current, state_[index], 1.0}}});
   }
@@ -317,12 +320,14 @@ std::string to_deck(const RandomNetwork& network) {
       case Kind::capacitor:
       case Kind::inductor:
         deck += fmt::format("{} {} ic={}\n", head, part.value, part.initial);
-        saved += part.kind == Kind::inductor ? fmt::format(" i({})", part.name) : fmt::format(" v({},{})", node_text(part.p), node_text(part.n));
+        saved +=
+            part.kind == Kind::inductor ? fmt::format(" i({})", part.name) : fmt::format(" v({},{})", node_text(part.p), node_text(part.n));
         break;
       case Kind::diode:
         if (part.leak > 0.0) {
           // The deck's Ron is the slope of both together.
-          deck += fmt::format("{} D{}\n.model D{} D(Ron={} Roff={})\n", head, part.name, part.name, part.value * part.leak / (part.value + part.leak), part.leak);
+          deck += fmt::format("{} D{}\n.model D{} D(Ron={} Roff={})\n", head, part.name, part.name,
+                              part.value * part.leak / (part.value + part.leak), part.leak);
         } else {
           deck += head + " DI\n";
         }
@@ -338,7 +343,8 @@ std::string to_deck(const RandomNetwork& network) {
         break;
     }
   }
-  return deck + fmt::format(".model DI D\n.model SWI SW(Vt={})\n.save{}\n.tran {} {} uic\n.end\n", clock_threshold, saved, network.stop / 100, network.stop);
+  return deck + fmt::format(".model DI D\n.model SWI SW(Vt={})\n.save{}\n.tran {} {} uic\n.end\n", clock_threshold, saved,
+                            network.stop / 100, network.stop);
 }
 
 }  // namespace pwlsim::test

@@ -59,8 +59,8 @@ struct Recipe {
   double stiff_source = 0.4;  ///< of sources without resistance, where Kirchhoff's laws allow it
   double floating = 0.1;      ///< of networks that nothing but diodes and switches may tie to ground
   int most_nodes = 8, most_diodes = 6, most_switches = 2;
-  double spread = 3.0;        ///< values lie within ± so many decades
-  double real_diodes = 0.0;   ///< of diodes with Ron between 1 mΩ and 1 Ω and Roff between 100 kΩ and 1 GΩ
+  double spread = 3.0;       ///< values lie within ± so many decades
+  double real_diodes = 0.0;  ///< of diodes with Ron between 1 mΩ and 1 Ω and Roff between 100 kΩ and 1 GΩ
 };
 
 [[nodiscard]] RandomNetwork make_random_network(std::uint64_t seed, const Recipe& recipe);

@@ -12,8 +12,8 @@ namespace {
 constexpr double exact = 1e-12;  ///< of values and times of order one
 
 std::string twisting(const std::string& friction, const std::string& tran) {
-  return "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))" + friction + "}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran +
-         " uic\n.end\n";
+  return "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))" + friction +
+         "}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran + " uic\n.end\n";
 }
 
 struct Place {
@@ -87,7 +87,9 @@ TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
 // The spring of the first term only acts beyond 3e-5: the motion comes to rest inside the play after finitely many events, however long the run.
 TEST_CASE("a sequence that ends is no accumulation, in a run of any length", "[unit]") {
   const auto play = [](const std::string& tran) {
-    return run_text("play\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*limit(V(x)/3e-5,-1,1) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran + " uic\n.end\n");
+    return run_text(
+        "play\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*limit(V(x)/3e-5,-1,1) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " +
+        tran + " uic\n.end\n");
   };
   const DeckRun brief = play("10 10"), endless = play("1e5 1e5");
   REQUIRE(brief.answer.outcome == engine::Outcome::completed);
@@ -101,7 +103,10 @@ TEST_CASE("a sequence that ends is no accumulation, in a run of any length", "[u
 // v(C1), v(C2) are 0 before the source steps at t = 0, as they are where it steps later.
 TEST_CASE("a jump at the start tells what was before the source stepped", "[unit]") {
   const auto run_at = [](const std::string& delay) {
-    return run_text("start\nV1 a 0 PULSE(0 3 " + delay + " 0 0 10 20)\nC1 a b 1 ic=0\nC2 b 0 2 ic=0\nD1 b c DI\nC3 c 0 1 ic=0\n.model DI D\n.save v(b) v(c)\n.tran 0.5 2 uic\n.end\n", true);
+    return run_text(
+        "start\nV1 a 0 PULSE(0 3 " + delay +
+            " 0 0 10 20)\nC1 a b 1 ic=0\nC2 b 0 2 ic=0\nD1 b c DI\nC3 c 0 1 ic=0\n.model DI D\n.save v(b) v(c)\n.tran 0.5 2 uic\n.end\n",
+        true);
   };
   for (const char* delay : {"0", "1"}) {
     INFO("step at " << delay);

@@ -45,7 +45,8 @@ DeckRun run_raw(const std::string& file, const std::string& cards) {
 TEST_CASE("blocks without memory", "[regression]") {
   check_nodes(source +
                   "A1 a g mg\nA2 [a a] s ms\nA3 a l ml\nA4 a p mp\n.model mg gain(gain=2 in_offset=0.5 out_offset=-1)\n"
-                  ".model ms summer(in_gain=[1 2] in_offset=[0 1] out_gain=3 out_offset=1)\n.model ml limit(gain=2 out_lower_limit=-1 out_upper_limit=0.5)\n"
+                  ".model ms summer(in_gain=[1 2] in_offset=[0 1] out_gain=3 out_offset=1)\n.model ml limit(gain=2 out_lower_limit=-1 "
+                  "out_upper_limit=0.5)\n"
                   ".model mp pwl(x_array=[-1 0 1] y_array=[0 1 0])",
               {wave, [](double t) { return 2.0 * (wave(t) + 0.5) - 1.0; }, [](double t) { return 3.0 * (3.0 * wave(t) + 2.0) + 1.0; },
                [](double t) { return std::clamp(2.0 * wave(t), -1.0, 0.5); }, [](double t) { return 1.0 - std::abs(wave(t)); }});
@@ -53,7 +54,8 @@ TEST_CASE("blocks without memory", "[regression]") {
 
 TEST_CASE("ports of currents and differences", "[regression]") {
   check_nodes(source +
-                  "VM a m 0\nR1 m 0 2\nA1 %vnam VM b mg\nA2 %vd(a,b) %i c mg\nRC c 0 1\nA3 %i d %vd(0,e) mg\nRD a d 4\nRE e 0 1\n.model mg gain(gain=3)",
+                  "VM a m 0\nR1 m 0 2\nA1 %vnam VM b mg\nA2 %vd(a,b) %i c mg\nRC c 0 1\nA3 %i d %vd(0,e) mg\nRD a d 4\nRE e 0 1\n.model mg "
+                  "gain(gain=3)",
               {wave, wave, [](double t) { return 1.5 * wave(t); }, [](double t) { return 1.5 * wave(t); }, [](double) { return 0.0; },
                [](double t) { return -0.75 * wave(t); }});
 }
@@ -61,11 +63,13 @@ TEST_CASE("ports of currents and differences", "[regression]") {
 TEST_CASE("blocks with states", "[regression]") {
   const double w = two_pi;
   // Integral of 1 from 0.25, stopped at 0.75; 1/(p² + 2p + 1) and p/(p + 1) from rest, input 1 from t = 0 on; a derivative.
-  check_nodes("V1 a 0 SIN(0 2 1)\nV2 b 0 PULSE(0 1 0)\nA1 b i mi\nA2 b x mx\nA3 b y my\nA4 a d md\n.model mi int(out_ic=0.25 out_upper_limit=0.75)\n"
-              ".model mx s_xfer(num_coeff=[1] den_coeff=[1 2 1])\n.model my s_xfer(num_coeff=[1 0] den_coeff=[1 1])\n.model md d_dt(gain=0.5)",
-              {[&](double t) { return 2.0 * std::sin(w * t); }, [](double) { return 1.0; }, [](double t) { return std::min(0.25 + t, 0.75); },
-               [](double t) { return 1.0 - (1.0 + t) * std::exp(-t); }, [](double t) { return std::exp(-t); },
-               [&](double t) { return w * std::cos(w * t); }});
+  check_nodes(
+      "V1 a 0 SIN(0 2 1)\nV2 b 0 PULSE(0 1 0)\nA1 b i mi\nA2 b x mx\nA3 b y my\nA4 a d md\n.model mi int(out_ic=0.25 "
+      "out_upper_limit=0.75)\n"
+      ".model mx s_xfer(num_coeff=[1] den_coeff=[1 2 1])\n.model my s_xfer(num_coeff=[1 0] den_coeff=[1 1])\n.model md d_dt(gain=0.5)",
+      {[&](double t) { return 2.0 * std::sin(w * t); }, [](double) { return 1.0; }, [](double t) { return std::min(0.25 + t, 0.75); },
+       [](double t) { return 1.0 - (1.0 + t) * std::exp(-t); }, [](double t) { return std::exp(-t); },
+       [&](double t) { return w * std::cos(w * t); }});
 }
 
 TEST_CASE("hysteresis changes sides once the input has passed the band", "[regression]") {
@@ -77,33 +81,38 @@ TEST_CASE("hysteresis changes sides once the input has passed the band", "[regre
     const double shift = t < 0.375 ? 0.25 : -0.25;
     return std::clamp((input(t) - shift) / 0.25, 0.0, 1.0);
   };
-  check_nodes("V1 a 0 PWL(0 -1 0.5 1 1 -1)\nA1 a s ms\nA2 a r mr\n.model ms hyst(in_low=0 in_high=0 hyst=0.5 out_lower_limit=-5 out_upper_limit=5)\n"
-              ".model mr hyst(in_low=0 in_high=0.25 hyst=0.25)",
-              {input, step, ramp});
+  check_nodes(
+      "V1 a 0 PWL(0 -1 0.5 1 1 -1)\nA1 a s ms\nA2 a r mr\n.model ms hyst(in_low=0 in_high=0 hyst=0.5 out_lower_limit=-5 "
+      "out_upper_limit=5)\n"
+      ".model mr hyst(in_low=0 in_high=0.25 hyst=0.25)",
+      {input, step, ramp});
 }
 
 TEST_CASE("expressions of signals", "[regression]") {
   const auto v = [](Function f) { return [f](double t) { return f(wave(t)); }; };
-  check_nodes(source +
-                  ".func clip(x) {limit(x,-0.5,1.5)}\nB1 b 0 V={max(V(a),min(0.5,abs(V(a))-1))}\nB2 c 0 V={clip(V(a)) + uramp(-V(a))}\n"
-                  "B3 d 0 V={V(a) > 1 ? 2*V(a)-1 : V(a)}\nB4 e 0 V={V(a) > 1 && V(b) > 0 ? V(a) : -V(b)}\nB5 f 0 V={table(V(a),-1,0,0,1,1,0)}\n"
-                  "B6 g 0 V={exp(-time)*sin(2*pi*time)^2 + (time < 0.5 ? 1 : 3)}\nE1 h 0 TABLE {V(a)} = (-1,-5) (1,5)\nE2 i 0 a 0 table=(-1 -5, 1 5)\n"
-                  "G1 0 j value={2*abs(V(a))}\nR1 j 0 1\nB7 0 k I={I(G1) + I(E1)}\nR2 k 0 1",
-              {wave, v([](double x) { return std::max(x, std::min(0.5, std::abs(x) - 1.0)); }),
-               v([](double x) { return std::clamp(x, -0.5, 1.5) + std::max(-x, 0.0); }), v([](double x) { return x > 1.0 ? 2.0 * x - 1.0 : x; }),
-               v([](double x) {
-                 const double b = std::max(x, std::min(0.5, std::abs(x) - 1.0));
-                 return x > 1.0 && b > 0.0 ? x : -b;
-               }),
-               v([](double x) { return std::max(0.0, 1.0 - std::abs(x)); }),
-               [](double t) { return std::exp(-t) * std::pow(std::sin(two_pi * t), 2) + (t < 0.5 ? 1.0 : 3.0); },
-               v([](double x) { return 5.0 * std::clamp(x, -1.0, 1.0); }), v([](double x) { return 5.0 * std::clamp(x, -1.0, 1.0); }),
-               v([](double x) { return 2.0 * std::abs(x); }), v([](double x) { return 2.0 * std::abs(x); })});
+  check_nodes(
+      source +
+          ".func clip(x) {limit(x,-0.5,1.5)}\nB1 b 0 V={max(V(a),min(0.5,abs(V(a))-1))}\nB2 c 0 V={clip(V(a)) + uramp(-V(a))}\n"
+          "B3 d 0 V={V(a) > 1 ? 2*V(a)-1 : V(a)}\nB4 e 0 V={V(a) > 1 && V(b) > 0 ? V(a) : -V(b)}\nB5 f 0 V={table(V(a),-1,0,0,1,1,0)}\n"
+          "B6 g 0 V={exp(-time)*sin(2*pi*time)^2 + (time < 0.5 ? 1 : 3)}\nE1 h 0 TABLE {V(a)} = (-1,-5) (1,5)\nE2 i 0 a 0 table=(-1 -5, 1 "
+          "5)\n"
+          "G1 0 j value={2*abs(V(a))}\nR1 j 0 1\nB7 0 k I={I(G1) + I(E1)}\nR2 k 0 1",
+      {wave, v([](double x) { return std::max(x, std::min(0.5, std::abs(x) - 1.0)); }),
+       v([](double x) { return std::clamp(x, -0.5, 1.5) + std::max(-x, 0.0); }), v([](double x) { return x > 1.0 ? 2.0 * x - 1.0 : x; }),
+       v([](double x) {
+         const double b = std::max(x, std::min(0.5, std::abs(x) - 1.0));
+         return x > 1.0 && b > 0.0 ? x : -b;
+       }),
+       v([](double x) { return std::max(0.0, 1.0 - std::abs(x)); }),
+       [](double t) { return std::exp(-t) * std::pow(std::sin(two_pi * t), 2) + (t < 0.5 ? 1.0 : 3.0); },
+       v([](double x) { return 5.0 * std::clamp(x, -1.0, 1.0); }), v([](double x) { return 5.0 * std::clamp(x, -1.0, 1.0); }),
+       v([](double x) { return 2.0 * std::abs(x); }), v([](double x) { return 2.0 * std::abs(x); })});
 }
 
 TEST_CASE("1, raw: the carts need no circuit", "[hard]") {
-  const DeckRun run = run_raw("# positions, velocities\nA\n0 0 1 0\n0 0 0 1\n-2 1 0 0 # springs\n1 -1 0 0\nB\n0\n0\n1\n0\nC\n1 0 0 0\nx0\n0 -1 -1 0\n",
-                              ".tran 0.125 1.5\n");
+  const DeckRun run =
+      run_raw("# positions, velocities\nA\n0 0 1 0\n0 0 0 1\n-2 1 0 0 # springs\n1 -1 0 0\nB\n0\n0\n1\n0\nC\n1 0 0 0\nx0\n0 -1 -1 0\n",
+              ".tran 0.125 1.5\n");
   REQUIRE(run.messages.empty());
   CHECK(run.signals == std::vector<std::string>{"x(s,1)", "x(s,2)", "x(s,3)", "x(s,4)", "u(s,1)", "y(s,1)"});
   for (const auto& row : run.rows) {
@@ -136,7 +145,8 @@ TEST_CASE("34, 35, raw: problems without states", "[hard]") {
 
 // x' = 2 + u with y = x1 - 1.5 t²: the support accelerates by 3 and carries the mass, u = 1.
 TEST_CASE("15, raw: a support that accelerates", "[hard]") {
-  const DeckRun run = run_raw("A\n0 1 0 0\n0 0 0 0\n0 0 0 1\n0 0 0 0\nB\n0\n1\n0\n0\nC\n1 0 -1 0\nE\n0\n2\n0\n3\nw\nDC 1\nF\n0\n", ".tran 0.25 1\n");
+  const DeckRun run =
+      run_raw("A\n0 1 0 0\n0 0 0 0\n0 0 0 1\n0 0 0 0\nB\n0\n1\n0\n0\nC\n1 0 -1 0\nE\n0\n2\n0\n3\nw\nDC 1\nF\n0\n", ".tran 0.25 1\n");
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const auto& row : run.rows) CHECK(row[1] == Approx(1.5 * row[0] * row[0]).margin(exact));
@@ -155,20 +165,25 @@ TEST_CASE("sizes of a raw system that do not fit are named with their line", "[u
 // A source that rests on a threshold is in no loop: sgn(0) = 0, u(0) = 0, and a > b is false, a >= b true where they are equal.
 TEST_CASE("a step of a source at rest on its threshold has one value", "[regression]") {
   const auto on = [](double t) { return t >= 0.25 && t < 0.5 ? 1.0 : 0.0; };
-  check_nodes("V1 a 0 PULSE(0 1 0.25 0 0 0.25)\nB1 b 0 V={sgn(V(a))}\nB2 c 0 V={u(V(a))}\nB3 d 0 V={V(a)>0 ? 5 : 3}\nB4 e 0 V={V(a)<=0 ? 5 : 3}\n"
-              "B5 f 0 V={sgn(-V(a))}\nR1 b g 1\nC1 g 0 1",
-              {on, on, on, [&](double t) { return on(t) > 0.0 ? 5.0 : 3.0; }, [&](double t) { return on(t) > 0.0 ? 3.0 : 5.0; },
-               [&](double t) { return -on(t); }, [](double t) {
-                 const double charged = 1.0 - std::exp(-0.25);
-                 return t < 0.25 ? 0.0 : (t < 0.5 ? 1.0 - std::exp(-(t - 0.25)) : charged * std::exp(-(t - 0.5)));
-               }});
+  check_nodes(
+      "V1 a 0 PULSE(0 1 0.25 0 0 0.25)\nB1 b 0 V={sgn(V(a))}\nB2 c 0 V={u(V(a))}\nB3 d 0 V={V(a)>0 ? 5 : 3}\nB4 e 0 V={V(a)<=0 ? 5 : 3}\n"
+      "B5 f 0 V={sgn(-V(a))}\nR1 b g 1\nC1 g 0 1",
+      {on, on, on, [&](double t) { return on(t) > 0.0 ? 5.0 : 3.0; }, [&](double t) { return on(t) > 0.0 ? 3.0 : 5.0; },
+       [&](double t) { return -on(t); },
+       [](double t) {
+         const double charged = 1.0 - std::exp(-0.25);
+         return t < 0.25 ? 0.0 : (t < 0.5 ? 1.0 - std::exp(-(t - 0.25)) : charged * std::exp(-(t - 0.5)));
+       }});
 }
 
 TEST_CASE("steps of ramps, pulses and straight lines", "[regression]") {
   // A ramp from -1 to 1 within half a second, then on top; a polygon that touches 0, rests there and falls.
   const auto above = [](double t) { return t >= 0.375 ? 1.0 : 0.0; };
   const auto polygon = [](double t) { return t < 0.25 ? 1.0 : (t < 0.5 ? 0.0 : -1.0); };
-  check_nodes("V1 a 0 PULSE(-1 1 0 0.5 0.5 10)\nV2 p 0 PWL(0 1 0.25 0 0.5 0 1 -1)\nB1 b 0 V={u(V(a) - 0.5)}\nB2 c 0 V={sgn(V(p))}\nB3 d 0 V={u(0.5 - V(a))}",
-              {[](double t) { return std::min(-1.0 + 4.0 * t, 1.0); }, [](double t) { return t < 0.25 ? 1.0 - 4.0 * t : std::min(0.0, 1.0 - 2.0 * t); },
-               above, polygon, [&](double t) { return 1.0 - above(t); }});
+  check_nodes(
+      "V1 a 0 PULSE(-1 1 0 0.5 0.5 10)\nV2 p 0 PWL(0 1 0.25 0 0.5 0 1 -1)\nB1 b 0 V={u(V(a) - 0.5)}\nB2 c 0 V={sgn(V(p))}\nB3 d 0 V={u(0.5 "
+      "- V(a))}",
+      {[](double t) { return std::min(-1.0 + 4.0 * t, 1.0); },
+       [](double t) { return t < 0.25 ? 1.0 - 4.0 * t : std::min(0.0, 1.0 - 2.0 * t); }, above, polygon,
+       [&](double t) { return 1.0 - above(t); }});
 }

@@ -64,7 +64,8 @@ void check_rows(const DeckRun& run, const Reference& reference, double bound) {
 const ReferenceEvent* nearest(const Reference& reference, double time, double tolerance) {
   const ReferenceEvent* best = nullptr;
   for (const auto& event : reference.events)
-    if (event.counts() && std::abs(event.time - time) <= tolerance && (!best || std::abs(event.time - time) < std::abs(best->time - time))) best = &event;
+    if (event.counts() && std::abs(event.time - time) <= tolerance && (!best || std::abs(event.time - time) < std::abs(best->time - time)))
+      best = &event;
   return best;
 }
 
@@ -75,8 +76,8 @@ void check_event_times(const std::vector<Event>& events, const Reference& refere
     if (!nearest(reference, event.time, tolerance)) extra += fmt::format(" {:.17g}", event.time);
   for (const auto& expected : reference.events) {
     if (!expected.counts()) continue;
-    const bool found = std::any_of(events.begin(), events.end(),
-                                   [&](const Event& event) { return std::abs(event.time - expected.time) <= tolerance; });
+    const bool found =
+        std::any_of(events.begin(), events.end(), [&](const Event& event) { return std::abs(event.time - expected.time) <= tolerance; });
     if (!found) missing += fmt::format(" {:.17g} ({})", expected.time, expected.what);
   }
   INFO("times within " << tolerance << " s; not in the reference:" << extra << "; missing:" << missing);

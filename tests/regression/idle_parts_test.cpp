@@ -12,7 +12,8 @@ namespace {
 constexpr double exact = 1e-13;
 
 std::string deck(const std::string& behind_buffer, const std::string& saved) {
-  return "idle\nV1 a 0 DC 1\nR1 a b 1k\nC1 b 0 1u ic=0\nE1 c 0 b 0 10\n" + behind_buffer + ".model DI D\n.save " + saved + "\n.tran 1m 5m uic\n.end\n";
+  return "idle\nV1 a 0 DC 1\nR1 a b 1k\nC1 b 0 1u ic=0\nE1 c 0 b 0 10\n" + behind_buffer + ".model DI D\n.save " + saved +
+         "\n.tran 1m 5m uic\n.end\n";
 }
 
 const std::string filter = "R2 c d 1k\nC2 d 0 1u ic=0\nD1 d e DI\nR3 e 0 1k\n";

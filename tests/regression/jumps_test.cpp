@@ -44,7 +44,8 @@ TEST_CASE("19: a jump tells its charge, its stores and its energy", "[hard]") {
 // 2 A in 1 H and -1 A in 3 H meet where a diode lets no voltage be negative: the flux 2 - 3 = -1 Vs is kept by 4 H, i = -1/4 A. The
 // diode takes the flux 9/4 Vs that the first inductor loses.
 TEST_CASE("22: inductors meet, and the diode takes the flux", "[hard]") {
-  const DeckRun run = run_text("coils\nL1 0 a 1 ic=2\nL2 a 0 3 ic=-1\nD1 0 a DI\n.model DI D\n.save i(L1) i(L2)\n.tran 0.1 1 uic\n.end\n", true);
+  const DeckRun run =
+      run_text("coils\nL1 0 a 1 ic=2\nL2 a 0 3 ic=-1\nD1 0 a DI\n.model DI D\n.save i(L1) i(L2)\n.tran 0.1 1 uic\n.end\n", true);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   REQUIRE(run.answer.jumps.size() == 1);
   const engine::Jump& jump = run.answer.jumps[0];
@@ -63,7 +64,8 @@ TEST_CASE("22: inductors meet, and the diode takes the flux", "[hard]") {
 // Perfectly coupled inductors carry one flux: L = 1 H and 4 H, M = 2 H; 3 A in the first is a flux of 3 Vs and 6 Vs.
 TEST_CASE("a switch that moves the current to a coupled winding does not change the flux", "[unit]") {
   const DeckRun run = run_text(
-      "flyback\nL1 a 0 1 ic=3\nL2 b 0 4 ic=0\nK1 L1 L2 1\nS1 a 0 c 0 SW\nVC c 0 PULSE(1 0 0.5 0 0 1 2)\nR1 b 0 2\n.model SW SW(Ron=0 Vt=0.5)\n"
+      "flyback\nL1 a 0 1 ic=3\nL2 b 0 4 ic=0\nK1 L1 L2 1\nS1 a 0 c 0 SW\nVC c 0 PULSE(1 0 0.5 0 0 1 2)\nR1 b 0 2\n.model SW SW(Ron=0 "
+      "Vt=0.5)\n"
       ".save i(L1) i(L2)\n.tran 0.1 1 uic\n.end\n",
       true);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);

@@ -27,9 +27,7 @@ std::string text_of(const std::string& name) {
   return text.str();
 }
 
-DeckRun paper_deck(const std::string& name) {
-  return run_deck(std::string(PWLSIM_SOURCE_DIR) + "/netlists/paper/" + name + ".net");
-}
+DeckRun paper_deck(const std::string& name) { return run_deck(std::string(PWLSIM_SOURCE_DIR) + "/netlists/paper/" + name + ".net"); }
 
 /// The same deck with another value of a parameter of order 1e-3 or 1e6.
 DeckRun with_parameter(const std::string& name, const std::string& from, const std::string& to) {
@@ -70,10 +68,11 @@ void check_signals(const DeckRun& run, const std::vector<Function>& functions) {
 TEST_CASE("paper: two carts hit the stop, and leave it a quarter turn later", "[regression]") {
   const DeckRun run = paper_deck("carts_hit");
   const auto after = [](double t) { return t - pi / 2.0; };
-  check_signals(run, {[&](double t) { return t < pi / 2.0 ? 0.0 : (phi * std::sin(after(t) / phi) - std::sin(phi * after(t)) / phi) / root5; },
-                      [&](double t) {
-                        return t < pi / 2.0 ? -std::cos(t) : (phi * phi * std::sin(after(t) / phi) + std::sin(phi * after(t)) / (phi * phi)) / root5;
-                      }});
+  check_signals(
+      run, {[&](double t) { return t < pi / 2.0 ? 0.0 : (phi * std::sin(after(t) / phi) - std::sin(phi * after(t)) / phi) / root5; },
+            [&](double t) {
+              return t < pi / 2.0 ? -std::cos(t) : (phi * phi * std::sin(after(t) / phi) + std::sin(phi * after(t)) / (phi * phi)) / root5;
+            }});
 }
 
 // A stiff spring gives the velocity back: the limit is the free motion from (0, -1, 1, 0), an error of order 1/sqrt(k).
@@ -104,9 +103,8 @@ TEST_CASE("paper: two events at one instant", "[regression]") {
 
 TEST_CASE("paper: an input pulls the carts away from rest at once", "[regression]") {
   const double a = -(1.0 + 2.0 * phi) / root5, b = a + 2.0;
-  check_signals(paper_deck("carts_input"),
-                {[&](double t) { return t + a * std::sin(t / phi) + b * std::sin(phi * t); },
-                 [&](double t) { return 2.0 * t + phi * a * std::sin(t / phi) - b * std::sin(phi * t) / phi; }});
+  check_signals(paper_deck("carts_input"), {[&](double t) { return t + a * std::sin(t / phi) + b * std::sin(phi * t); },
+                                            [&](double t) { return 2.0 * t + phi * a * std::sin(t / phi) - b * std::sin(phi * t) / phi; }});
 }
 
 TEST_CASE("paper: Coulomb friction stops for good, a steep line creeps", "[regression]") {
@@ -158,8 +156,8 @@ TEST_CASE("paper: saturation", "[regression]") {
 
 TEST_CASE("11, paper: a relay with dead zone has five modes", "[hard]") {
   check_signals(paper_deck("relay_deadzone"),
-                {[](double t) { return std::max(1.0 - t, 0.5); }, [](double t) { return t < 0.5 ? 1.0 : 0.0; }, [](double t) { return t - 1.0; },
-                 [](double t) { return t < 0.5 ? -1.0 : (t < 1.5 ? 0.0 : 1.0); }});
+                {[](double t) { return std::max(1.0 - t, 0.5); }, [](double t) { return t < 0.5 ? 1.0 : 0.0; },
+                 [](double t) { return t - 1.0; }, [](double t) { return t < 0.5 ? -1.0 : (t < 1.5 ? 0.0 : 1.0); }});
   CHECK(paper_deck("relay_deadzone").answer.statistics.modes_visited >= 4);
 }
 
@@ -168,8 +166,11 @@ TEST_CASE("paper: a passive network with diodes", "[regression]") {
   check_completed(run);
   CHECK(run.answer.certificate.passive);
   // Five independent rows of 80-bit arithmetic, anchors of the design: v(a), i(L1) at 1 to 5 ms.
-  const double expected[5][2] = {{-6.4472632148001, -.04596960608386}, {2.2081874159696, .05354719239179}, {.9110380674146, -.04854090271778},
-                                 {-2.4705842561313, .02627640014561}, {2.8004033362933, -.00843961704360}};
+  const double expected[5][2] = {{-6.4472632148001, -.04596960608386},
+                                 {2.2081874159696, .05354719239179},
+                                 {.9110380674146, -.04854090271778},
+                                 {-2.4705842561313, .02627640014561},
+                                 {2.8004033362933, -.00843961704360}};
   for (std::size_t k = 0; k < 5; ++k) {
     CHECK(run.rows[k + 1][1] == Approx(expected[k][0]).margin(1e-12 * 10.0));
     CHECK(run.rows[k + 1][2] == Approx(expected[k][1]).margin(1e-12));

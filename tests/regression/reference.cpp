@@ -65,7 +65,8 @@ Reference read_reference(const std::string& name) {
     for (const auto& field : table[i]) reference.rows.back().push_back(number(field));
   }
   const auto events = read_table(reference_folder() / (name + ".events.csv"));
-  if (events.front().size() != table.front().size() + 1) throw std::runtime_error("events of " + name + " have other signals than its rows");
+  if (events.front().size() != table.front().size() + 1)
+    throw std::runtime_error("events of " + name + " have other signals than its rows");
   for (std::size_t i = 1; i < events.size(); ++i) {
     ReferenceEvent event{number(events[i][0]), events[i][1], {}};
     for (std::size_t column = 2; column < events[i].size(); ++column) event.after.push_back(number(events[i][column]));

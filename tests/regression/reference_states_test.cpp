@@ -11,12 +11,12 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double bound = 1e-12;       ///< relative to the largest value of the signal, which is at least its value at the start
+constexpr double bound = 1e-12;  ///< relative to the largest value of the signal, which is at least its value at the start
 constexpr double millisecond = 1e-3;
 
 struct Column {
   std::string signal;
-  double scale = 1.0;                 ///< its largest magnitude in the run
+  double scale = 1.0;                   ///< its largest magnitude in the run
   std::vector<double> at_milliseconds;  ///< at 1, 2, … ms
 };
 

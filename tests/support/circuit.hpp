@@ -112,7 +112,8 @@ inline Run simulate(const model::Network& network, const Setup& setup) {
   request.stop = setup.stop;
   request.grid.rows = setup.steps + 1;
   request.grid.time = [&](std::uint64_t k) {
-    return k == setup.steps ? setup.stop : setup.first + (setup.stop - setup.first) * static_cast<double>(k) / static_cast<double>(setup.steps);
+    return k == setup.steps ? setup.stop
+                            : setup.first + (setup.stop - setup.first) * static_cast<double>(k) / static_cast<double>(setup.steps);
   };
   request.events = setup.events;
   request.use_initial_conditions = setup.uic;

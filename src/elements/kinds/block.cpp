@@ -4,7 +4,7 @@
 namespace pwlsim::elements {
 namespace {
 
-constexpr const ModelKind* models[] = {&gain_model,  &summer_model,   &limit_model,    &hyst_model,       &pwl_model,     &relay_model,
+constexpr const ModelKind* models[] = {&gain_model,     &summer_model,   &limit_model,      &hyst_model,     &pwl_model,       &relay_model,
                                        &deadzone_model, &friction_model, &integrator_model, &transfer_model, &derivative_model};
 
 void emit(Emission& emission) { add_formula_source(emission, emission.instance().formula_is_current); }
@@ -40,7 +40,8 @@ Kind block() {
   Kind kind;
   kind.name = "block";
   kind.letter = 'A';
-  kind.usage = "A<name> input | [inputs] output model, each port node | %v node | %vd(p,n) | %i node | %id(p,n), an input also %vnam element";
+  kind.usage =
+      "A<name> input | [inputs] output model, each port node | %v node | %vd(p,n) | %i node | %id(p,n), an input also %vnam element";
   kind.text = "A block of XSPICE, or a relay, a dead zone, friction: as the type of its model says.";
   kind.tail = Tail::block;
   kind.models = models;

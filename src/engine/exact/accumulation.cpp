@@ -8,9 +8,9 @@ namespace pwlsim::engine {
 namespace {
 
 constexpr int longest_period = 6;
-constexpr int shrinking_intervals = 8;   ///< in a row, before it is called an accumulation
+constexpr int shrinking_intervals = 8;  ///< in a row, before it is called an accumulation
 constexpr double largest_ratio = 0.95;
-constexpr double ratio_spread = 1e-2;    ///< among those intervals, against the ratio
+constexpr double ratio_spread = 1e-2;  ///< among those intervals, against the ratio
 /// A state's own ratio above this is no convergence; below this change it has converged.
 constexpr double converged = 1e-15;
 

@@ -17,12 +17,12 @@ namespace pwlsim::engine {
 class AccumulationWatch {
  public:
   struct Limit {
-    double time = 0.0;        ///< t*, s
-    double ratio = 0.0;       ///< r, of the times between events p apart
-    int period = 0;           ///< p
-    double uncertainty = 0.0; ///< what the last p events moved t* by, s
-    double span = 0.0;        ///< from the first event of the sequence to t*, s
-    linalg::Vector xi;        ///< states there
+    double time = 0.0;         ///< t*, s
+    double ratio = 0.0;        ///< r, of the times between events p apart
+    int period = 0;            ///< p
+    double uncertainty = 0.0;  ///< what the last p events moved t* by, s
+    double span = 0.0;         ///< from the first event of the sequence to t*, s
+    linalg::Vector xi;         ///< states there
   };
 
   /// An event of the island's own at `time`, with the mode and the n states ξ after it.
@@ -50,7 +50,7 @@ class AccumulationWatch {
 
   std::vector<Event> events_;  ///< the last `kept`, in turn
   std::uint64_t count_ = 0;
-  bool shrinking_ = false;     ///< since `begin_`
+  bool shrinking_ = false;  ///< since `begin_`
   double begin_ = 0.0;
 };
 

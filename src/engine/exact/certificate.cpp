@@ -15,11 +15,11 @@ using linalg::Vector;
 constexpr std::size_t most_samples = 16;
 constexpr std::size_t most_first_visits = 32;
 constexpr double sum_rounding = 64.0 * 2.220446049250313e-16;  ///< of a sum of terms, against the sum of their magnitudes
-constexpr int most_panels = 8;          ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
+constexpr int most_panels = 8;                                 ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 /// A row whose terms never exceed this fraction of the island's largest is judged against that fraction: what it carries may be the
 /// rounding of the largest.
 constexpr double idle_row = 1e-3;
-constexpr double panel_rate = 0.5;       ///< rate·panel: eight Gauss points are exact to rounding there
+constexpr double panel_rate = 0.5;  ///< rate·panel: eight Gauss points are exact to rounding there
 
 /// Gauss–Legendre, 8 points on [−1, 1] (Abramowitz & Stegun, table 25.4).
 constexpr std::array<double, 4> gauss_point{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};

@@ -29,7 +29,7 @@ class CertificateRecorder {
     std::vector<double> y0;
     double length;
   };
-  std::vector<Sample> samples_;      ///< thinned
+  std::vector<Sample> samples_;  ///< thinned
   std::vector<Sample> first_visits_;
   std::vector<std::pair<const IslandModel*, linalg::Vector>> starts_;
   std::uint64_t seen_ = 0, stride_ = 1;

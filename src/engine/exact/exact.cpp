@@ -23,8 +23,7 @@ OperatingPoint operating_point(const ExactModel& model) {
   result.values.assign(model.signal_names.size(), 0.0);
   for (std::size_t i = 0; i < start.signals.size(); ++i) {
     const model::System& s = model.islands[i].extraction.system;
-    for (std::size_t k = 0; k < s.outputs.size(); ++k)
-      result.values[static_cast<std::size_t>(s.output_signal[k])] += start.signals[i][k];
+    for (std::size_t k = 0; k < s.outputs.size(); ++k) result.values[static_cast<std::size_t>(s.output_signal[k])] += start.signals[i][k];
   }
   start.answer.remarks.insert(start.answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   result.answer = std::move(start.answer);

@@ -25,9 +25,9 @@ struct SwitchInfo {
 
 class ExactModel {
  public:
-  std::vector<IslandModel> islands;   ///< needed ones only
+  std::vector<IslandModel> islands;  ///< needed ones only
   std::vector<IslandModel> left_out;
-  std::vector<SwitchInfo> switches;   ///< of the whole network
+  std::vector<SwitchInfo> switches;  ///< of the whole network
   std::vector<std::string> signal_names;
   std::vector<Remark> remarks;
   double seconds = 0.0;

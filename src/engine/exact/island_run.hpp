@@ -60,10 +60,10 @@ class IslandRun {
   /// Cached propagators serve rows that lie `step` apart.
   void set_row_step(double step) { row_step_ = step; }
 
-  std::vector<double> x;           ///< full state (ξ, ζ) while open
+  std::vector<double> x;  ///< full state (ξ, ζ) while open
   const model::Mode* mode = nullptr;
-  model::IndexSet wanted;          ///< active set with the switches as they stand
-  int trigger = -1;                ///< diode port whose guard reached zero
+  model::IndexSet wanted;  ///< active set with the switches as they stand
+  int trigger = -1;        ///< diode port whose guard reached zero
   /// Whether the mode goes on otherwise than `before` would have: a port determined in both modes, and not identically zero, lies on
   /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
   bool changes_visibly(const model::Mode& before);
@@ -89,12 +89,12 @@ class IslandRun {
   Located event_;
   double event_time_ = 0.0;
   AccumulationWatch accumulation_;
-  model::Vector limit_;     ///< ξ where events accumulate
-  bool at_limit_ = false;   ///< the event at hand is that
+  model::Vector limit_;    ///< ξ where events accumulate
+  bool at_limit_ = false;  ///< the event at hand is that
   bool open_ = false;
   bool undecided_ = false;  ///< the event at hand is only where the locator could not tell
   bool all_rest_ = false;   ///< and nothing came of it: guards at zero count from where they are visibly negative
-  int rests_ = -1;  ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
+  int rests_ = -1;          ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_;
   double row_time_ = 0.0;  ///< of row_y_

@@ -23,8 +23,10 @@ void JumpRecorder::keep(std::size_t island, const std::vector<double>& x) {
 void JumpRecorder::jumped(std::size_t island, const model::Selected& selected) {
   if (before_.empty()) return;
   Open& open = before_[island];
-  if (open.impulse.size() == 0) open.impulse = selected.details->impulse;
-  else open.impulse += selected.details->impulse;
+  if (open.impulse.size() == 0)
+    open.impulse = selected.details->impulse;
+  else
+    open.impulse += selected.details->impulse;
   open.higher_order |= selected.details->higher_order;
 }
 

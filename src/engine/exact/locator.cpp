@@ -194,7 +194,8 @@ Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double 
     (slope < 0.0 ? low : high) = at;
     double next = curvature > 0.0 ? at - slope / curvature : 0.5 * (low + high);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    const bool done = std::abs(next - at) <= 1e-12 * h || std::abs(slope) <= 1e-15 * m.guard_norm[row] * m.norm_a * linalg::norm(s.y.data(), m.ny);
+    const bool done =
+        std::abs(next - at) <= 1e-12 * h || std::abs(slope) <= 1e-15 * m.guard_norm[row] * m.norm_a * linalg::norm(s.y.data(), m.ny);
     if (done) break;
     at = next;
   }
@@ -257,7 +258,8 @@ void Locator::polish(const Segment& s, int row, double& tau) {
     const double shift = -value / slope;
     if (std::abs(shift) * m.norm_a > 1e-6) return;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
-    for (int i = 0; i < m.ny; ++i) event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < m.ny; ++i)
+      event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
     tau += shift;
   }
 }
@@ -438,8 +440,10 @@ bool Locator::enter_slow_part(Segment& s) {
   const auto ny = static_cast<std::size_t>(whole.ny);
   whole_y_.resize(ny);
   slow_y_.resize(ny);
-  if (s.part) s.part->to_whole(s.y.data(), whole_y_.data());
-  else std::copy_n(s.y.begin(), ny, whole_y_.begin());
+  if (s.part)
+    s.part->to_whole(s.y.data(), whole_y_.data());
+  else
+    std::copy_n(s.y.begin(), ny, whole_y_.begin());
   for (auto part = whole.slow_parts.rbegin(); part != whole.slow_parts.rend() && part->get() != s.part; ++part) {
     if (!(*part)->enter(whole_y_.data(), slow_y_.data())) continue;
     s.part = part->get();

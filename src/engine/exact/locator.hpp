@@ -20,26 +20,26 @@ namespace pwlsim::engine {
 /// A segment: one mode from its anchor on. `tau` counts from the anchor.
 struct Segment {
   const model::System* system = nullptr;
-  const model::Mode* mode = nullptr;      ///< what is marched: the mode itself, or a slow part of it
-  const model::Mode* whole = nullptr;     ///< the mode itself
-  const model::SlowPart* part = nullptr;  ///< of which `mode` is the mode; y is then in its coordinates
-  double anchor = 0.0;               ///< absolute time, s
-  std::vector<double> y0;            ///< state at the anchor
-  std::vector<int> rows;             ///< guard rows in force
+  const model::Mode* mode = nullptr;         ///< what is marched: the mode itself, or a slow part of it
+  const model::Mode* whole = nullptr;        ///< the mode itself
+  const model::SlowPart* part = nullptr;     ///< of which `mode` is the mode; y is then in its coordinates
+  double anchor = 0.0;                       ///< absolute time, s
+  std::vector<double> y0;                    ///< state at the anchor
+  std::vector<int> rows;                     ///< guard rows in force
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
-  double tau = 0.0;                  ///< marched so far; y is the state there
+  double tau = 0.0;  ///< marched so far; y is the state there
   std::vector<double> y;
-  double certified = 0.0;            ///< no guard falls below zero before
-  std::uint64_t intervals = 0;       ///< examined so far
-  bool sampled = false;              ///< some of it by signs at the ends only
-  double step = 0.0;                 ///< length of the last interval decided, 0: none yet
+  double certified = 0.0;       ///< no guard falls below zero before
+  std::uint64_t intervals = 0;  ///< examined so far
+  bool sampled = false;         ///< some of it by signs at the ends only
+  double step = 0.0;            ///< length of the last interval decided, 0: none yet
 };
 
 struct Located {
   bool found = false;
   double tau = 0.0;
-  int row = -1;   ///< guard row that crosses; −1: the interval could not be decided, let the selection do it
+  int row = -1;               ///< guard row that crosses; −1: the interval could not be decided, let the selection do it
   const double* y = nullptr;  ///< state at tau, valid until the next call
 };
 
@@ -97,11 +97,11 @@ class Locator {
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
-  static constexpr int series_order = 10;   ///< of the Taylor models
+  static constexpr int series_order = 10;  ///< of the Taylor models
 
-  std::size_t size_ = 0;                    ///< states the buffers are made for
+  std::size_t size_ = 0;  ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
-  std::vector<double> whole_y_, slow_y_;    ///< of a segment that enters or leaves a slow part
+  std::vector<double> whole_y_, slow_y_;  ///< of a segment that enters or leaves a slow part
   std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
   std::vector<double> derivatives_;        ///< A^j y at the interval's start, j = 0 … order + 1
   std::vector<double> guard_derivatives_;  ///< rows × (order + 1)

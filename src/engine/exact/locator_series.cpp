@@ -15,14 +15,14 @@ namespace {
 using model::Mode;
 
 constexpr int order = 10;
-constexpr double exact_reach = 0.14;  ///< rate·step up to which the series of this order is exact to rounding
-constexpr double longest_reach = 12.0;  ///< rate·h beyond which the remainder never passes
-constexpr double shorter = 0.7;       ///< of an interval that could not be decided
-constexpr double longer = 1.15;       ///< of the reach, after an interval decided at once
-constexpr int most_shortenings = 16;  ///< before the tests of low order take over
-constexpr double beyond_end = 1.25;   ///< of what is left: tried where a guard seems to be zero at the very end
-constexpr double bracket_margin = 0.02;  ///< of the interval, behind an isolated root
-constexpr int most_depth = 6;         ///< of subdivision
+constexpr double exact_reach = 0.14;           ///< rate·step up to which the series of this order is exact to rounding
+constexpr double longest_reach = 12.0;         ///< rate·h beyond which the remainder never passes
+constexpr double shorter = 0.7;                ///< of an interval that could not be decided
+constexpr double longer = 1.15;                ///< of the reach, after an interval decided at once
+constexpr int most_shortenings = 16;           ///< before the tests of low order take over
+constexpr double beyond_end = 1.25;            ///< of what is left: tried where a guard seems to be zero at the very end
+constexpr double bracket_margin = 0.02;        ///< of the interval, behind an isolated root
+constexpr int most_depth = 6;                  ///< of subdivision
 constexpr double factorial_next = 39916800.0;  ///< (order + 1)!
 
 using Coefficients = std::array<double, order + 1>;
@@ -248,8 +248,10 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     }
     if (!clear) continue;
     // The next interval of this mode begins with what served here, and a little more where it served at once.
-    if (attempt > 0) s.mode->reach = rate * h;
-    else if (h < rest) s.mode->reach = std::min(longer * s.mode->reach, longest_reach);
+    if (attempt > 0)
+      s.mode->reach = rate * h;
+    else if (h < rest)
+      s.mode->reach = std::min(longer * s.mode->reach, longest_reach);
     if (!(first < INFINITY)) {
       series_state(s, h, ye_.data());
       accept(s, h, end);

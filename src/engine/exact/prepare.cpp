@@ -59,7 +59,8 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
     if (!extraction) continue;
     if (!island.needed) {
       const std::string names = elements_of(island, running);
-      if (!names.empty()) result->remarks.push_back({"N-left-out", fmt::format("left out, because no saved signal depends on it: {}", names)});
+      if (!names.empty())
+        result->remarks.push_back({"N-left-out", fmt::format("left out, because no saved signal depends on it: {}", names)});
       result->left_out.push_back({std::move(island), std::move(*extraction)});
       continue;
     }

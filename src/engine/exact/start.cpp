@@ -76,9 +76,10 @@ class OperatingPointSolver {
       if (solutions_[i].status == StaticSolution::Status::solved) continue;
       answer.outcome = Outcome::no_solution;
       answer.id = "E-no-operating-point";
-      answer.message = fmt::format("no DC operating point in the part with {}: with its inductors short and its capacitors open no solution exists; "
-                                   "try uic with initial values",
-                                   island_elements(s));
+      answer.message = fmt::format(
+          "no DC operating point in the part with {}: with its inductors short and its capacitors open no solution exists; "
+          "try uic with initial values",
+          island_elements(s));
       return false;
     }
     return true;
@@ -114,8 +115,7 @@ bool has_conditions(const model::Island& island) {
 model::Island with_conditions(const model::Island& island) {
   model::Island forced = island;
   model::Network& n = forced.network;
-  for (const auto& c : n.node_conditions)
-    n.branches.push_back({c.label, c.node, model::ground, {{model::Term::Kind::one, 0, c.voltage}}});
+  for (const auto& c : n.node_conditions) n.branches.push_back({c.label, c.node, model::ground, {{model::Term::Kind::one, 0, c.voltage}}});
   // An inductor held at its current has no voltage of its own to offer: v = 0 is given up for i = value.
   for (const auto& c : n.current_conditions) {
     model::Inductor& l = n.inductors[static_cast<std::size_t>(c.inductor)];
@@ -172,9 +172,10 @@ Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& r
   x << d.reduce * full, zeta_before_start(s);
   const double moved = full.size() > 0 ? (d.store_state * x - full).norm() : 0.0;
   if (moved > 1e-9 * full.norm() && full.norm() > 0.0)
-    remarks.push_back({"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
-                                                         "as any jump, conserving charge and flux",
-                                                         island_elements(s))});
+    remarks.push_back(
+        {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
+                                          "as any jump, conserving charge and flux",
+                                          island_elements(s))});
   return x.head(s.n);
 }
 
@@ -222,9 +223,10 @@ Start start_from_operating_point(const ExactModel& model) {
     const StaticSolution& solution = solver.solution(i);
     const model::System& s = model.islands[i].extraction.system;
     if (!solution.unique)
-      start.answer.remarks.push_back({"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
-                                                                      "floating capacitor); the run starts from the one of least energy",
-                                                                      island_elements(s))});
+      start.answer.remarks.push_back(
+          {"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
+                                          "floating capacitor); the run starts from the one of least energy",
+                                          island_elements(s))});
     if (const auto it = forced.find(i); it != forced.end()) {
       start.xi.push_back(energy_from(model.islands[i], it->second.system, solution));
     } else {

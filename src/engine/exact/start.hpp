@@ -9,9 +9,9 @@
 namespace pwlsim::engine {
 
 struct Start {
-  Answer answer;                      ///< outcome and remarks
-  std::vector<linalg::Vector> xi;     ///< energy coordinates of each island
-  std::vector<char> on;               ///< switches
+  Answer answer;                             ///< outcome and remarks
+  std::vector<linalg::Vector> xi;            ///< energy coordinates of each island
+  std::vector<char> on;                      ///< switches
   std::vector<std::vector<double>> signals;  ///< operating point only: each island's share of its signals
 };
 

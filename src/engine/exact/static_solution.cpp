@@ -72,7 +72,8 @@ bool signs_hold(const model::System& s, const StaticSolution& solution) {
 }
 
 /// Diode sets that Lemke proposes at one small s, switches solved out.
-std::vector<std::vector<int>> proposals(const model::System& s, const Rest& r, const Vector& zeta, const std::vector<int>& switches, double small) {
+std::vector<std::vector<int>> proposals(const model::System& s, const Rest& r, const Vector& zeta, const std::vector<int>& switches,
+                                        double small) {
   const int d = s.diodes;
   const Matrix resolvent = (small * Matrix::Identity(s.n, s.n) - r.a).inverse();
   Matrix m = s.d;

@@ -10,8 +10,8 @@ namespace pwlsim::engine {
 struct StaticSolution {
   enum class Status { solved, none };
   Status status = Status::solved;
-  bool unique = true;      ///< false: some ξ is free; the least-energy one was taken
-  linalg::Vector x;        ///< (ξ, ζ)
+  bool unique = true;  ///< false: some ξ is free; the least-energy one was taken
+  linalg::Vector x;    ///< (ξ, ζ)
   linalg::Vector u;
 };
 

@@ -14,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Breakpoints and crossings closer than this fraction of the run are one instant.
 constexpr double merge_fraction = 1e-14;
-constexpr int most_rounds = 12;          ///< of switches answering switches at one instant
+constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
 constexpr std::size_t rows_per_block = 1024;
 /// Of the time from the first event of a sequence to its limit: so far ahead it is crossed once the limit is known to rounding; and so far
 /// where it is known to a fraction of what is ahead. There rounding begins to tell in states that shrink with the square of the time.
@@ -41,7 +41,8 @@ void add_name(std::vector<std::string>& names, const std::string& name) {
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
     : model_(exact_model), request_(request), sink_(sink), jump_recorder_(exact_model.islands, request.jumps) {
   islands_.reserve(model_.islands.size());
-  for (const auto& island : model_.islands) islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
+  for (const auto& island : model_.islands)
+    islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
   for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
@@ -105,7 +106,9 @@ bool Transient::begin(const Start& start) {
   }
   if (!settle(instant, true)) return false;
   if (instant.jumps > 0 && request_.use_initial_conditions)
-    answer_.remarks.push_back({"W-start-projected", "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"});
+    answer_.remarks.push_back(
+        {"W-start-projected",
+         "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"});
   return true;
 }
 
@@ -281,7 +284,9 @@ bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, 
   const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
   if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
   if (limit.uncertainty > known_fraction * ahead) return false;
-  if (limit.time >= request_.stop || (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_)) return false;
+  if (limit.time >= request_.stop ||
+      (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
+    return false;
   for (std::size_t j = 0; j < islands_.size(); ++j) {
     if (islands_[j].next_break() <= limit.time) return false;
     if (j != i && islands_[j].certify(limit.time) < limit.time) return false;
@@ -292,10 +297,11 @@ bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, 
 void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
   std::vector<std::string> names;
   for (const auto& port : island.system().port) add_name(names, port.name);
-  answer_.remarks.push_back(
-      {"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} taking {:.6g} of the time of those before, the run goes on from "
-                                     "their limit (known to {:.1g} s)",
-                                     limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period, limit.ratio, std::max(limit.uncertainty, tolerance_))});
+  answer_.remarks.push_back({"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} "
+                                                           "taking {:.6g} of the time of those before, the run goes on from "
+                                                           "their limit (known to {:.1g} s)",
+                                                           limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period,
+                                                           limit.ratio, std::max(limit.uncertainty, tolerance_))});
   ++answer_.statistics.accumulations;
   island.go_to_limit(limit);
   island.accumulation().reset();
@@ -312,8 +318,9 @@ bool Transient::watch_crowd(const Instant& instant) {
     if (islands_[i].mode != modes_before_[i] && modes_before_[i])
       for (auto& name : differing(islands_[i], sets_before_[i], islands_[i].mode->active)) names.push_back(std::move(name));
   fail(Outcome::accumulation, "E-accumulation",
-       fmt::format("events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
-                   instant.time, crowd_, instant.time - crowd_start_, fmt::join(names, ", ")),
+       fmt::format(
+           "events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
+           instant.time, crowd_, instant.time - crowd_start_, fmt::join(names, ", ")),
        names);
   return false;
 }
@@ -330,15 +337,16 @@ std::vector<std::string> Transient::undecided_elements(const IslandRun& island, 
   std::vector<std::string> names;
   const model::IndexSet& first = selected.details->continuations.front()->active;
   for (int i = 0; i < island.system().ports; ++i)
-    if (std::any_of(selected.details->continuations.begin(), selected.details->continuations.end(), [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
+    if (std::any_of(selected.details->continuations.begin(), selected.details->continuations.end(),
+                    [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
       add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
   return names;
 }
 
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
-  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time, fmt::join(undecided_elements(island, selected), ", "),
-                              selected.details->continuations.size());
+  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
+                              fmt::join(undecided_elements(island, selected), ", "), selected.details->continuations.size());
 }
 
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
@@ -346,8 +354,8 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   if (selected.choice == model::Choice::several) {
     names = undecided_elements(island, selected);
     fail(Outcome::not_unique, "E-not-unique",
-         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time, fmt::join(names, ", "),
-                     selected.details->continuations.size()),
+         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time,
+                     fmt::join(names, ", "), selected.details->continuations.size()),
          names);
     return;
   }
@@ -418,8 +426,11 @@ void Transient::note_open_signals() {
     for (const std::size_t output : island.selector().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
   if (!names.empty())
-    answer_.remarks.push_back({"N-indeterminate", fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
-                                                              "the values of least norm", fmt::join(names, ", "))});
+    answer_.remarks.push_back(
+        {"N-indeterminate",
+         fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
+                     "the values of least norm",
+                     fmt::join(names, ", "))});
 }
 
 void Transient::finish() {
@@ -437,23 +448,30 @@ void Transient::finish() {
     s.steps += island.locator().intervals();
     passive &= island.system().passive;
     if (island.locator().sampled() > 0)
-      answer_.remarks.push_back({"W-events-sampled", fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
-                                                                 "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
-                                                                 island.locator().sampled(), island.system().name, 1024)});
+      answer_.remarks.push_back(
+          {"W-events-sampled",
+           fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
+                       "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
+                       island.locator().sampled(), island.system().name, 1024)});
   }
   note_open_signals();
   answer_.jumps = jump_recorder_.take();
   if (several_ > 0)
-    answer_.remarks.push_back({"N-not-unique", fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
-                                                           several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
-                                                           request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
+    answer_.remarks.push_back(
+        {"N-not-unique",
+         fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
+                     several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
+                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
   s.seconds_model = model_.seconds;
   const auto clock = Clock::now();
   answer_.certificate = recorder_.check();
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
   if (worst > doubtful_residual)
-    answer_.remarks.push_back({"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit are too fast, or "
-                                                            "too far apart in size, for double precision", worst)});
+    answer_.remarks.push_back(
+        {"W-certificate",
+         fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit are too fast, or "
+                     "too far apart in size, for double precision",
+                     worst)});
   answer_.certificate.has_passivity = true;
   answer_.certificate.passive = passive;
   s.seconds_certificate = seconds_since(clock);

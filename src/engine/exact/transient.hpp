@@ -60,26 +60,26 @@ class Transient {
   RowSink& sink_;
   Answer answer_;
   std::vector<IslandRun> islands_;
-  std::vector<std::size_t> order_;          ///< islands, those without states first
-  std::vector<char> on_;                    ///< switches
+  std::vector<std::size_t> order_;  ///< islands, those without states first
+  std::vector<char> on_;            ///< switches
   std::vector<int> flips_;
   std::vector<model::IndexSet> sets_before_;
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
-  std::vector<Opened> opened_;              ///< at the instant at hand
+  std::vector<Opened> opened_;  ///< at the instant at hand
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
-  std::uint64_t several_ = 0;               ///< selections that had a choice, and the first of them in words
+  std::uint64_t several_ = 0;  ///< selections that had a choice, and the first of them in words
   std::string several_text_;
-  double tolerance_ = 0.0;                  ///< instants closer than this are one
+  double tolerance_ = 0.0;  ///< instants closer than this are one
   double now_ = 0.0;
   std::size_t width_ = 1;
   std::vector<double> rows_, row_before_;
   std::size_t buffered_ = 0;
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0;
-  double last_event_row_ = -1.0;            ///< time of the last row written after an event
+  double last_event_row_ = -1.0;  ///< time of the last row written after an event
   double crowd_start_ = 0.0;
   std::uint64_t crowd_ = 0;
   double sink_seconds_ = 0.0;
