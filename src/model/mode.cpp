@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/elimination.hpp"
 #include "model/subspaces.hpp"
 
 namespace pwlsim::model {
@@ -131,14 +132,6 @@ void finish_rows(const System& system, Mode& m) {
   }
 }
 
-/// Basis of {y : yᵀM = 0} from P M Q = L U: the rows of L⁻¹P behind the rank.
-WideMatrix left_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank) {
-  const auto q = lu.matrixLU().rows();
-  WideMatrix kernel = WideMatrix::Identity(q, q).rightCols(q - rank);
-  lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(kernel);
-  return lu.permutationP().transpose() * kernel;
-}
-
 /// Entries (i, j) that are rounding of row_size_i·column_size_j become zero.
 void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& column_size) {
   for (Eigen::Index j = 0; j < m.cols(); ++j)
@@ -169,7 +162,7 @@ class Builder {
 
  private:
   bool solve_inputs();
-  bool solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank);
+  bool solve_with_kernel(const linalg::WideElimination& elimination);
   bool solve_generally();
   void take_least_norm(const WideMatrix& free_directions);
   void spread_inputs();
@@ -197,14 +190,9 @@ bool Builder::solve_inputs() {
   kj_ = WideMatrix::Zero(q, s_.size());
   constraints_ = WideMatrix(0, s_.size());
   if (q == 0) return true;
-  Eigen::FullPivLU<WideMatrix> lu(r_.d);
-  int rank = 0;
-  if (lu.maxPivot() > feedthrough_tolerance_) {
-    lu.setThreshold(feedthrough_tolerance_ / lu.maxPivot());
-    rank = static_cast<int>(lu.rank());
-  }
-  if (rank == q) {
-    const WideMatrix inverse = lu.inverse();
+  const linalg::WideElimination elimination(r_.d, feedthrough_tolerance_);
+  if (elimination.rank() == q) {
+    const WideMatrix inverse = elimination.inverse();
     kj_ = -product(inverse, r_.c);
     // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
     const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
@@ -215,18 +203,18 @@ bool Builder::solve_inputs() {
     condition_ = static_cast<double>(absolute_product(inverse, r_.d).rowwise().sum().maxCoeff());
     return true;
   }
-  return solve_with_kernel(lu, rank) || solve_generally();
+  return solve_with_kernel(elimination) || solve_generally();
 }
 
 /// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
-bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank) {
+bool Builder::solve_with_kernel(const linalg::WideElimination& elimination) {
   const auto q = r_.d.rows();
-  const bool zero = rank == 0;
-  WideMatrix right = zero ? WideMatrix(WideMatrix::Identity(q, q)) : WideMatrix(lu.kernel());
+  const bool zero = elimination.rank() == 0;
+  WideMatrix right = zero ? WideMatrix(WideMatrix::Identity(q, q)) : elimination.kernel();
   WideMatrix left;
   if (!zero) {
-    left = left_kernel(lu, rank);
-    kj_ = -lu.solve(r_.c);
+    left = elimination.left_kernel();
+    kj_ = -elimination.solve(r_.c);
   }
   WideMatrix constraint = r_.c;
   WideMatrix jump = r_.b;
@@ -255,12 +243,11 @@ bool Builder::solve_with_kernel(const Eigen::FullPivLU<WideMatrix>& lu, int rank
   constraint.array().colwise() /= row_norm.array();
   jump.array().rowwise() /= column_norm.transpose().array();
   right.array().rowwise() /= column_norm.transpose().array();
-  const Eigen::FullPivLU<WideMatrix> gain_lu(product(constraint, jump));
-  const Wide smallest = std::abs(gain_lu.matrixLU()(count - 1, count - 1));
-  if (smallest < jump_rank_tolerance) return false;
-  condition_ = std::max(condition_, static_cast<double>(gain_lu.maxPivot() / smallest));
+  const linalg::WideElimination gain(product(constraint, jump), jump_rank_tolerance);
+  if (gain.rank() < count) return false;
+  condition_ = std::max(condition_, static_cast<double>(gain.largest_pivot() / gain.smallest_pivot()));
   const auto size = static_cast<Eigen::Index>(s_.size());
-  const WideMatrix inverse = gain_lu.inverse();
+  const WideMatrix inverse = gain.inverse();
   WideMatrix bound = w_->a.cwiseAbs();
   WideMatrix rate = w_->a;
   if (!zero) {
