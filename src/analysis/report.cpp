@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <initializer_list>
+#include <string>
 #include <string_view>
-#include <utility>
 
 #include "analysis/json.hpp"
 #include "analysis/quantity.hpp"
@@ -14,47 +13,25 @@
 namespace pwlsim::analysis {
 namespace {
 
-std::string json_object(std::initializer_list<std::pair<std::string_view, std::string>> members, std::string_view indent) {
-  std::string result = "{";
-  std::string_view separator = "\n";
-  for (const auto& [key, value] : members) {
-    result += fmt::format("{}{}  \"{}\": {}", separator, indent, key, value);
-    separator = ",\n";
-  }
-  return result + fmt::format("\n{}}}", indent);
-}
-
-std::string json_array(const std::vector<std::string>& strings) {
-  std::string result = "[";
-  for (const std::string& text : strings) result += (result.size() == 1 ? "\n    " : ",\n    ") + json_string(text);
-  return result + (strings.empty() ? "]" : "\n  ]");
-}
-
 std::string residual(double value) { return value == 0.0 ? "0" : fmt::format("{:.1e}", value); }
 
 std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
-std::string jump_details(const std::vector<engine::Jump>& jumps) {
-  std::vector<std::string> items;
-  for (const engine::Jump& jump : jumps) {
-    std::vector<std::string> impulses, states;
-    for (const auto& impulse : jump.impulses)
-      impulses.push_back(json_line(
-          {{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
-    for (const auto& state : jump.states)
-      states.push_back(
-          json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
-    items.push_back(json_line({{"time", json_number(jump.time)},
-                               {"impulses", json_line(impulses)},
-                               {"higher_order", json_truth(jump.higher_order)},
-                               {"states", json_line(states)},
-                               {"energy_before", json_number(jump.energy_before)},
-                               {"energy_after", json_number(jump.energy_after)},
-                               {"energy_lost", json_number(jump.energy_before - jump.energy_after)}}));
-  }
-  std::string text = "[";
-  for (const std::string& item : items) text += (text.size() > 1 ? ",\n    " : "\n    ") + item;
-  return text + (items.empty() ? "]" : "\n  ]");
+std::string jump_line(const engine::Jump& jump) {
+  std::vector<std::string> impulses, states;
+  for (const auto& impulse : jump.impulses)
+    impulses.push_back(json_line(
+        {{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
+  for (const auto& state : jump.states)
+    states.push_back(
+        json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
+  return json_line({{"time", json_number(jump.time)},
+                    {"impulses", json_line(impulses)},
+                    {"higher_order", json_truth(jump.higher_order)},
+                    {"states", json_line(states)},
+                    {"energy_before", json_number(jump.energy_before)},
+                    {"energy_after", json_number(jump.energy_after)},
+                    {"energy_lost", json_number(jump.energy_before - jump.energy_after)}});
 }
 
 std::string unit_of(const std::string& state) { return state[0] == 'v' ? "V" : state[0] == 'i' ? "A" : "Vs"; }
@@ -82,43 +59,52 @@ std::string statistics_json(const RunReport& report) {
   const engine::Statistics& s = report.statistics;
   const engine::Certificate& c = report.certificate;
   const Seconds& t = report.seconds;
-  const auto number = [](std::uint64_t value) { return fmt::format("{}", value); };
-  const std::string seconds = json_object({{"parse", json_number(t.parse)},
-                                           {"flatten", json_number(t.flatten)},
-                                           {"model", json_number(t.model)},
-                                           {"simulate", json_number(t.simulate)},
-                                           {"write", json_number(t.write)},
-                                           {"certificate", json_number(t.certificate)},
-                                           {"total", json_number(t.total)}},
-                                          "  ");
-  const std::string certificate = json_object({{"complementarity", json_number(c.complementarity)},
-                                               {"kcl_kvl", json_number(c.kcl_kvl)},
-                                               {"energy", json_number(c.energy)},
-                                               {"passive", !c.has_passivity ? "null"
-                                                           : c.passive      ? "true"
-                                                                            : "false"},
-                                               {"points_checked", number(c.points_checked)}},
-                                              "  ");
-  return json_object({{"engine", json_string(report.engine)},
-                      {"islands", number(s.islands)},
-                      {"states", number(s.states)},
-                      {"ports", number(s.ports)},
-                      {"switches", number(s.switches)},
-                      {"modes_visited", number(s.modes_visited)},
-                      {"events", number(s.events)},
-                      {"jumps", number(s.jumps)},
-                      {"accumulations", number(s.accumulations)},
-                      {"lcp_pivots", number(s.lcp_pivots)},
-                      {"klu_factorizations", number(s.klu_factorizations)},
-                      {"klu_solves", number(s.klu_solves)},
-                      {"steps", number(s.steps)},
-                      {"rows", number(s.rows)},
-                      {"jump_details", jump_details(report.jumps)},
-                      {"seconds", seconds},
-                      {"certificate", certificate},
-                      {"notes", json_array(report.notes)}},
-                     "") +
-         "\n";
+  JsonWriter json;
+  const auto count = [&](std::string_view name, std::uint64_t value) { json.member(name, std::to_string(value)); };
+  const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
+  json.begin_object();
+  json.member("engine", json_string(report.engine));
+  count("islands", s.islands);
+  count("states", s.states);
+  count("ports", s.ports);
+  count("switches", s.switches);
+  count("modes_visited", s.modes_visited);
+  count("events", s.events);
+  count("jumps", s.jumps);
+  count("accumulations", s.accumulations);
+  count("lcp_pivots", s.lcp_pivots);
+  count("klu_factorizations", s.klu_factorizations);
+  count("klu_solves", s.klu_solves);
+  count("steps", s.steps);
+  count("rows", s.rows);
+  json.key("jump_details");
+  json.begin_array();
+  for (const engine::Jump& jump : report.jumps) json.value(jump_line(jump));
+  json.end_array();
+  json.key("seconds");
+  json.begin_object();
+  number("parse", t.parse);
+  number("flatten", t.flatten);
+  number("model", t.model);
+  number("simulate", t.simulate);
+  number("write", t.write);
+  number("certificate", t.certificate);
+  number("total", t.total);
+  json.end_object();
+  json.key("certificate");
+  json.begin_object();
+  number("complementarity", c.complementarity);
+  number("kcl_kvl", c.kcl_kvl);
+  number("energy", c.energy);
+  json.member("passive", c.has_passivity ? json_truth(c.passive) : "null");
+  count("points_checked", c.points_checked);
+  json.end_object();
+  json.key("notes");
+  json.begin_array();
+  for (const std::string& note : report.notes) json.value(json_string(note));
+  json.end_array();
+  json.end_object();
+  return json.take();
 }
 
 std::string summary(const RunReport& report, const std::string& output, double stop) {

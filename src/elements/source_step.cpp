@@ -20,8 +20,7 @@ struct Affine {
 const LinearForm* held_voltage(const model::Network& network, model::NodeIndex node, double& sign) {
   for (const model::Branch& branch : network.branches) {
     if ((branch.p != node || branch.n != model::ground) && (branch.n != node || branch.p != model::ground)) continue;
-    const auto independent = [](const Term& t) { return t.kind == Quantity::source || t.kind == Quantity::one; };
-    if (branch.voltage.empty() || !std::all_of(branch.voltage.begin(), branch.voltage.end(), independent)) return nullptr;
+    if (branch.voltage.empty() || !model::is_independent(branch.voltage)) return nullptr;
     sign = branch.p == node ? 1.0 : -1.0;
     return &branch.voltage;
   }

@@ -133,20 +133,6 @@ Matrix null_space(const Matrix& m, double tolerance, double scale) {
   return svd.matrixV().rightCols(m.cols() - rank);
 }
 
-Matrix range_space(const Matrix& m, double tolerance, double scale) {
-  if (m.cols() == 0 || m.rows() == 0) return Matrix(m.rows(), 0);
-  const FullSvd svd(m, Eigen::ComputeFullU);
-  return svd.matrixU().leftCols(numerical_rank(svd.singularValues(), tolerance, scale));
-}
-
-Matrix pseudo_inverse(const Matrix& m, double tolerance) {
-  if (m.cols() == 0 || m.rows() == 0) return Matrix::Zero(m.cols(), m.rows());
-  const FullSvd svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Index rank = numerical_rank(svd.singularValues(), tolerance, 0.0);
-  return svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
-         svd.matrixU().leftCols(rank).transpose();
-}
-
 // In extended precision by factorisations that end after a fixed number of steps on any machine, where a singular value decomposition
 // iterates until its precision is reached.
 WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale) {
@@ -177,6 +163,11 @@ double spectral_norm(const Matrix& m) {
   const Matrix gram = m.rows() < m.cols() ? Matrix(m * m.transpose()) : Matrix(m.transpose() * m);
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[gram.rows() - 1]));
+}
+
+double rate_of(const Matrix& a) {
+  const double norm = spectral_norm(a);
+  return norm > 0.0 ? norm : 1.0;
 }
 
 double logarithmic_norm(const Matrix& m) {

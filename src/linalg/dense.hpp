@@ -31,6 +31,13 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return std::sqrt(sum);
 }
 
+/// ‖x − y‖₂.
+[[nodiscard]] inline double distance(const double* x, const double* y, Eigen::Index n) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) sum += (x[i] - y[i]) * (x[i] - y[i]);
+  return std::sqrt(sum);
+}
+
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
 [[nodiscard]] WideMatrix product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y);
@@ -53,19 +60,20 @@ inline constexpr Wide wide_clean_tolerance = 1e-16L;
 /// Orthonormal basis of {x : M x = 0}; singular values below `tolerance`·scale count as zero (scale ≤ 0: the largest one).
 [[nodiscard]] Matrix null_space(const Matrix& m, double tolerance, double scale = 0.0);
 
-/// Orthonormal basis of the column space, same rule.
-[[nodiscard]] Matrix range_space(const Matrix& m, double tolerance, double scale = 0.0);
-
-/// Moore–Penrose pseudoinverse, same rule with the largest singular value as scale.
-[[nodiscard]] Matrix pseudo_inverse(const Matrix& m, double tolerance);
-
-/// The three in extended precision.
+/// The same in extended precision, with the pivots of a factorisation in place of singular values.
 [[nodiscard]] WideMatrix wide_null_space(const WideMatrix& m, double tolerance, double scale = 0.0);
+
+/// Orthonormal basis of the column space, same rule.
 [[nodiscard]] WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale = 0.0);
+
+/// Moore–Penrose pseudoinverse, same rule with the largest pivot as scale.
 [[nodiscard]] WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance);
 
 /// Largest singular value; 0 for an empty matrix.
 [[nodiscard]] double spectral_norm(const Matrix& m);
+
+/// Rate of the system x' = A x: ‖A‖₂, or 1 where A is zero. In units of its inverse time makes A of order one.
+[[nodiscard]] double rate_of(const Matrix& a);
 
 /// Largest eigenvalue of (M + Mᵀ)/2; 0 for an empty matrix.
 [[nodiscard]] double logarithmic_norm(const Matrix& m);

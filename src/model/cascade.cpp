@@ -315,8 +315,7 @@ class CascadeSteps {
 
 Cascade::Cascade(const Matrix& a, const Matrix& b, const Matrix& c, const Matrix& d)
     : n_(static_cast<int>(a.rows())), k_(static_cast<int>(d.rows())) {
-  const double rate = linalg::spectral_norm(a);
-  rate_ = rate > 0.0 ? static_cast<Wide>(rate) : 1;
+  rate_ = static_cast<Wide>(linalg::rate_of(a));
   a_ = a.cast<Wide>() / rate_;
   b_ = b.cast<Wide>() / rate_;
   c_ = c.cast<Wide>();

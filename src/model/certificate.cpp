@@ -61,16 +61,13 @@ bool has_positive_principal_minors(Matrix m) {
 }
 
 bool has_passive_parts_only(const Network& network) {
-  const auto independent = [](const Term& term) { return term.kind == Term::Kind::one || term.kind == Term::Kind::source; };
-  const auto is_source = [&](const Injection& injection) {
-    return std::all_of(injection.current.begin(), injection.current.end(), independent);
-  };
+  const auto is_source = [](const Injection& injection) { return is_independent(injection.current); };
   const auto no_gain = [](const auto& element) { return element.resistance >= 0.0; };
   const auto branch_has_no_gain = [&](std::size_t index) {
     return std::all_of(network.branches[index].voltage.begin(), network.branches[index].voltage.end(), [&](const Term& term) {
       const bool own_resistance =
           term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient >= 0.0;
-      return independent(term) || own_resistance;
+      return is_independent(term) || own_resistance;
     });
   };
   for (std::size_t i = 0; i < network.branches.size(); ++i)

@@ -4,6 +4,7 @@
 /// (τ0·x̂', scaled); currents times R0 of branches and diodes, scaled inputs of complementarities, currents times R0 of switches.
 /// All of it in volts. A complementarity is a port with u for its current and minus its slack for its voltage.
 
+#include <cmath>
 #include <vector>
 
 #include "model/extraction.hpp"
@@ -26,6 +27,10 @@ struct Assembly {
   /// Energy coordinates of the `ic=` values.
   [[nodiscard]] Vector initial_state() const;
   [[nodiscard]] std::vector<Descriptor::StorePort> store_ports() const;
+  /// Λ of the inductance matrix L = Λ Λᵀ, in √H (inductors × rank).
+  [[nodiscard]] Matrix inductance_root() const { return inductor_factor.cast<double>() * std::sqrt(r0 * tau0); }
+  /// √J per volt of the system's states.
+  [[nodiscard]] double energy_unit() const { return std::sqrt(tau0 / r0); }
   [[nodiscard]] Vector store_sign() const;
   /// Name of the element whose current is unknown `index` of z ("" for the rest).
   [[nodiscard]] std::string current_owner(int index) const;

@@ -67,8 +67,7 @@ std::vector<EnergyState> states_of(const Assembly& assembly, const Matrix& basis
   const auto& capacitors = assembly.network.capacitors;
   const auto& inductors = assembly.network.inductors;
   const auto first_flux = static_cast<Eigen::Index>(capacitors.size());
-  const Matrix flux = assembly.inductor_factor.cast<double>() * std::sqrt(assembly.r0 * assembly.tau0);
-  const Matrix of_inductors = linalg::clean_product(basis.rightCols(basis.cols() - first_flux), flux.transpose());
+  const Matrix of_inductors = linalg::clean_product(basis.rightCols(basis.cols() - first_flux), assembly.inductance_root().transpose());
   const std::vector<std::string> capacitor_names = names_of(capacitors), inductor_names = names_of(inductors);
   std::vector<EnergyState> states(static_cast<std::size_t>(basis.rows()));
   for (std::size_t row = 0; row < states.size(); ++row) {
@@ -91,7 +90,6 @@ StateSpace in_energy_coordinates(const Island& island, const Extraction& extract
   const Matrix& reduce = extraction.descriptor.reduce;
   const Matrix basis = readable_basis(linalg::clean_product(reduce.transpose(), reduce), system.n);
   const Matrix turn = linalg::clean_product(basis, reduce.transpose());
-  const double energy_unit = std::sqrt(assembly.tau0 / assembly.r0);  // √J per volt of the system's states
   Vector u_unit(system.ports), y_unit(system.ports);
   for (int i = 0; i < system.ports; ++i) {
     u_unit[i] = system.port[static_cast<std::size_t>(i)].u_unit;
@@ -101,8 +99,8 @@ StateSpace in_energy_coordinates(const Island& island, const Extraction& extract
   StateSpace result;
   result.states = states_of(assembly, basis);
   result.a = linalg::clean_product(linalg::clean_product(turn, system.a.topLeftCorner(system.n, system.n)), turn.transpose());
-  result.b = energy_unit * linalg::clean_product(turn, system.b.topRows(system.n)) * per_u.asDiagonal();
-  result.c = y_unit.asDiagonal() * linalg::clean_product(system.c.leftCols(system.n), turn.transpose()) / energy_unit;
+  result.b = assembly.energy_unit() * linalg::clean_product(turn, system.b.topRows(system.n)) * per_u.asDiagonal();
+  result.c = y_unit.asDiagonal() * linalg::clean_product(system.c.leftCols(system.n), turn.transpose()) / assembly.energy_unit();
   result.d = y_unit.asDiagonal() * system.d * per_u.asDiagonal();
   return result;
 }

@@ -59,6 +59,17 @@ Exosystem::Exosystem(const std::vector<SourceFunction>& functions, bool needs_co
   fill_matrices(static_cast<int>(functions.size()));
 }
 
+double Exosystem::fastest() const {
+  double rate = 0.0;
+  for (const Block& block : blocks_)
+    if (block.is_curved()) rate = std::max(rate, block.rate);
+  return rate;
+}
+
+bool Exosystem::is_piecewise_linear() const {
+  return std::none_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.is_curved(); });
+}
+
 int Exosystem::add_block(Block block) {
   block.first = states_;
   states_ += block.size();
@@ -166,8 +177,7 @@ Exosystem::Phase Exosystem::start() const {
   phase.stage.assign(blocks_.size(), 1);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
-    const bool timed = block.source >= 0 && (block.kind == Block::Kind::oscillation || block.kind == Block::Kind::decay);
-    if (!timed) continue;
+    if (block.source < 0 || !block.is_curved()) continue;
     phase.stage[i] = block.delay >= 0.0 ? 0 : block.end < 0.0 ? 2 : 1;
     if (block.delay >= 0.0) phase.pending.emplace_back(block.delay, static_cast<int>(i));
     if (block.end < forever && block.end >= 0.0) phase.pending.emplace_back(block.end, static_cast<int>(i));

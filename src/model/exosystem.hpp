@@ -60,6 +60,8 @@ class Exosystem {
     double omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none
+    /// Moves by a rate of its own: no constant, level or ramp.
+    [[nodiscard]] bool is_curved() const { return kind == Kind::oscillation || kind == Kind::decay; }
     [[nodiscard]] int size() const { return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1; }
     /// Bound of |ζ_block^{(order)}(t + s)|₂ for 0 ≤ s ≤ h from the block's state now; for a ramp only its value counts.
     [[nodiscard]] double derivative_bound(const double* zeta, int order, double h) const;
@@ -72,6 +74,9 @@ class Exosystem {
   [[nodiscard]] const linalg::Matrix& a() const { return a_; }
   [[nodiscard]] int constant() const { return constant_; }  ///< index of the state 1, −1: none
   [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  /// Largest rate of a block that is curved in time; 0 where none is.
+  [[nodiscard]] double fastest() const;
+  [[nodiscard]] bool is_piecewise_linear() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
 

@@ -13,10 +13,8 @@ constexpr double rank_tolerance = 1e-9;
 /// Orders 1 … L tried in turn. Time in units of 1/‖A‖ and u, y in units of √‖A‖, in which B, C and D are of one size.
 class Impulses {
  public:
-  Impulses(const System& system, const IndexSet& active, double tolerance) : s_(system), tolerance_(tolerance) {
-    double rate = linalg::spectral_norm(system.a);
-    if (!(rate > 0.0)) rate = 1.0;
-    root_ = std::sqrt(rate);
+  Impulses(const System& system, double rate, const IndexSet& active, double tolerance)
+      : s_(system), tolerance_(tolerance), root_(std::sqrt(rate)) {
     a_ = system.a / rate;
     c_ = system.c / root_;
     for (int i = 0; i < system.ports; ++i)
@@ -86,7 +84,7 @@ class Impulses {
   static std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
   const System& s_;
-  double tolerance_, root_ = 1.0;
+  double tolerance_, root_;
   std::vector<int> active_;
   Matrix a_, c_;
   std::vector<Matrix> effect_;  ///< A^j B
@@ -96,8 +94,8 @@ class Impulses {
 
 }  // namespace
 
-Impulse find_impulse(const System& system, const IndexSet& active, const Vector& jump, double tolerance) {
-  Impulses impulses(system, active, tolerance);
+Impulse find_impulse(const System& system, double rate, const IndexSet& active, const Vector& jump, double tolerance) {
+  Impulses impulses(system, rate, active, tolerance);
   Impulse result;
   result.weight = Vector::Zero(system.ports);
   for (int order = 1; order <= std::max(system.n, 1); ++order) {

@@ -92,10 +92,8 @@ struct Rails {
     for (std::size_t i = 0; i < n.branches.size(); ++i) {
       const Branch& b = n.branches[i];
       if ((b.p == ground) == (b.n == ground) || current_read[i] != 0) continue;
-      const bool free = std::all_of(b.voltage.begin(), b.voltage.end(),
-                                    [](const Term& t) { return t.kind == Term::Kind::one || t.kind == Term::Kind::source; });
       auto& holder = branch_of[static_cast<std::size_t>(b.p == ground ? b.n : b.p)];
-      if (free && holder < 0) holder = static_cast<int>(i);
+      if (holder < 0 && is_independent(b.voltage)) holder = static_cast<int>(i);
     }
     for (const auto& c : n.node_conditions)  // a forced voltage speaks of the one node as it stands
       if (c.node != ground) branch_of[static_cast<std::size_t>(c.node)] = -1;
@@ -106,10 +104,14 @@ struct Rails {
   std::vector<int> branch_of;  ///< node -> the branch that holds it, −1: none
 };
 
+/// What a Connector takes for a connection: terminals and what forms read, or terminals and complementarities alone.
+enum class Links { all, without_controlled };
+
 /// Joins what is connected; with `rails`, not across them.
 class Connector {
  public:
-  Connector(const Network& network, const Things& things, const Rails* rails) : things_(things), rails_(rails), sets_(things.count) {
+  Connector(const Network& network, const Things& things, const Rails* rails, Links links = Links::all)
+      : things_(things), rails_(rails), sets_(things.count) {
     terminals(network.resistors, things.resistor);
     terminals(network.capacitors, things.capacitor);
     terminals(network.inductors, things.inductor);
@@ -121,10 +123,11 @@ class Connector {
       for (std::size_t i = 0; i < rails->branch_of.size(); ++i)
         if (rails->branch_of[i] >= 0) sets_.join(things.node + static_cast<int>(i), things.branch + rails->branch_of[i]);
     for (const auto& k : network.couplings) sets_.join(things.inductor + k.inductor_a, things.inductor + k.inductor_b);
-    for (std::size_t i = 0; i < network.branches.size(); ++i) form(network.branches[i].voltage, things.branch + static_cast<int>(i));
-    for (std::size_t i = 0; i < network.injections.size(); ++i) form(network.injections[i].current, things.injection + static_cast<int>(i));
     for (std::size_t i = 0; i < network.complementarities.size(); ++i)
       form(network.complementarities[i].slack, things.complementarity + static_cast<int>(i));
+    if (links == Links::without_controlled) return;
+    for (std::size_t i = 0; i < network.branches.size(); ++i) form(network.branches[i].voltage, things.branch + static_cast<int>(i));
+    for (std::size_t i = 0; i < network.injections.size(); ++i) form(network.injections[i].current, things.injection + static_cast<int>(i));
     for (const auto& s : network.switches) control(s.control);
   }
   [[nodiscard]] DisjointSets take() { return std::move(sets_); }
@@ -396,7 +399,7 @@ class IdleParts {
   IdleParts(const Network& network, const Things& things, const Rails& rails)
       : network_(network),
         things_(things),
-        blocks_(Connector(without_forms(network), things, &rails).take()),
+        blocks_(Connector(network, things, &rails, Links::without_controlled).take()),
         needed_(static_cast<std::size_t>(things.count), 0) {
     for (const auto& signal : network.signals) need(signal.form);
     while (spread()) {
@@ -406,22 +409,16 @@ class IdleParts {
   /// The network with every value that an idle part reads of a needed one replaced by a source, so that the two fall apart. Nothing where
   /// no part is idle.
   [[nodiscard]] std::optional<Network> cut() const {
+    if (!any_across()) return std::nullopt;
     Network result = network_;
     for (std::size_t i = 0; i < result.branches.size(); ++i)
       cut_form(things_.branch + static_cast<int>(i), result.branches[i].voltage, result);
     for (std::size_t i = 0; i < result.injections.size(); ++i)
       cut_form(things_.injection + static_cast<int>(i), result.injections[i].current, result);
-    if (result.sources.size() == network_.sources.size()) return std::nullopt;
     return result;
   }
 
  private:
-  static Network without_forms(Network network) {
-    for (auto& b : network.branches) b.voltage.clear();
-    for (auto& i : network.injections) i.current.clear();
-    for (auto& s : network.switches) s.control.clear();
-    return network;
-  }
   [[nodiscard]] bool is_needed(int thing) const { return needed_[static_cast<std::size_t>(blocks_.find(thing))] != 0; }
   void need(const LinearForm& form) {
     for (const auto& term : form)
@@ -440,13 +437,25 @@ class IdleParts {
       if (is_needed(things_.switch_ + static_cast<int>(i))) need(network_.switches[i].control);
     return needed_ != before;
   }
+  /// An idle reader of what is needed.
+  [[nodiscard]] bool is_across(int reader, const Term& term) const {
+    const int thing = things_.of(term);
+    return thing >= 0 && !is_needed(reader) && is_needed(thing);
+  }
+  [[nodiscard]] bool any_across() const {
+    const auto across = [&](std::size_t reader, const LinearForm& form) {
+      return std::any_of(form.begin(), form.end(), [&](const Term& term) { return is_across(static_cast<int>(reader), term); });
+    };
+    for (std::size_t i = 0; i < network_.branches.size(); ++i)
+      if (across(static_cast<std::size_t>(things_.branch) + i, network_.branches[i].voltage)) return true;
+    for (std::size_t i = 0; i < network_.injections.size(); ++i)
+      if (across(static_cast<std::size_t>(things_.injection) + i, network_.injections[i].current)) return true;
+    return false;
+  }
   void cut_form(int reader, LinearForm& form, Network& network) const {
-    if (is_needed(reader)) return;
     for (auto& term : form) {
-      const int thing = things_.of(term);
-      if (thing < 0 || !is_needed(thing)) continue;
-      term.kind = Term::Kind::source;
-      term.index = static_cast<int>(network.sources.size());
+      if (!is_across(reader, term)) continue;
+      term = {Term::Kind::source, static_cast<int>(network.sources.size()), term.coefficient};
       network.sources.push_back({{}, Dc{0.0}, true});
     }
   }
@@ -457,9 +466,8 @@ class IdleParts {
   std::vector<char> needed_;
 };
 
-std::vector<Island> split(const Network& network, const std::function<bool(const Island&)>& must_run) {
-  const Things things(network);
-  const Rails rails(network);
+std::vector<Island> split(const Network& network, const Things& things, const Rails& rails,
+                          const std::function<bool(const Island&)>& must_run) {
   DisjointSets sets = Connector(network, things, &rails).take();
   DisjointSets parts = Connector(network, things, nullptr).take();
   return Distributor(network, things, rails, sets, parts).run(must_run);
@@ -471,14 +479,14 @@ std::vector<Island> split_islands(const Network& network, const std::function<bo
   const Things things(network);
   const Rails rails(network);
   const std::optional<Network> cut = IdleParts(network, things, rails).cut();
-  if (!cut) return split(network, must_run);
-  std::vector<Island> islands = split(*cut, must_run);
+  if (!cut) return split(network, things, rails, must_run);
+  std::vector<Island> islands = split(*cut, Things(*cut), Rails(*cut), must_run);
   // What must run after all must run on its true input.
   const bool stand_in_runs = std::any_of(islands.begin(), islands.end(), [](const Island& island) {
     const auto& sources = island.network.sources;
     return island.needed && std::any_of(sources.begin(), sources.end(), [](const Source& source) { return source.stands_in; });
   });
-  return stand_in_runs ? split(network, must_run) : islands;
+  return stand_in_runs ? split(network, things, rails, must_run) : islands;
 }
 
 }  // namespace pwlsim::model

@@ -53,8 +53,7 @@ Markov markov_parameters(const Matrix& a, const Matrix& b, const Matrix& c, cons
   result.leading_rows = result.leading_columns = Matrix::Zero(k, k);
   result.degree.assign(static_cast<std::size_t>(k), std::vector<int>(static_cast<std::size_t>(k), -1));
   // Powers of A/‖A‖ stay in range, whatever their order.
-  const double norm = linalg::spectral_norm(a);
-  const double rate = norm > 0.0 ? norm : 1.0;
+  const double rate = linalg::rate_of(a);
   const Matrix scaled = a / rate;
   std::size_t kept = 1;
   Matrix power = b;

@@ -50,37 +50,22 @@ Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
   Restricted r;
   for (int i = 0; i < static_cast<int>(s.d.rows()); ++i)
     if (active.contains(i)) r.j.push_back(i);
-  const auto q = static_cast<Eigen::Index>(r.j.size());
-  r.b.resize(s.a.rows(), q);
-  r.c.resize(q, s.a.rows());
-  r.d.resize(q, q);
-  for (Eigen::Index a = 0; a < q; ++a) {
-    r.b.col(a) = s.b.col(r.j[static_cast<std::size_t>(a)]);
-    r.c.row(a) = s.c.row(r.j[static_cast<std::size_t>(a)]);
-    for (Eigen::Index b = 0; b < q; ++b) r.d(a, b) = s.d(r.j[static_cast<std::size_t>(a)], r.j[static_cast<std::size_t>(b)]);
-  }
+  r.b = s.b(Eigen::all, r.j);
+  r.c = s.c(r.j, Eigen::all);
+  r.d = s.d(r.j, r.j);
   return r;
-}
-
-std::shared_ptr<const Unrounded> unrounded_matrices(const System& s) {
-  if (s.unrounded) return s.unrounded;
-  return std::make_shared<Unrounded>(Unrounded{s.a.cast<Wide>(), s.b.cast<Wide>(), s.c.cast<Wide>(), s.d.cast<Wide>()});
 }
 
 /// The flow y' = A y and what bounds it.
 void set_flow(const System& system, Mode& m, Matrix a) {
   const Matrix a1 = a.topLeftCorner(m.n1, m.n1);
-  double rate = linalg::norm_bound(a1);
-  const double own_rate = rate;
-  for (const auto& block : system.exosystem->blocks())
-    if (block.kind == Exosystem::Block::Kind::oscillation || block.kind == Exosystem::Block::Kind::decay) rate = std::max(rate, block.rate);
+  const double own_rate = linalg::norm_bound(a1);
+  const double rate = std::max(own_rate, system.exosystem->fastest());
   if (!system.passive) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
     if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
   }
-  m.piecewise_linear = m.n1 == 0;
-  for (const auto& block : system.exosystem->blocks())
-    m.piecewise_linear &= block.kind != Exosystem::Block::Kind::oscillation && block.kind != Exosystem::Block::Kind::decay;
+  m.piecewise_linear = m.n1 == 0 && system.exosystem->is_piecewise_linear();
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
   m.flow = linalg::Exponential(std::move(a), rate);
@@ -141,7 +126,7 @@ void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& 
 
 class Builder {
  public:
-  Builder(const System& system, const IndexSet& active) : s_(system), w_(unrounded_matrices(system)), r_(restrict_to(*w_, active)) {
+  Builder(const System& system, const IndexSet& active) : s_(system), w_(system.unrounded_matrices()), r_(restrict_to(*w_, active)) {
     feedthrough_tolerance_ = system.unrounded ? unrounded_feedthrough_tolerance : feedthrough_tolerance;
     noise_per_condition_ = system.unrounded ? unrounded_noise_per_condition : noise_per_condition;
     mode_ = std::make_unique<Mode>();

@@ -4,6 +4,7 @@
 ///
 /// Signs: a current named after an element enters its first node p and leaves at n; v = v(p) − v(n).
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ struct Term {
 };
 /// Σ coefficient·quantity.
 using LinearForm = std::vector<Term>;
+
+/// Of time alone: constants and sources.
+[[nodiscard]] inline bool is_independent(const Term& term) { return term.kind == Term::Kind::one || term.kind == Term::Kind::source; }
+[[nodiscard]] inline bool is_independent(const LinearForm& form) {
+  return std::all_of(form.begin(), form.end(), [](const Term& term) { return is_independent(term); });
+}
 
 /// What every element of the network carries: its name as the user knows it ("X1.D3") and where it was written.
 struct Label {

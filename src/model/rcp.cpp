@@ -18,9 +18,7 @@ constexpr double switch_rank_tolerance = 1e-11;
 
 }  // namespace
 
-RationalProblem::RationalProblem(const System& system) : system_(system), rate_(linalg::spectral_norm(system.a)) {
-  if (!(rate_ > 0.0)) rate_ = 1.0;
-}
+RationalProblem::RationalProblem(const System& system) : system_(system), rate_(linalg::rate_of(system.a)) {}
 
 /// M(s) = D + Σ C A^{j−1} B s^{−j} and q(s) = Σ C A^j x s^{−j}, every term that is rounding set to zero: uncleaned noise is
 /// amplified by a power of s, and s could then be neither large nor small enough.
@@ -92,11 +90,7 @@ void RationalProblem::without_switches(const IndexSet& wanted, Problem& problem)
     ds.col(i) = problem.m.col(port).head(d);
     for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
   }
-  Vector scale(a);
-  for (Eigen::Index i = 0; i < a; ++i) {
-    const double largest = std::max(std::abs(ss(i, i)), 1e-2 * ss.row(i).cwiseAbs().maxCoeff());
-    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-  }
+  const Vector scale = lcp::diagonal_scale(ss);
   const Matrix scaled = scale.asDiagonal() * ss * scale.asDiagonal();
   Eigen::FullPivLU<Matrix> lu(scaled);
   lu.setThreshold(switch_rank_tolerance);
@@ -123,11 +117,7 @@ std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, con
   without_switches(wanted, problem);
   if (!problem.m.allFinite() || !problem.q.allFinite()) return {};
   const auto k = problem.q.size();
-  Vector scale(k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const double largest = std::max(std::abs(problem.m(i, i)), 1e-2 * problem.m.row(i).cwiseAbs().maxCoeff());
-    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-  }
+  const Vector scale = lcp::diagonal_scale(problem.m);
   const Vector q = scale.asDiagonal() * problem.q;
   const Matrix scaled = scale.asDiagonal() * problem.m * scale.asDiagonal();
   lcp::Solution solution = lcp::lemke(scaled, q);

@@ -21,11 +21,34 @@ constexpr double impulse_tolerance = 1e-8;
 constexpr std::size_t most_remembered = 6;
 /// A signal moves along an open direction of u when its terms do not cancel there.
 constexpr double open_tolerance = 1e-9;
+constexpr int near_radius = 2;  ///< ports that further continuations may have otherwise, where there are more
 constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
 /// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
 constexpr double derivative_noise = 1e-15;
+
+/// Goes through all sets of the first `ports` ports, the others as they are in `set`, until accept(set) is true.
+template <class Accept>
+bool any_set(IndexSet set, int ports, const Accept& accept) {
+  for (unsigned bits = 0; bits < (1U << static_cast<unsigned>(ports)); ++bits) {
+    for (int i = 0; i < ports; ++i) set.set(i, ((bits >> static_cast<unsigned>(i)) & 1U) != 0);
+    if (accept(set)) return true;
+  }
+  return false;
+}
+
+/// The same through the sets that differ from `set` in one to `radius` of the ports first … ports − 1.
+template <class Accept>
+bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept& accept) {
+  if (radius == 0) return false;
+  for (int i = first; i < ports; ++i) {
+    set.flip(i);
+    if (accept(set) || any_near_set(set, i + 1, ports, radius - 1, accept)) return true;
+    set.flip(i);
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -68,8 +91,11 @@ Matrix Selector::open_directions(const Mode& mode) const {
 
 std::vector<std::size_t> Selector::open_outputs() const {
   std::vector<char> open(system_.outputs.size(), 0);
+  const bool any_reads_ports =
+      std::any_of(system_.outputs.begin(), system_.outputs.end(), [](const OutputRow& row) { return !row.input.isZero(0.0); });
+  if (!any_reads_ports) return {};
   for (const auto& [set, mode] : modes_) {
-    if (mode->visits == 0 || system_.ports == 0) continue;
+    if (mode->visits == 0) continue;
     const Matrix directions = open_directions(*mode);
     if (directions.cols() == 0) continue;
     for (std::size_t i = 0; i < open.size(); ++i) {
@@ -91,22 +117,12 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
     return true;
   }
   linalg::multiply(mode.projector, x, projected);
-  double change = 0.0;
-  double norm = 0.0;
-  for (int i = 0; i < size; ++i) {
-    change += (projected[i] - x[i]) * (projected[i] - x[i]);
-    norm += x[i] * x[i];
-  }
-  const double tolerance = consistency_per_noise * mode.noise * verifier_.relaxation();
-  return change <= tolerance * tolerance * norm;
+  return linalg::distance(projected, x, size) <= consistency_per_noise * mode.noise * verifier_.relaxation() * linalg::norm(x, size);
 }
 
 /// The same to the rounding of the largest state there was: a state that is small, but there, does not lie in every mode.
 bool Selector::strictly_consistent(const Mode& mode, const double* x, double* projected) const {
-  if (!consistent(mode, x, projected)) return false;
-  double change = 0.0;
-  for (int i = 0; i < system_.size(); ++i) change += (projected[i] - x[i]) * (projected[i] - x[i]);
-  return std::sqrt(change) <= state_rounding * largest_;
+  return consistent(mode, x, projected) && linalg::distance(projected, x, system_.size()) <= state_rounding * largest_;
 }
 
 bool Selector::accepts(const Mode& mode, const double* x) {
@@ -154,7 +170,7 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
   const Vector jump = Eigen::Map<const Vector>(after, size) - Eigen::Map<const Vector>(x, size);
   // A small jump is the difference of large states.
   const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
-  impulse_ = find_impulse(system_, m.active, jump, tolerance);
+  impulse_ = find_impulse(system_, rational_.rate(), m.active, jump, tolerance);
   if (impulse_.order == 0) return system_.passive;
   if (std::any_of(impulse_.sign.begin(), impulse_.sign.end(), [](int sign) { return sign < 0; })) return false;
   if (system_.passive || accepts(m, after)) return true;
@@ -192,18 +208,19 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
 
 /// Lemke's method solves for P-matrices and semidefinite ones; elsewhere it can miss the solution. A mode without jump before one with.
 const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& jumped) {
+  const Mode* stays = nullptr;
   const Mode* jump = nullptr;
   Impulse impulse;
-  IndexSet set = wanted;
-  for (unsigned bits = 0; bits < (1U << static_cast<unsigned>(system_.diodes)); ++bits) {
-    for (int i = 0; i < system_.diodes; ++i) set.set(i, (bits >> static_cast<unsigned>(i)) & 1U);
-    if (const Mode* m = try_without_jump(x, set)) return m;
+  any_set(wanted, system_.diodes, [&](const IndexSet& set) {
+    stays = try_without_jump(x, set);
+    if (stays) return true;
     const Mode& m = mode(set);
-    if (jump || !m.regular || consistent(m, x, projected_.data())) continue;
-    if (!impulse_allowed(m, x, projected_.data())) continue;
+    if (jump || !m.regular || consistent(m, x, projected_.data()) || !impulse_allowed(m, x, projected_.data())) return false;
     jump = &m;
     impulse = impulse_;
-  }
+    return false;
+  });
+  if (stays) return stays;
   if (!jump) return nullptr;
   impulse_ = impulse;
   const Vector before = Eigen::Map<const Vector>(x, system_.size());
@@ -213,24 +230,13 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
 }
 
 const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {
-  const int k = system_.diodes;
+  const Mode* found = nullptr;
   IndexSet set = wanted;
-  for (int i = 0; i < k; ++i) {
-    set.flip(i);
-    if (const Mode* m = try_without_jump(x, set)) return m;
-    for (int j = i + 1; radius > 1 && j < k; ++j) {
-      set.flip(j);
-      if (const Mode* m = try_without_jump(x, set)) return m;
-      for (int l = j + 1; radius > 2 && l < k; ++l) {
-        set.flip(l);
-        if (const Mode* m = try_without_jump(x, set)) return m;
-        set.flip(l);
-      }
-      set.flip(j);
-    }
-    set.flip(i);
-  }
-  return nullptr;
+  any_near_set(set, 0, system_.diodes, radius, [&](const IndexSet& near) {
+    found = try_without_jump(x, near);
+    return found != nullptr;
+  });
+  return found;
 }
 
 /// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
@@ -272,33 +278,21 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
 /// Where no certificate promises uniqueness: the verified modes that continue differently, one of each kind, `chosen` among them. All
 /// modes are tried where there are few, else those near the chosen one.
 std::vector<const Mode*> Selector::continuations(const double* x, const Mode& chosen) {
-  const int k = system_.diodes;
   const std::vector<double> copy(x, x + system_.size());
   std::vector<const Mode*> found{&chosen};
-  const auto try_set = [&](const IndexSet& set) {
+  const auto keep_if_new = [&](const IndexSet& set) {
     const Mode& m = mode(set);
-    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || !accepts(m, projected_.data())) return;
+    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || !accepts(m, projected_.data()))
+      return false;
     if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); }))
       found.push_back(&m);
+    return false;
   };
   IndexSet set = chosen.active;
-  if (k <= few_ports) {
-    for (unsigned bits = 0; bits < (1U << k); ++bits) {
-      for (int i = 0; i < k; ++i) set.set(i, (bits >> i) & 1U);
-      try_set(set);
-    }
-    return found;
-  }
-  for (int i = 0; i < k; ++i) {
-    set.flip(i);
-    try_set(set);
-    for (int j = i + 1; j < k; ++j) {
-      set.flip(j);
-      try_set(set);
-      set.flip(j);
-    }
-    set.flip(i);
-  }
+  if (system_.diodes <= few_ports)
+    any_set(set, system_.diodes, keep_if_new);
+  else
+    any_near_set(set, 0, system_.diodes, near_radius, keep_if_new);
   return found;
 }
 
@@ -363,9 +357,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     warm = found && !(system_.passive && successors_.contains(current));
   }
   if (!found && !system_.passive) found = remembered(x, current);
-  if (!found && trigger >= 0 && trigger < system_.diodes) {
-    found = try_without_jump(x, with_flipped(current, trigger));
-  }
+  if (!found && trigger >= 0 && trigger < system_.diodes) found = try_without_jump(x, with_flipped(current, trigger));
   if (!found) {
     const IndexSet guess = by_rule(x, current);
     if (guess != current) found = try_without_jump(x, guess);

@@ -66,13 +66,6 @@ std::vector<std::complex<Wide>> rates_of(const WideMatrix& a) {
   return values;
 }
 
-double source_rate(const System& system) {
-  double rate = 0.0;
-  for (const auto& block : system.exosystem->blocks())
-    if (block.kind == Exosystem::Block::Kind::oscillation || block.kind == Exosystem::Block::Kind::decay) rate = std::max(rate, block.rate);
-  return rate;
-}
-
 std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, Eigen::Index slow,
                                   Wide cut) {
   const Eigen::Index n = a.rows();
@@ -154,7 +147,7 @@ std::vector<std::unique_ptr<SlowPart>> slow_parts(const System& system, const Mo
   const WideMatrix a = mode.flow.a().topLeftCorner(n, n).cast<Wide>();
   const WideMatrix e = mode.flow.a().topRightCorner(n, system.n_zeta).cast<Wide>();
   const auto rates = rates_of(a);
-  const Wide fastest_source = gap * source_rate(system);
+  const Wide fastest_source = gap * system.exosystem->fastest();
   const auto size = static_cast<Eigen::Index>(rates.size());
   for (Eigen::Index slow = size - 1; slow >= 0 && parts.size() < most_parts; --slow) {
     const std::complex<Wide> behind = rates[static_cast<std::size_t>(slow)];

@@ -13,8 +13,7 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   const auto& inductors = island.network.inductors;
   const auto voltages = static_cast<Eigen::Index>(capacitors.size());
   const auto currents = static_cast<Eigen::Index>(inductors.size());
-  const double unit = std::sqrt(assembly.tau0 / assembly.r0);  // √J per volt of the system's states
-  coordinates_ = unit * extraction.descriptor.store_state;
+  coordinates_ = assembly.energy_unit() * extraction.descriptor.store_state;
   sign_ = extraction.descriptor.store_sign;
   rows_ = Matrix::Zero(voltages + currents, coordinates_.cols());
   for (Eigen::Index i = 0; i < voltages; ++i) {
@@ -23,7 +22,7 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
     if (capacitor.capacitance != 0.0) rows_.row(i) = coordinates_.row(i) / std::sqrt(std::abs(capacitor.capacitance));
   }
   // Energy coordinates of inductors are Λᵀ i, with L = Λ Λᵀ; their fluxes are L i = Λ Λᵀ i.
-  const Matrix lambda = assembly.inductor_factor.cast<double>() * std::sqrt(assembly.r0 * assembly.tau0);
+  const Matrix lambda = assembly.inductance_root();
   const bool invertible = lambda.rows() == lambda.cols();
   for (const auto& inductor : inductors) names_.push_back((invertible ? "i(" : "flux(") + inductor.label.name + ")");
   if (currents == 0) return;

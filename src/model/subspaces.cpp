@@ -111,8 +111,7 @@ bool reaches_sources(const WideMatrix& v, int n_zeta) {
 Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideMatrix& c0, const WideMatrix& d, int n_zeta) {
   const auto size = a0.rows();
   Subspaces result;
-  double rate = linalg::spectral_norm(a0.cast<double>());
-  if (!(rate > 0.0)) rate = 1.0;
+  const double rate = linalg::rate_of(a0.cast<double>());
   const linalg::Wide root = std::sqrt(static_cast<linalg::Wide>(rate));
   const WideMatrix a = a0 / rate;
   const WideMatrix b = b0 / root;
@@ -139,9 +138,8 @@ Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideM
 }
 
 Subspaces subspaces_without_sources(const System& system, const IndexSet& active) {
-  using linalg::Wide;
-  const Unrounded rounded{system.a.cast<Wide>(), system.b.cast<Wide>(), system.c.cast<Wide>(), system.d.cast<Wide>()};
-  const Unrounded& m = system.unrounded ? *system.unrounded : rounded;
+  const auto unrounded = system.unrounded_matrices();
+  const Unrounded& m = *unrounded;
   std::vector<Eigen::Index> j;
   for (int i = 0; i < system.ports; ++i)
     if (active.contains(i)) j.push_back(i);

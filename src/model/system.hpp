@@ -68,6 +68,11 @@ struct System {
   double time_scale = 1.0;  ///< τ0: the stored energy is ½·τ0·|ξ|² in the units in which uᵀy is a power
 
   [[nodiscard]] int size() const { return n + n_zeta; }
+  /// `unrounded`, or the rounded ones in its place.
+  [[nodiscard]] std::shared_ptr<const Unrounded> unrounded_matrices() const {
+    using linalg::Wide;
+    return unrounded ? unrounded : std::make_shared<const Unrounded>(Unrounded{a.cast<Wide>(), b.cast<Wide>(), c.cast<Wide>(), d.cast<Wide>()});
+  }
 };
 
 }  // namespace pwlsim::model

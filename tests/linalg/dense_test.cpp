@@ -39,7 +39,7 @@ TEST_CASE("null space and range of a matrix of rank two", "[unit]") {
   CHECK(null.cols() == 2);
   CHECK(is_orthonormal(null));
   CHECK((m * null).norm() <= rounding);
-  const Matrix range = range_space(m, rank_tolerance);
+  const Matrix range = wide_range_space(m.cast<Wide>(), rank_tolerance).cast<double>();
   CHECK(range.cols() == 2);
   CHECK(is_orthonormal(range));
   CHECK((range * (range.transpose() * m) - m).norm() <= rounding);
@@ -49,15 +49,15 @@ TEST_CASE("the scale decides what counts as zero", "[unit]") {
   const Matrix tiny = 1e-12 * rank_two();
   CHECK(null_space(tiny, rank_tolerance).cols() == 2);       // relative to its own largest singular value
   CHECK(null_space(tiny, rank_tolerance, 1.0).cols() == 4);  // beside one it is nothing
-  CHECK(range_space(tiny, rank_tolerance, 1.0).cols() == 0);
+  CHECK(wide_range_space(tiny.cast<Wide>(), rank_tolerance, 1.0).cols() == 0);
 }
 
 TEST_CASE("matrices without rows or columns", "[unit]") {
   CHECK(null_space(Matrix(0, 3), rank_tolerance).isIdentity(0.0));
   CHECK(null_space(Matrix(3, 0), rank_tolerance).cols() == 0);
-  CHECK(range_space(Matrix(3, 0), rank_tolerance).rows() == 3);
-  CHECK(range_space(Matrix(0, 3), rank_tolerance).cols() == 0);
-  const Matrix inverse = pseudo_inverse(Matrix(0, 3), rank_tolerance);
+  CHECK(wide_range_space(WideMatrix(3, 0), rank_tolerance).rows() == 3);
+  CHECK(wide_range_space(WideMatrix(0, 3), rank_tolerance).cols() == 0);
+  const WideMatrix inverse = wide_pseudo_inverse(WideMatrix(0, 3), rank_tolerance);
   CHECK(inverse.rows() == 3);
   CHECK(inverse.cols() == 0);
   CHECK(null_space(Matrix::Zero(2, 3), rank_tolerance).cols() == 3);
@@ -65,7 +65,7 @@ TEST_CASE("matrices without rows or columns", "[unit]") {
 
 TEST_CASE("the pseudoinverse meets Penrose's four conditions", "[unit]") {
   const Matrix m = rank_two();
-  const Matrix p = pseudo_inverse(m, rank_tolerance);
+  const Matrix p = wide_pseudo_inverse(m.cast<Wide>(), rank_tolerance).cast<double>();
   CHECK((m * p * m - m).norm() <= rounding);
   CHECK((p * m * p - p).norm() <= rounding);
   CHECK((m * p - (m * p).transpose()).norm() <= rounding);

@@ -258,11 +258,6 @@ void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out)
   for (std::size_t i = 0; i < outputs_.size(); ++i) out[system_.output_signal[i]] += outputs_[i];
 }
 
-void IslandRun::add_signals_now(double* out) {
-  model::to_mode(system_, *mode, x.data(), scratch_.data());
-  outputs_from(*mode, scratch_.data(), out);
-}
-
 void IslandRun::add_signals(double time, double* out) {
   if (system_.outputs.empty()) return;
   const model::Mode& m = *mode;

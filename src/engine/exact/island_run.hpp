@@ -55,8 +55,6 @@ class IslandRun {
 
   /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
   void add_signals(double time, double* out);
-  /// The same at the open instant, from x as it stands.
-  void add_signals_now(double* out);
   /// Cached propagators serve rows that lie `step` apart.
   void set_row_step(double step) { row_step_ = step; }
 

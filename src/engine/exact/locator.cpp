@@ -200,11 +200,7 @@ Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double 
     at = next;
   }
   const double minimum = linalg::row_times(m.guards, row, at_.data());
-  if (minimum > noise) return {Verdict::excluded, 0.0};
-  if (minimum >= -noise) {
-    ++grazes_;
-    return {Verdict::excluded, 0.0};
-  }
+  if (minimum >= -noise) return {Verdict::excluded, 0.0};
   return {Verdict::one_root, at};
 }
 

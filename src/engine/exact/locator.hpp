@@ -51,7 +51,6 @@ class Locator {
   [[nodiscard]] std::uint64_t intervals() const { return intervals_; }
   /// Segments whose guards were sampled because the bounds would not close.
   [[nodiscard]] std::uint64_t sampled() const { return sampled_; }
-  [[nodiscard]] std::uint64_t grazes() const { return grazes_; }
 
  private:
   enum class Verdict { excluded, one_root, undecided };
@@ -106,7 +105,7 @@ class Locator {
   std::vector<double> derivatives_;        ///< A^j y at the interval's start, j = 0 … order + 1
   std::vector<double> guard_derivatives_;  ///< rows × (order + 1)
   std::vector<double> block_bound_;
-  std::uint64_t intervals_ = 0, grazes_ = 0, sampled_ = 0;
+  std::uint64_t intervals_ = 0, sampled_ = 0;
 };
 
 }  // namespace pwlsim::engine

@@ -71,16 +71,16 @@ double lower_bound(const Coefficients& c) {
   return bound;
 }
 
-/// Of its derivative.
-double steepest_fall(const Coefficients& c) {
-  double bound = order * c[order];
-  for (std::size_t k = order - 1; k > 0; --k) bound = static_cast<double>(k) * c[k] + std::min(0.0, bound);
+double upper_bound(const Coefficients& c) {
+  double bound = c[order];
+  for (std::size_t k = order; k-- > 0;) bound = c[k] + std::max(0.0, bound);
   return bound;
 }
-double steepest_rise(const Coefficients& c) {
-  double bound = order * c[order];
-  for (std::size_t k = order - 1; k > 0; --k) bound = static_cast<double>(k) * c[k] + std::max(0.0, bound);
-  return bound;
+
+Coefficients derivative(const Coefficients& c) {
+  Coefficients d{};
+  for (std::size_t k = 0; k < order; ++k) d[k] = static_cast<double>(k + 1) * c[k + 1];
+  return d;
 }
 
 enum class Shape { positive, one_root, unclear };
@@ -98,8 +98,9 @@ double value_at(const Coefficients& c, double place) {
 /// What bounds over the whole interval tell, without subdividing it.
 Piece at_a_glance(const Coefficients& c, double rest, double rest_slope) {
   if (!(c[0] > rest)) return {};
-  if (steepest_fall(c) > rest_slope) return {Shape::positive};
-  if (steepest_rise(c) < -rest_slope) {
+  const Coefficients slope = derivative(c);
+  if (lower_bound(slope) > rest_slope) return {Shape::positive};
+  if (upper_bound(slope) < -rest_slope) {
     const double end = value_at(c, 1.0);
     if (end < -rest) return {Shape::one_root};
     if (end > rest) return {Shape::positive};

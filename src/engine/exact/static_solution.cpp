@@ -99,12 +99,8 @@ std::vector<std::vector<int>> proposals(const model::System& s, const Rest& r, c
     reduced -= ds * lu.solve(sd);
     q_reduced -= ds * lu.solve(qs);
   }
-  Vector scale(d);
-  for (int i = 0; i < d; ++i) {
-    const double largest = std::max(std::abs(reduced(i, i)), 1e-2 * reduced.row(i).cwiseAbs().maxCoeff());
-    scale[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-  }
   if (!reduced.allFinite() || !q_reduced.allFinite()) return {};
+  const Vector scale = lcp::diagonal_scale(reduced);
   const Vector scaled = scale.asDiagonal() * q_reduced;
   const lcp::Solution solution = lcp::lemke(scale.asDiagonal() * reduced * scale.asDiagonal(), scaled);
   if (solution.status != lcp::Status::solved) return {};
@@ -124,8 +120,7 @@ StaticSolution solve_static(const model::System& s, const Vector& zeta, const st
   std::vector<int> switches;
   for (int i = s.diodes; i < s.ports; ++i)
     if (switch_active[static_cast<std::size_t>(i - s.diodes)] != 0) switches.push_back(i);
-  double rate = linalg::spectral_norm(r.a);
-  if (!(rate > 0.0)) rate = 1.0;
+  const double rate = linalg::rate_of(r.a);
   StaticSolution solution;
   for (const double small : {1e-9, 1e-6, 1e-12, 1e-4}) {
     for (auto& active : proposals(s, r, zeta, switches, small * rate))

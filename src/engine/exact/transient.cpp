@@ -31,9 +31,28 @@ constexpr std::uint64_t instants_between_checks = 256;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Ports of one element stand side by side and are named once.
-void add_name(std::vector<std::string>& names, const std::string& name) {
-  if (names.empty() || names.back() != name) names.push_back(name);
+/// Elements with a port that is meant; ports of one element stand side by side, and it is named once.
+template <typename IsMeant>
+std::vector<std::string> port_names(const model::System& system, const IsMeant& is_meant) {
+  std::vector<std::string> names;
+  for (int i = 0; i < system.ports; ++i) {
+    const std::string& name = system.port[static_cast<std::size_t>(i)].name;
+    if (is_meant(i) && (names.empty() || names.back() != name)) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> all_names(const model::System& system) {
+  return port_names(system, [](int) { return true; });
+}
+
+/// Elements with a port that is not on the same side in all of the modes.
+std::vector<std::string> differing_elements(const model::System& system, const std::vector<const model::Mode*>& modes) {
+  const model::IndexSet& first = modes.front()->active;
+  return port_names(system, [&](int port) {
+    return std::any_of(modes.begin(), modes.end(),
+                       [&](const model::Mode* m) { return m->active.contains(port) != first.contains(port); });
+  });
 }
 
 }  // namespace
@@ -46,7 +65,6 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
-  sets_before_.resize(islands_.size());
   modes_before_.assign(islands_.size(), nullptr);
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
@@ -144,10 +162,7 @@ void Transient::open_event_islands(double time, Instant& instant) {
 bool Transient::handle(double time) {
   Instant instant;
   instant.time = time;
-  for (std::size_t i = 0; i < islands_.size(); ++i) {
-    modes_before_[i] = islands_[i].mode;
-    sets_before_[i] = islands_[i].mode->active;
-  }
+  for (std::size_t i = 0; i < islands_.size(); ++i) modes_before_[i] = islands_[i].mode;
   bool any = false;
   for (const auto& island : islands_)
     any |= island.next_break() <= time + tolerance_ || (island.has_event() && island.event_time() <= time);
@@ -295,8 +310,7 @@ bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, 
 }
 
 void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
-  std::vector<std::string> names;
-  for (const auto& port : island.system().port) add_name(names, port.name);
+  const std::vector<std::string> names = all_names(island.system());
   answer_.remarks.push_back({"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} "
                                                            "taking {:.6g} of the time of those before, the run goes on from "
                                                            "their limit (known to {:.1g} s)",
@@ -315,8 +329,8 @@ bool Transient::watch_crowd(const Instant& instant) {
   if (++crowd_ < crowd_limit) return true;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < islands_.size(); ++i)
-    if (islands_[i].mode != modes_before_[i] && modes_before_[i])
-      for (auto& name : differing(islands_[i], sets_before_[i], islands_[i].mode->active)) names.push_back(std::move(name));
+    if (modes_before_[i] && islands_[i].mode != modes_before_[i])
+      for (auto& name : differing_elements(islands_[i].system(), {modes_before_[i], islands_[i].mode})) names.push_back(std::move(name));
   fail(Outcome::accumulation, "E-accumulation",
        fmt::format(
            "events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
@@ -325,41 +339,22 @@ bool Transient::watch_crowd(const Instant& instant) {
   return false;
 }
 
-std::vector<std::string> Transient::differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const {
-  std::vector<std::string> names;
-  for (int i = 0; i < island.system().ports; ++i)
-    if (a.contains(i) != b.contains(i)) add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
-  return names;
-}
-
-/// Elements with a port that is not on the same side in all continuations.
-std::vector<std::string> Transient::undecided_elements(const IslandRun& island, const model::Selected& selected) const {
-  std::vector<std::string> names;
-  const model::IndexSet& first = selected.details->continuations.front()->active;
-  for (int i = 0; i < island.system().ports; ++i)
-    if (std::any_of(selected.details->continuations.begin(), selected.details->continuations.end(),
-                    [&](const auto* m) { return m->active.contains(i) != first.contains(i); }))
-      add_name(names, island.system().port[static_cast<std::size_t>(i)].name);
-  return names;
-}
-
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
   several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
-                              fmt::join(undecided_elements(island, selected), ", "), selected.details->continuations.size());
+                              fmt::join(differing_elements(island.system(), selected.details->continuations), ", "), selected.details->continuations.size());
 }
 
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
-  std::vector<std::string> names;
   if (selected.choice == model::Choice::several) {
-    names = undecided_elements(island, selected);
+    const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
          fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time,
                      fmt::join(names, ", "), selected.details->continuations.size()),
          names);
     return;
   }
-  for (const auto& port : island.system().port) add_name(names, port.name);
+  const std::vector<std::string> names = all_names(island.system());
   const bool jumps = selected.choice == model::Choice::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",

@@ -47,12 +47,10 @@ class Transient {
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
-  [[nodiscard]] std::vector<std::string> undecided_elements(const IslandRun& island, const model::Selected& selected) const;
   void note_several(const IslandRun& island, const model::Selected& selected, double time);
   void note_open_signals();
   void open_island(IslandRun& island, Instant& instant);
   void fill_row(double time, double* row);
-  [[nodiscard]] std::vector<std::string> differing(const IslandRun& island, const model::IndexSet& a, const model::IndexSet& b) const;
   void finish();
 
   const ExactModel& model_;
@@ -63,7 +61,6 @@ class Transient {
   std::vector<std::size_t> order_;  ///< islands, those without states first
   std::vector<char> on_;            ///< switches
   std::vector<int> flips_;
-  std::vector<model::IndexSet> sets_before_;
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
