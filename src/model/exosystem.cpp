@@ -47,7 +47,7 @@ double Exosystem::Block::derivative_bound(const double* zeta, int order, double 
       const double growth = damping < 0.0 ? std::exp(-damping * h) : 1.0;
       double power = 1.0;
       for (int i = 0; i < order; ++i) power *= rate;
-      return power * std::hypot(zeta[first], zeta[first + 1]) * growth;
+      return power * linalg::norm(zeta + first, 2) * growth;
     }
   }
   return 0.0;

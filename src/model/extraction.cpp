@@ -13,8 +13,15 @@ namespace pwlsim::model {
 
 namespace {
 
+using linalg::absolute_product;
+using linalg::absolute_product_with_sparse;
+using linalg::product;
+using linalg::product_with_sparse;
+using linalg::sparse_absolute_product;
+using linalg::sparse_product;
 using linalg::Wide;
 using linalg::wide_clean_product;
+using linalg::wide_clean_sum;
 using linalg::wide_cleaned;
 using linalg::WideMatrix;
 using linalg::WideVector;
@@ -144,12 +151,11 @@ bool Extractor::reduce_index() {
 bool Extractor::take_constraints(const LeftNull& null) {
   const WideMatrix nt = null.vectors.transpose();
   const auto clean = [&](const WideMatrix& m) {
-    WideMatrix product = nt * m;
-    const WideMatrix bound = nt.cwiseAbs() * m.cwiseAbs();
-    for (Eigen::Index j = 0; j < product.cols(); ++j)
-      for (Eigen::Index i = 0; i < product.rows(); ++i)
-        if (std::abs(product(i, j)) <= constraint_tolerance * bound(i, j)) product(i, j) = 0.0;
-    return product;
+    WideMatrix result = product_with_sparse(nt, m);
+    const WideMatrix bound = absolute_product_with_sparse(nt, m);
+    for (Eigen::Index i = 0; i < result.size(); ++i)
+      if (std::abs(result.data()[i]) <= constraint_tolerance * bound.data()[i]) result.data()[i] = 0.0;
+    return result;
   };
   const WideMatrix nf = clean(f_);
   const WideMatrix na = clean(ha_);
@@ -293,11 +299,10 @@ void Extractor::solve_unknowns() {
   WideMatrix error = solution;
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
-    const WideMatrix size = inverse.cwiseAbs();
-    solution = -inverse * right;
+    solution = -product_with_sparse(inverse, right);
     // One step of refinement: the inverse of a stiff network leaves more than the last digit.
-    solution -= inverse * (g_ * solution + right);
-    const WideMatrix bound = size * (g_.cwiseAbs() * (size * right.cwiseAbs()));
+    solution -= product_with_sparse(inverse, sparse_product(g_, solution) + right);
+    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, absolute_product_with_sparse(inverse, right)));
     solution = wide_cleaned(solution, bound);
     error = solution_rounding * bound;
   }
@@ -307,22 +312,21 @@ void Extractor::solve_unknowns() {
   z_a_ = solution.middleCols(stores, k);
   z_a_error_ = error.middleCols(stores, k);
   z_zeta_ = solution.rightCols(nz);
-  z_zeta_ = wide_cleaned(z_zeta_ + z_full * offset_, z_zeta_.cwiseAbs() + z_full.cwiseAbs() * offset_.cwiseAbs());
-  z_zeta_error_ = error.rightCols(nz) + z_full_error * offset_.cwiseAbs();
+  z_zeta_ = wide_cleaned(z_zeta_ + product(z_full, offset_), z_zeta_.cwiseAbs() + absolute_product(z_full, offset_));
+  z_zeta_error_ = error.rightCols(nz) + absolute_product(z_full_error, offset_);
   z_xi_ = wide_clean_product(z_full, basis_);
   const WideMatrix basis_error = WideMatrix::Constant(basis_.rows(), basis_.cols(), fixed_stores ? basis_rounding : 0.0L);
-  z_xi_error_ = z_full_error * basis_.cwiseAbs() + z_full.cwiseAbs() * basis_error;
+  z_xi_error_ = absolute_product(z_full_error, basis_) + absolute_product(z_full, basis_error);
   without_rounding(z_xi_, z_xi_error_);
   without_rounding(z_zeta_, z_zeta_error_);
-  const WideMatrix rates = basis_.transpose() * assembly_.sx;
-  const WideMatrix size_of_rates = rates.cwiseAbs();
-  const WideMatrix rates_error = basis_error.transpose() * assembly_.sx.cwiseAbs();
+  const WideMatrix rates = product_with_sparse(basis_.transpose(), assembly_.sx);
+  const WideMatrix rates_error = absolute_product_with_sparse(basis_error.transpose(), assembly_.sx);
   a_ = wide_clean_product(rates, z_xi_);
   b_ = wide_clean_product(rates, z_a_);
   e_ = wide_clean_product(rates, z_zeta_);
-  without_rounding(a_, size_of_rates * z_xi_error_ + rates_error * z_xi_.cwiseAbs());
-  without_rounding(b_, size_of_rates * z_a_error_ + rates_error * z_a_.cwiseAbs());
-  without_rounding(e_, size_of_rates * z_zeta_error_ + rates_error * z_zeta_.cwiseAbs());
+  without_rounding(a_, absolute_product(rates, z_xi_error_) + absolute_product(rates_error, z_xi_));
+  without_rounding(b_, absolute_product(rates, z_a_error_) + absolute_product(rates_error, z_a_));
+  without_rounding(e_, absolute_product(rates, z_zeta_error_) + absolute_product(rates_error, z_zeta_));
 }
 
 /// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
@@ -356,11 +360,10 @@ void Extractor::choose_causality() {
   c_ = wide_clean_product(inverse, cw);
   f1_ = wide_clean_product(inverse, fw);
   // (S + Θ) C = C_w, and the same for D and F.
-  const WideMatrix size = inverse.cwiseAbs();
   const WideMatrix of_s = 2.0 * z_a_error_.middleRows(first, k);
-  without_rounding(d_, size * of_s * (WideMatrix::Identity(k, k) + d_.cwiseAbs()));
-  without_rounding(c_, size * (2.0 * z_xi_error_.middleRows(first, k) + of_s * c_.cwiseAbs()));
-  without_rounding(f1_, size * (2.0 * z_zeta_error_.middleRows(first, k) + of_s * f1_.cwiseAbs()));
+  without_rounding(d_, absolute_product(inverse, absolute_product(of_s, WideMatrix::Identity(k, k) + d_.cwiseAbs())));
+  without_rounding(c_, absolute_product(inverse, 2.0 * z_xi_error_.middleRows(first, k) + absolute_product(of_s, c_)));
+  without_rounding(f1_, absolute_product(inverse, 2.0 * z_zeta_error_.middleRows(first, k) + absolute_product(of_s, f1_)));
 }
 
 void Extractor::add_ports() {
@@ -394,8 +397,8 @@ void Extractor::finish() {
   const WideMatrix one_plus_d = WideMatrix::Identity(k, k) + d_;
   auto unrounded = std::make_shared<Unrounded>();
   unrounded->a = WideMatrix::Zero(size, size);
-  unrounded->a.topLeftCorner(n, n) = wide_cleaned(a_ - b_ * c_, a_.cwiseAbs() + b_.cwiseAbs() * c_.cwiseAbs());
-  unrounded->a.topRightCorner(n, nz) = wide_cleaned(e_ - b_ * f1_, e_.cwiseAbs() + b_.cwiseAbs() * f1_.cwiseAbs());
+  unrounded->a.topLeftCorner(n, n) = wide_clean_sum(a_, -b_, c_);
+  unrounded->a.topRightCorner(n, nz) = wide_clean_sum(e_, -b_, f1_);
   unrounded->a.bottomRightCorner(nz, nz) = assembly_.exosystem->a().cast<Wide>();
   unrounded->b = WideMatrix::Zero(size, k);
   unrounded->b.topRows(n) = -wide_clean_product(b_, one_plus_d);
@@ -419,8 +422,7 @@ void Extractor::finish() {
   descriptor.store_ports = assembly_.store_ports();
   descriptor.store_sign = assembly_.store_sign();
   descriptor.z_state.resize(m, size);
-  descriptor.z_state << wide_cleaned(z_xi_ - z_a_ * c_, z_xi_.cwiseAbs() + z_a_.cwiseAbs() * c_.cwiseAbs()).cast<double>(),
-      wide_cleaned(z_zeta_ - z_a_ * f1_, z_zeta_.cwiseAbs() + z_a_.cwiseAbs() * f1_.cwiseAbs()).cast<double>();
+  descriptor.z_state << wide_clean_sum(z_xi_, -z_a_, c_).cast<double>(), wide_clean_sum(z_zeta_, -z_a_, f1_).cast<double>();
   descriptor.z_input = -wide_clean_product(z_a_, one_plus_d).cast<double>();
   descriptor.store_state.resize(assembly_.stores(), size);
   descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();

@@ -154,6 +154,8 @@ class Builder {
   void reduce_coordinates();
   void build_flow();
   void build_rows();
+  template <class Input>
+  void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input);
   void clean_diode_rows(WideMatrix& rows) const;
   [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
 
@@ -162,8 +164,8 @@ class Builder {
   Restricted r_;
   std::unique_ptr<Mode> mode_;
   WideMatrix kj_;           ///< u_J = kj·x
-  WideMatrix k_;            ///< u = k·x
   WideMatrix constraints_;  ///< rows spanning the complement of V
+  WideVector input_;        ///< of the active ports into the row at hand
   WideMatrix embedding_;    ///< x = embedding·y, unrounded: [N R; 0 1]
   Wide feedthrough_tolerance_ = 0;
   double noise_per_condition_ = 0.0;
@@ -282,9 +284,8 @@ void Builder::take_least_norm(const WideMatrix& free_directions) {
 }
 
 void Builder::spread_inputs() {
-  k_ = WideMatrix::Zero(s_.ports, s_.size());
-  for (std::size_t a = 0; a < r_.j.size(); ++a) k_.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a));
-  mode_->k = k_.cast<double>();
+  mode_->k = Matrix::Zero(s_.ports, s_.size());
+  for (std::size_t a = 0; a < r_.j.size(); ++a) mode_->k.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a)).cast<double>();
 }
 
 void Builder::reduce_coordinates() {
@@ -309,25 +310,44 @@ void Builder::reduce_coordinates() {
 
 void Builder::build_flow() {
   Mode& m = *mode_;
-  const WideMatrix full = wide_clean_sum(w_->a, w_->b, k_);
-  if (!m.constrained) return set_flow(s_, m, full.cast<double>());
-  // c' = Nᵀ(ξ' − R ζ').
-  const WideMatrix sources = s_.exosystem->a().cast<Wide>();
-  const WideMatrix basis = embedding_.topLeftCorner(s_.n, m.n1);
-  const WideMatrix lift = embedding_.topRightCorner(s_.n, s_.n_zeta);
-  WideMatrix rate = wide_clean_product(full.topRows(s_.n), embedding_);
-  rate.rightCols(s_.n_zeta) = wide_clean_sum(rate.rightCols(s_.n_zeta), -lift, sources);
+  WideMatrix rate = wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);
+  if (m.constrained) {
+    // c' = Nᵀ(ξ' − R ζ').
+    const WideMatrix basis = embedding_.topLeftCorner(s_.n, m.n1);
+    const WideMatrix lift = embedding_.topRightCorner(s_.n, s_.n_zeta);
+    rate = wide_clean_product(rate, embedding_);
+    rate.rightCols(s_.n_zeta) = wide_clean_sum(rate.rightCols(s_.n_zeta), -lift, s_.exosystem->a().cast<Wide>());
+    rate = wide_clean_product(basis.transpose(), rate);
+  }
   Matrix a = Matrix::Zero(m.ny, m.ny);
-  a.topRows(m.n1) = wide_clean_product(basis.transpose(), rate).cast<double>();
+  a.topRows(m.n1) = rate.cast<double>();
   a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
   set_flow(s_, m, std::move(a));
+}
+
+/// rows(row, ·) += input·K, cleaned.
+template <class Input>
+void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input) {
+  input_.resize(kj_.rows());
+  for (std::size_t a = 0; a < r_.j.size(); ++a) input_[static_cast<Eigen::Index>(a)] = input[r_.j[a]];
+  if (input_.isZero(0)) return;
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+    Wide sum = rows(row, j);
+    Wide bound = std::abs(sum);
+    for (Eigen::Index a = 0; a < input_.size(); ++a) {
+      const Wide term = input_[a] * kj_(a, j);
+      sum += term;
+      bound += std::abs(term);
+    }
+    rows(row, j) = std::abs(sum) <= linalg::wide_clean_tolerance * bound ? 0 : sum;
+  }
 }
 
 /// What is left of y_i where C_i and D_i K cancel: D is of order one, and its rounding with it, even where an entry is small.
 void Builder::clean_diode_rows(WideMatrix& rows) const {
   if (s_.ports == 0 || !s_.unrounded) return;
   for (Eigen::Index j = 0; j < rows.cols(); ++j) {
-    const Wide rounding = entry_rounding * k_.col(j).cwiseAbs().sum();
+    const Wide rounding = entry_rounding * kj_.col(j).cwiseAbs().sum();
     for (int i = 0; i < s_.diodes; ++i)
       if (std::abs(rows(i, j)) <= rounding) rows(i, j) = 0;
   }
@@ -342,23 +362,19 @@ void Builder::build_rows() {
   Mode& m = *mode_;
   const auto controls = static_cast<int>(s_.controls.size());
   const auto outputs = static_cast<int>(s_.outputs.size());
-  WideMatrix state = WideMatrix::Zero(s_.diodes + controls + outputs, s_.size());
-  WideMatrix input = WideMatrix::Zero(state.rows(), s_.ports);
+  WideMatrix full(s_.diodes + controls + outputs, s_.size());
+  for (std::size_t a = 0; a < r_.j.size() && r_.j[a] < s_.diodes; ++a) full.row(r_.j[a]) = kj_.row(static_cast<Eigen::Index>(a));
   for (int i = 0; i < s_.diodes; ++i) {
-    if (m.active.contains(i)) {
-      input(i, i) = 1.0;
-    } else {
-      state.row(i) = w_->c.row(i);
-      input.row(i) = w_->d.row(i);
-    }
+    if (m.active.contains(i)) continue;
+    full.row(i) = w_->c.row(i);
+    add_inputs(full, i, w_->d.row(i));
   }
   for (int i = 0; i < controls + outputs; ++i) {
     const OutputRow& row =
         i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
-    state.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
-    input.row(s_.diodes + i) = row.input.transpose().cast<Wide>();
+    full.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
+    add_inputs(full, s_.diodes + i, row.input);
   }
-  WideMatrix full = wide_clean_sum(std::move(state), input, k_);
   clean_diode_rows(full);
   const Matrix rows = in_mode(full);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);

@@ -89,7 +89,8 @@ class Locator {
     Verdict verdict = Verdict::excluded;
     double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
   };
-  Isolated isolate_root(const Segment& segment, std::size_t i, double h, double remainder);
+  /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
+  Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
   void polish(const Segment& segment, int row, double& tau);

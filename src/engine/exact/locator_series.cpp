@@ -15,17 +15,27 @@ namespace {
 using model::Mode;
 
 constexpr int order = 10;
-constexpr double exact_reach = 0.14;           ///< rate·step up to which the series of this order is exact to rounding
-constexpr double longest_reach = 12.0;         ///< rate·h beyond which the remainder never passes
-constexpr double shorter = 0.7;                ///< of an interval that could not be decided
-constexpr double longer = 1.15;                ///< of the reach, after an interval decided at once
-constexpr int most_shortenings = 16;           ///< before the tests of low order take over
-constexpr double beyond_end = 1.25;            ///< of what is left: tried where a guard seems to be zero at the very end
-constexpr double bracket_margin = 0.02;        ///< of the interval, behind an isolated root
-constexpr int most_depth = 6;                  ///< of subdivision
-constexpr double factorial_next = 39916800.0;  ///< (order + 1)!
+constexpr double exact_reach = 0.14;     ///< rate·step up to which the series of this order is exact to rounding
+constexpr double longest_reach = 12.0;   ///< rate·h beyond which the remainder never passes
+constexpr double shorter = 0.7;          ///< of an interval that could not be decided
+constexpr double longer = 1.15;          ///< of the reach, after an interval decided at once
+constexpr int most_shortenings = 16;     ///< before the tests of low order take over
+constexpr double beyond_end = 1.25;      ///< of what is left: tried where a guard seems to be zero at the very end
+constexpr double bracket_margin = 0.02;  ///< of the interval, behind an isolated root
+constexpr double last_step = 1e-9;       ///< of Newton's, which squares what it is off by: relative to the root
+constexpr int most_depth = 6;            ///< of subdivision
 
 using Coefficients = std::array<double, order + 1>;
+
+constexpr std::array<double, order + 2> inverse_factorial = [] {
+  std::array<double, order + 2> table{};
+  double factorial = 1.0;
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    if (j > 0) factorial *= static_cast<double>(j);
+    table[j] = 1.0 / factorial;
+  }
+  return table;
+}();
 
 constexpr double binomial(int n, int k) {
   double value = 1.0;
@@ -132,17 +142,26 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   return walk(right, rest, rest_slope, middle, high, depth + 1);
 }
 
-/// h^(order + 1)/(order + 1)!
-double remainder_power(double h) {
-  static_assert(order == 10);
-  const double square = h * h;
-  const double fourth = square * square;
-  return fourth * fourth * square * h / factorial_next;
+/// h^j/j!, which turn derivatives at the start into the coefficients of a polynomial on the unit interval; the last one belongs to the
+/// remainder.
+using Powers = std::array<double, order + 2>;
+
+Powers powers_of(double h) {
+  Powers powers{};
+  double power = 1.0;
+  for (std::size_t j = 0; j < powers.size(); ++j) {
+    powers[j] = power * inverse_factorial[j];
+    power *= h;
+  }
+  return powers;
 }
 
-/// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket.
+/// Root of the polynomial between two places, positive at the first and negative at the second: Newton kept inside its bracket, from the
+/// root of the parabola.
 double polynomial_root(const Coefficients& c, double low, double high) {
-  double at = 0.5 * (low + high);
+  const double discriminant = c[1] * c[1] - 4.0 * c[2] * c[0];
+  double at = discriminant >= 0.0 ? 2.0 * c[0] / (-c[1] + std::sqrt(discriminant)) : low;
+  if (!(at > low && at < high)) at = 0.5 * (low + high);
   for (int i = 0; i < 100; ++i) {
     double value = 0.0, slope = 0.0;
     for (std::size_t k = c.size(); k-- > 0;) {
@@ -153,7 +172,7 @@ double polynomial_root(const Coefficients& c, double low, double high) {
     (value > 0.0 ? low : high) = at;
     double next = slope < 0.0 ? at - value / slope : 0.5 * (low + high);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - at) <= 1e-16 * std::abs(at) || next == at) return next;
+    if (std::abs(next - at) <= last_step * std::abs(at)) return next;
     at = next;
   }
   return at;
@@ -188,15 +207,11 @@ void Locator::series_state(const Segment& s, double step, double* out) {
   }
 }
 
-Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, double remainder) {
+Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, const double* powers, double next_derivative) {
   Coefficients c{};
-  double power = 1.0;
   const double* g = &guard_derivatives_[i * (order + 1)];
-  for (std::size_t j = 0; j <= order; ++j) {
-    c[j] = g[j] * power;
-    power *= h / static_cast<double>(j + 1);
-  }
-  double rest = remainder;
+  for (std::size_t j = 0; j <= order; ++j) c[j] = g[j] * powers[j];
+  double rest = next_derivative * powers[order + 1];
   double rest_slope = (order + 1) * rest;
   const int start = s.tau == 0.0 ? s.departures[i].order : 0;
   if (start > order - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
@@ -236,16 +251,16 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
     const Bound bound = bound_of(s, order + 1, last, h);
     double length = h;  // behind the first root so far nothing matters
-    double power = remainder_power(length);
+    Powers powers = powers_of(length);
     for (std::size_t i = 0; clear && i < s.rows.size(); ++i) {
-      const Isolated found = isolate_root(s, i, length, bound_at(s, bound, s.rows[i]) * power);
+      const Isolated found = isolate_root(s, i, length, powers.data(), bound_at(s, bound, s.rows[i]));
       clear = found.verdict != Verdict::undecided;
       if (found.verdict != Verdict::one_root || found.guess >= first) continue;
       first = found.guess;
       root = found;
       which = i;
       length = found.upper;
-      power = remainder_power(length);
+      powers = powers_of(length);
     }
     if (!clear) continue;
     // The next interval of this mode begins with what served here, and a little more where it served at once.
