@@ -27,34 +27,19 @@ void clean(M& m, const M& bound, Tolerance tolerance) {
       if (std::abs(m(i, j)) <= tolerance * bound(i, j)) m(i, j) = 0;
 }
 
-/// Places of entries other than zero, one column or row at a time.
-class Places {
- public:
-  explicit Places(Eigen::Index most) { index_.reserve(static_cast<std::size_t>(most)); }
-  template <class Scalar>
-  void find(const Scalar* entries, Eigen::Index count, Eigen::Index stride) {
-    index_.clear();
-    for (Eigen::Index k = 0; k < count; ++k)
-      if (entries[k * stride] != 0) index_.push_back(k);
-  }
-  [[nodiscard]] bool none() const { return index_.empty(); }
-  [[nodiscard]] auto begin() const { return index_.begin(); }
-  [[nodiscard]] auto end() const { return index_.end(); }
-
- private:
-  std::vector<Eigen::Index> index_;
-};
-
 /// B + X·Y, cleaned. Entry by entry, so that sums of extended precision stay in registers: storing one costs as much as four additions.
 template <class M, class Scalar>
 M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
   const Eigen::Index rows = base.rows();
-  Places used(x.cols());
+  std::vector<Eigen::Index> used;
+  used.reserve(static_cast<std::size_t>(x.cols()));
   for (Eigen::Index j = 0; j < base.cols(); ++j) {
     const Scalar* factors = y.data() + j * y.rows();
     Scalar* column = base.data() + j * rows;
-    used.find(factors, x.cols(), 1);
-    if (used.none()) continue;
+    used.clear();
+    for (Eigen::Index k = 0; k < x.cols(); ++k)
+      if (factors[k] != 0) used.push_back(k);
+    if (used.empty()) continue;
     for (Eigen::Index i = 0; i < rows; ++i) {
       Scalar sum = column[i];
       Scalar bound = std::abs(sum);
@@ -90,35 +75,26 @@ WideMatrix product_of(const WideMatrix& x, const WideMatrix& y, Function f) {
   return result;
 }
 
-/// The same for an f with f(0) = 0 and a Y with few entries in a column.
+/// The same, f(0) = 0, by the entries of X and Y that are not zero.
 template <class Function>
-WideMatrix product_with_sparse(const WideMatrix& x, const WideMatrix& y, Function f) {
-  WideMatrix result(x.rows(), y.cols());
-  Places used(x.cols());
-  for (Eigen::Index j = 0; j < y.cols(); ++j) {
-    used.find(y.data() + j * y.rows(), y.rows(), 1);
-    for (Eigen::Index i = 0; i < x.rows(); ++i) {
-      Wide sum = 0;
-      for (const Eigen::Index k : used) sum += f(x(i, k)) * f(y(k, j));
-      result(i, j) = sum;
-    }
+WideMatrix sparse_product_of(const WideMatrix& x, const WideMatrix& y, Function f) {
+  std::vector<Eigen::Index> row, first;  ///< of the entries of X, column by column
+  for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    first.push_back(static_cast<Eigen::Index>(row.size()));
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      if (x(i, k) != 0) row.push_back(i);
   }
-  return result;
-}
-
-/// And for an X with few entries in a row.
-template <class Function>
-WideMatrix product_of_sparse(const WideMatrix& x, const WideMatrix& y, Function f) {
-  WideMatrix result(x.rows(), y.cols());
-  Places used(x.cols());
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    used.find(x.data() + i, x.cols(), x.rows());
-    for (Eigen::Index j = 0; j < y.cols(); ++j) {
-      Wide sum = 0;
-      for (const Eigen::Index k : used) sum += f(x(i, k)) * f(y(k, j));
-      result(i, j) = sum;
+  first.push_back(static_cast<Eigen::Index>(row.size()));
+  WideMatrix result = WideMatrix::Zero(x.rows(), y.cols());
+  for (Eigen::Index j = 0; j < y.cols(); ++j)
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      if (y(k, j) == 0) continue;
+      const Wide factor = f(y(k, j));
+      for (Eigen::Index entry = first[static_cast<std::size_t>(k)]; entry < first[static_cast<std::size_t>(k) + 1]; ++entry) {
+        const Eigen::Index i = row[static_cast<std::size_t>(entry)];
+        result(i, j) += f(x(i, k)) * factor;
+      }
     }
-  }
   return result;
 }
 
@@ -149,13 +125,9 @@ WideMatrix product(const WideMatrix& x, const WideMatrix& y) { return product_of
 
 WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, magnitude); }
 
-WideMatrix product_with_sparse(const WideMatrix& x, const WideMatrix& y) { return product_with_sparse(x, y, itself); }
+WideMatrix sparse_product(const WideMatrix& x, const WideMatrix& y) { return sparse_product_of(x, y, itself); }
 
-WideMatrix absolute_product_with_sparse(const WideMatrix& x, const WideMatrix& y) { return product_with_sparse(x, y, magnitude); }
-
-WideMatrix sparse_product(const WideMatrix& x, const WideMatrix& y) { return product_of_sparse(x, y, itself); }
-
-WideMatrix sparse_absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of_sparse(x, y, magnitude); }
+WideMatrix sparse_absolute_product(const WideMatrix& x, const WideMatrix& y) { return sparse_product_of(x, y, magnitude); }
 
 Matrix cleaned(Matrix m, const Matrix& bound) {
   clean(m, bound, clean_tolerance);

@@ -41,9 +41,7 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
 [[nodiscard]] WideMatrix product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y);
-/// The same without the zeros of Y, or of X.
-[[nodiscard]] WideMatrix product_with_sparse(const WideMatrix& x, const WideMatrix& y);
-[[nodiscard]] WideMatrix absolute_product_with_sparse(const WideMatrix& x, const WideMatrix& y);
+/// The same by the entries that are not zero, where one of the two has few.
 [[nodiscard]] WideMatrix sparse_product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix sparse_absolute_product(const WideMatrix& x, const WideMatrix& y);
 

@@ -14,9 +14,7 @@ namespace pwlsim::model {
 namespace {
 
 using linalg::absolute_product;
-using linalg::absolute_product_with_sparse;
 using linalg::product;
-using linalg::product_with_sparse;
 using linalg::sparse_absolute_product;
 using linalg::sparse_product;
 using linalg::Wide;
@@ -151,8 +149,8 @@ bool Extractor::reduce_index() {
 bool Extractor::take_constraints(const LeftNull& null) {
   const WideMatrix nt = null.vectors.transpose();
   const auto clean = [&](const WideMatrix& m) {
-    WideMatrix result = product_with_sparse(nt, m);
-    const WideMatrix bound = absolute_product_with_sparse(nt, m);
+    WideMatrix result = sparse_product(nt, m);
+    const WideMatrix bound = sparse_absolute_product(nt, m);
     for (Eigen::Index i = 0; i < result.size(); ++i)
       if (std::abs(result.data()[i]) <= constraint_tolerance * bound.data()[i]) result.data()[i] = 0.0;
     return result;
@@ -299,10 +297,10 @@ void Extractor::solve_unknowns() {
   WideMatrix error = solution;
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
-    solution = -product_with_sparse(inverse, right);
+    solution = -sparse_product(inverse, right);
     // One step of refinement: the inverse of a stiff network leaves more than the last digit.
-    solution -= product_with_sparse(inverse, sparse_product(g_, solution) + right);
-    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, absolute_product_with_sparse(inverse, right)));
+    solution -= sparse_product(inverse, sparse_product(g_, solution) + right);
+    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, sparse_absolute_product(inverse, right)));
     solution = wide_cleaned(solution, bound);
     error = solution_rounding * bound;
   }
@@ -319,8 +317,8 @@ void Extractor::solve_unknowns() {
   z_xi_error_ = absolute_product(z_full_error, basis_) + absolute_product(z_full, basis_error);
   without_rounding(z_xi_, z_xi_error_);
   without_rounding(z_zeta_, z_zeta_error_);
-  const WideMatrix rates = product_with_sparse(basis_.transpose(), assembly_.sx);
-  const WideMatrix rates_error = absolute_product_with_sparse(basis_error.transpose(), assembly_.sx);
+  const WideMatrix rates = sparse_product(basis_.transpose(), assembly_.sx);
+  const WideMatrix rates_error = sparse_absolute_product(basis_error.transpose(), assembly_.sx);
   a_ = wide_clean_product(rates, z_xi_);
   b_ = wide_clean_product(rates, z_a_);
   e_ = wide_clean_product(rates, z_zeta_);
