@@ -19,6 +19,7 @@ constexpr std::array<Prefix, 9> prefixes{
 }  // namespace
 
 std::string quantity(double value, std::string_view unit, int digits) {
+  if (unit.empty()) return fmt::format("{:.{}g}", value, digits);
   if (value == 0.0) return fmt::format("0 {}", unit);
   const double rounded = std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);  // 999.9999 is 1 k with three digits
   for (const Prefix& prefix : prefixes) {

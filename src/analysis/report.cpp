@@ -20,8 +20,8 @@ std::string counted(std::uint64_t count, std::string_view noun) { return fmt::fo
 std::string jump_line(const engine::Jump& jump) {
   std::vector<std::string> impulses, states;
   for (const auto& impulse : jump.impulses)
-    impulses.push_back(json_line(
-        {{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
+    impulses.push_back(
+        json_line({{"element", json_string(impulse.element)}, {"value", json_number(impulse.value)}, {"unit", json_string(impulse.unit)}}));
   for (const auto& state : jump.states)
     states.push_back(
         json_line({{"name", json_string(state.name)}, {"before", json_number(state.before)}, {"after", json_number(state.after)}}));
@@ -34,7 +34,19 @@ std::string jump_line(const engine::Jump& jump) {
                     {"energy_lost", json_number(jump.energy_before - jump.energy_after)}});
 }
 
-std::string unit_of(const std::string& state) { return state[0] == 'v' ? "V" : state[0] == 'i' ? "A" : "Vs"; }
+/// Of a state by its name, "v(C1)"; those of a raw system have none.
+std::string unit_of(const std::string& state) {
+  switch (state[0]) {
+    case 'v':
+      return "V";
+    case 'i':
+      return "A";
+    case 'f':
+      return "Vs";
+    default:
+      return "";
+  }
+}
 
 std::string jump_text(const engine::Jump& jump) {
   constexpr int digits = 6;

@@ -26,6 +26,7 @@ void emit(Emission& emission) {
     nodes.push_back(emission.inner_node(fmt::format("x{}", i + 1)));
     model::Capacitor capacitor{emission.label(), nodes.back(), model::ground, 1.0, true, raw.start[static_cast<std::size_t>(i)]};
     capacitor.starts_there = true;
+    capacitor.state = fmt::format("x({},{})", emission.label().name, i + 1);
     builder.add(std::move(capacitor));
     signals.x.push_back(model::voltage_between(nodes.back(), model::ground));
   }

@@ -69,7 +69,7 @@ struct Jump {
     double value = 0.0;
   };
   struct State {
-    std::string name;  ///< "v(C1)" in V, "i(L1)" in A, "flux(L1)" in Vs
+    std::string name;  ///< "v(C1)" in V, "i(L1)" in A, "flux(L1)" in Vs; "x(s,1)" of a raw system, without unit
     double before = 0.0, after = 0.0;
   };
   double time = 0.0;                               ///< s

@@ -1,11 +1,16 @@
 #include "model/store_values.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "model/descriptor.hpp"
 
 namespace pwlsim::model {
+
+namespace {
+
+constexpr double rank_tolerance = 1e-9;
+
+}  // namespace
 
 StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   const Assembly assembly(island.network, true);
@@ -18,16 +23,22 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   rows_ = Matrix::Zero(voltages + currents, coordinates_.cols());
   for (Eigen::Index i = 0; i < voltages; ++i) {
     const auto& capacitor = capacitors[static_cast<std::size_t>(i)];
-    names_.push_back("v(" + capacitor.label.name + ")");
+    names_.push_back(capacitor.state.empty() ? "v(" + capacitor.label.name + ")" : capacitor.state);
     if (capacitor.capacitance != 0.0) rows_.row(i) = coordinates_.row(i) / std::sqrt(std::abs(capacitor.capacitance));
   }
-  // Energy coordinates of inductors are Λᵀ i, with L = Λ Λᵀ; their fluxes are L i = Λ Λᵀ i.
-  const Matrix lambda = assembly.inductance_root();
-  const bool invertible = lambda.rows() == lambda.cols();
-  for (const auto& inductor : inductors) names_.push_back((invertible ? "i(" : "flux(") + inductor.label.name + ")");
   if (currents == 0) return;
+  // Energy coordinates of inductors are Λᵀ i, with L = Λ Λᵀ; their fluxes are L i = Λ Λᵀ i. A current is known from them where no current
+  // in the kernel of Λᵀ holds it.
+  const Matrix lambda = assembly.inductance_root();
+  const linalg::WideMatrix across = lambda.transpose().cast<linalg::Wide>();
+  const Matrix open = linalg::wide_null_space(across, rank_tolerance).cast<double>();
+  const Matrix solution = linalg::wide_pseudo_inverse(across, rank_tolerance).cast<double>();
   const Matrix own = coordinates_.bottomRows(coordinates_.rows() - voltages);
-  rows_.bottomRows(currents) = invertible ? Matrix(lambda.transpose().fullPivLu().solve(own)) : Matrix(lambda * own);
+  for (Eigen::Index i = 0; i < currents; ++i) {
+    const bool known = open.row(i).norm() <= rank_tolerance;
+    names_.push_back((known ? "i(" : "flux(") + inductors[static_cast<std::size_t>(i)].label.name + ")");
+    rows_.row(voltages + i) = (known ? solution : lambda).row(i) * own;
+  }
 }
 
 double StoreValues::energy(const Vector& x) const { return 0.5 * (sign_.array() * (coordinates_ * x).array().square()).sum(); }

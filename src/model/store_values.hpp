@@ -12,7 +12,7 @@ class StoreValues {
  public:
   StoreValues(const Island& island, const Extraction& extraction);
 
-  /// "v(C1)" in V, "i(L1)" in A; "flux(L1)" in Vs where perfect coupling leaves the single currents open.
+  /// "v(C1)" in V, "i(L1)" in A; "flux(L1)" in Vs of an inductor whose current perfect coupling leaves open; "x(s,1)" of a raw system.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   /// One a name, from the state x = (ξ, ζ) (system.size() entries).
   [[nodiscard]] Vector values(const Vector& x) const { return rows_ * x; }

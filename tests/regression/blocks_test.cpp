@@ -35,9 +35,9 @@ double wave(double t) { return 2.0 * std::sin(two_pi * t + 0.3); }
 
 const std::string source = "V1 a 0 SIN(0 2 1 0 0 {0.3*180/pi})\n";
 
-DeckRun run_raw(const std::string& file, const std::string& cards) {
+DeckRun run_raw(const std::string& file, const std::string& cards, bool events = false) {
   const Scratch scratch;
-  return run_text("t\n.lcs s \"" + scratch.write("test.lcs", file) + "\"\n" + cards);
+  return run_text("t\n.lcs s \"" + scratch.write("test.lcs", file) + "\"\n" + cards, events);
 }
 
 }  // namespace
@@ -128,6 +128,17 @@ TEST_CASE("6, raw: an impulse of higher order", "[hard]") {
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const auto& row : run.rows)
     for (std::size_t k = 1; k <= 3; ++k) CHECK(std::abs(row[k]) <= exact);
+}
+
+// A mass that reaches a stop at speed −1 stays there: the stop takes its momentum.
+TEST_CASE("jumps of a raw system name its states", "[regression]") {
+  const DeckRun run = run_raw("A\n0 1\n0 0\nB\n0\n1\nC\n1 0\nx0\n0 -1\n", ".tran 0.5 1\n", true);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  REQUIRE(run.answer.jumps.size() == 1);
+  REQUIRE(run.answer.jumps[0].states.size() == 1);
+  CHECK(run.answer.jumps[0].states[0].name == "x(s,2)");
+  CHECK(run.answer.jumps[0].states[0].before == -1.0);
+  CHECK(run.answer.jumps[0].states[0].after == 0.0);
 }
 
 TEST_CASE("34, 35, raw: problems without states", "[hard]") {
