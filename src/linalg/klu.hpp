@@ -1,0 +1,75 @@
+#pragma once
+/// Sparse LU of SuiteSparse KLU (Davis and Palamadai Natarajan, ACM TOMS 37, 2010, Algorithm 907), owned and counted.
+///
+/// The ordering is found once for a pattern. A matrix of that pattern is factored anew with pivoting, or with the pivots of an earlier one, which
+/// is faster and as good where these pivots still are: pivot growth, then the reciprocal condition, then an estimate of the condition decide that,
+/// and it is factored anew where they speak against it.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "linalg/sparse.hpp"
+
+namespace pwlsim::linalg {
+
+enum class Factored { good, singular, no_memory };
+
+class KluOrdering {
+ public:
+  explicit KluOrdering(SparsePattern pattern);
+  ~KluOrdering();
+  KluOrdering(const KluOrdering&) = delete;
+  KluOrdering& operator=(const KluOrdering&) = delete;
+
+  [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
+  /// False where no choice of values gives a regular matrix; it cannot be factored then.
+  [[nodiscard]] bool structurally_regular() const;
+  /// What all factors of this ordering did.
+  struct Counts {
+    std::uint64_t factorizations = 0;    ///< anew, with pivoting
+    std::uint64_t refactorizations = 0;  ///< with kept pivots
+    std::uint64_t solves = 0;            ///< right-hand sides
+  };
+  mutable Counts counts;
+
+ private:
+  friend class KluFactor;
+  struct Handle;
+  SparsePattern pattern_;
+  std::unique_ptr<Handle> handle_;
+};
+
+class KluFactor {
+ public:
+  /// The ordering must outlive the factor.
+  explicit KluFactor(const KluOrdering& ordering);
+  ~KluFactor();
+  KluFactor(KluFactor&&) noexcept;
+  KluFactor& operator=(KluFactor&&) noexcept;
+
+  /// `values`: one an entry of the pattern.
+  [[nodiscard]] Factored factor(const std::vector<double>& values);
+  /// With the pivots of the last `factor`, where there was one and they are still good.
+  [[nodiscard]] Factored refactor(const std::vector<double>& values);
+  /// b := A⁻¹ b for `columns` columns, one after the other. Only after a factorisation that was good.
+  void solve(double* b, int columns = 1) const;
+
+  /// Smallest over largest pivot of the last factorisation.
+  [[nodiscard]] double pivot_ratio() const { return pivot_ratio_; }
+  /// After `singular`: the column where it was found out, −1: unknown.
+  [[nodiscard]] int singular_column() const { return singular_column_; }
+  /// Entries of L and U.
+  [[nodiscard]] std::size_t entries() const;
+
+ private:
+  [[nodiscard]] bool pivots_are_good(const std::vector<double>& values);
+
+  const KluOrdering* ordering_;
+  struct Numeric;
+  std::unique_ptr<Numeric> numeric_;
+  double pivot_ratio_ = 0.0, first_pivot_ratio_ = 0.0;
+  int singular_column_ = -1;
+};
+
+}  // namespace pwlsim::linalg

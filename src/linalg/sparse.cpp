@@ -1,0 +1,51 @@
+#include "linalg/sparse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pwlsim::linalg {
+
+SparsePattern PatternBuilder::take(std::vector<int>& entry_of_place) const {
+  std::vector<int> order(places_.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int i) -> const Place& { return places_[static_cast<std::size_t>(i)]; };
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return place(a).column != place(b).column ? place(a).column < place(b).column : place(a).row < place(b).row;
+  });
+  SparsePattern pattern;
+  pattern.size = size_;
+  pattern.start.assign(static_cast<std::size_t>(size_) + 1, 0);
+  entry_of_place.assign(places_.size(), 0);
+  const Place* last = nullptr;
+  for (const int i : order) {
+    const Place& now = place(i);
+    if (!last || last->column != now.column || last->row != now.row) {
+      pattern.row.push_back(now.row);
+      ++pattern.start[static_cast<std::size_t>(now.column) + 1];
+    }
+    last = &now;
+    entry_of_place[static_cast<std::size_t>(i)] = static_cast<int>(pattern.row.size()) - 1;
+  }
+  std::partial_sum(pattern.start.begin(), pattern.start.end(), pattern.start.begin());
+  return pattern;
+}
+
+void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
+  std::fill(y, y + pattern.size, 0.0);
+  for (int j = 0; j < pattern.size; ++j) {
+    const double factor = x[j];
+    if (factor == 0.0) continue;
+    for (int k = pattern.start[static_cast<std::size_t>(j)]; k < pattern.start[static_cast<std::size_t>(j) + 1]; ++k)
+      y[pattern.row[static_cast<std::size_t>(k)]] += values[static_cast<std::size_t>(k)] * factor;
+  }
+}
+
+void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
+  std::fill(y, y + pattern.size, 0.0);
+  for (int j = 0; j < pattern.size; ++j)
+    for (int k = pattern.start[static_cast<std::size_t>(j)]; k < pattern.start[static_cast<std::size_t>(j) + 1]; ++k)
+      y[pattern.row[static_cast<std::size_t>(k)]] += std::abs(values[static_cast<std::size_t>(k)] * x[j]);
+}
+
+}  // namespace pwlsim::linalg

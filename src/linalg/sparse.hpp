@@ -1,0 +1,37 @@
+#pragma once
+/// Square sparse matrices: one pattern, any number of value arrays that go with it.
+
+#include <vector>
+
+namespace pwlsim::linalg {
+
+/// Compressed columns: the entries of column j are row[start[j]] … row[start[j + 1] − 1], ascending.
+struct SparsePattern {
+  int size = 0;
+  std::vector<int> start{0};
+  std::vector<int> row;
+  [[nodiscard]] std::size_t entries() const { return row.size(); }
+};
+
+/// Collects places of entries; equal ones become one.
+class PatternBuilder {
+ public:
+  explicit PatternBuilder(int size) : size_(size) {}
+  void add(int row, int column) { places_.push_back({column, row}); }
+  /// The pattern, and for the i-th place added the index of its entry.
+  [[nodiscard]] SparsePattern take(std::vector<int>& entry_of_place) const;
+
+ private:
+  struct Place {
+    int column, row;
+  };
+  int size_;
+  std::vector<Place> places_;
+};
+
+/// y = A x. y must not alias x.
+void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
+/// y = |A| |x|.
+void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
+
+}  // namespace pwlsim::linalg
