@@ -68,8 +68,9 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
                  "The CSV file; '-' is standard output (default: the deck's name with .csv, in the current directory)")
       ->type_name("FILE");
   app.add_flag("--events", raw.events, "Add a row before and after every event");
-  app.add_option("--engine", raw.engine, "auto or exact (sparse: not supported yet)")->type_name("NAME");
-  app.add_option("--reltol", raw.reltol, "Bound on the local error of the sparse engine; the exact engine needs none")->type_name("X");
+  app.add_option("--engine", raw.engine, "auto, exact or sparse (default: auto, by size)")->type_name("NAME");
+  app.add_option("--reltol", raw.reltol, "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
+      ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv (raw: not supported yet)")->type_name("NAME");
   app.add_option("--plot", raw.plot, "Not supported yet")->type_name("FILE");
@@ -168,12 +169,12 @@ void check_file_name(std::string_view option, const CLI::App& app, const std::st
   }
 }
 
-void check_engine(const std::string& engine, Complaints& complaints) {
-  if (engine == "sparse") {
-    complaints.not_yet("--engine sparse", "`--engine exact`");
-  } else if (!engine.empty() && engine != "auto" && engine != "exact") {
-    complaints.add("E-option-value", fmt::format("`--engine {}` names no engine; try auto or exact", engine));
-  }
+EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
+  if (engine == "sparse") return EngineChoice::sparse;
+  if (engine == "exact") return EngineChoice::exact;
+  if (!engine.empty() && engine != "auto")
+    complaints.add("E-option-value", fmt::format("`--engine {}` names no engine; try auto, exact or sparse", engine));
+  return EngineChoice::automatic;
 }
 
 void check_format(const std::string& format, Complaints& complaints) {
@@ -184,13 +185,14 @@ void check_format(const std::string& format, Complaints& complaints) {
   }
 }
 
-void check_reltol(const std::string& text, Complaints& complaints) {
+std::optional<double> relative_tolerance(const std::string& text, Complaints& complaints) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool number = error == std::errc() && end == text.data() + text.size();
   if (!number || !std::isfinite(value) || value <= 0.0) {
     complaints.add("E-option-value", fmt::format("`--reltol {}` is no positive number; try `--reltol 1e-4`", text));
   }
+  return value;
 }
 
 void check_files(const Raw& raw, Complaints& complaints) {
@@ -226,9 +228,10 @@ RunOptions run_options(const Raw& raw) {
 CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints) {
   check_file_name("--output", app, raw.output, complaints);
   check_file_name("--stats", app, raw.stats, complaints);
-  check_engine(raw.engine, complaints);
+  const EngineChoice engine = engine_choice(raw.engine, complaints);
   check_format(raw.format, complaints);
-  if (app.count("--reltol") != 0) check_reltol(raw.reltol, complaints);
+  std::optional<double> reltol;
+  if (app.count("--reltol") != 0) reltol = relative_tolerance(raw.reltol, complaints);
   if (app.count("--plot") != 0) complaints.not_yet("--plot", "plotting the CSV file");
   if (app.count("--report") != 0) complaints.not_yet("--report", "`--stats`");
   if (raw.json) complaints.not_yet("--json", "`--stats`");
@@ -236,6 +239,8 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   check_files(raw, complaints);
   if (complaints.any()) return complaints.refused();
   RunOptions options = run_options(raw);
+  options.engine = engine;
+  options.reltol = reltol;
   if (one_target(options.output, options.stats)) {
     complaints.add("E-option-conflict", fmt::format("the rows and `--stats` would both go to `{}`; try two names", options.stats));
     return complaints.refused();

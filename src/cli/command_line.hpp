@@ -11,11 +11,15 @@
 
 namespace pwlsim::cli {
 
+enum class EngineChoice { automatic, exact, sparse };
+
 /// `pwlsim circuit.net …`: run the analyses of a deck.
 struct RunOptions {
   std::string deck;
   std::string output;  ///< never empty; "-" is standard output
   std::string stats;   ///< empty: none; "-" is standard output
+  EngineChoice engine = EngineChoice::automatic;
+  std::optional<double> reltol;  ///< --reltol
   bool events = false;
   bool quiet = false;
   bool verbose = false;

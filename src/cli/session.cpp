@@ -20,6 +20,7 @@
 #include "cli/signals.hpp"
 #include "cli/status.hpp"
 #include "engine/exact/exact.hpp"
+#include "engine/sparse/sparse.hpp"
 #include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
@@ -63,6 +64,8 @@ class Session {
   }
 
   int prepare();
+  void prepare_engine(Diagnostics& diagnostics);
+  int check_tolerance();
   int open_files();
   int open(const std::string& name, std::optional<OutputFile>& file);
   int operating_point();
@@ -76,7 +79,9 @@ class Session {
   Messages messages_;
   SourceStore sources_;
   std::optional<circuit::Compiled> compiled_;
-  std::shared_ptr<const engine::ExactModel> model_;
+  std::shared_ptr<const engine::ExactModel> exact_;
+  std::shared_ptr<const engine::sparse::SparseModel> sparse_;
+  double reltol_ = engine::sparse::default_tolerance;
   std::optional<OutputFile> rows_file_, statistics_file_;
   analysis::RunReport report_;
 };
@@ -90,12 +95,32 @@ int Session::prepare() {
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
-  model_ = engine::prepare(compiled_->network, diagnostics);
+  prepare_engine(diagnostics);
   report_.seconds.model = since(model_start);
-  report_.engine = "exact";
   messages_.report(diagnostics, sources_);
-  if (model_ == nullptr || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+  if ((!exact_ && !sparse_) || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+  if (const int status = sparse_ ? check_tolerance() : 0; status != 0) return status;
   return interrupted_before_run();
+}
+
+void Session::prepare_engine(Diagnostics& diagnostics) {
+  const bool large = options_.engine == EngineChoice::automatic && engine::sparse::pays(compiled_->network);
+  if (large || options_.engine == EngineChoice::sparse) {
+    sparse_ = engine::sparse::prepare(compiled_->network, diagnostics);
+    report_.engine = "sparse";
+  } else {
+    exact_ = engine::prepare(compiled_->network, diagnostics);
+    report_.engine = "exact";
+  }
+}
+
+int Session::check_tolerance() {
+  reltol_ = options_.reltol.value_or(compiled_->analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
+  if (reltol_ >= engine::sparse::least_tolerance && reltol_ <= engine::sparse::largest_tolerance) return 0;
+  return fail(Status::wrong_input, "E-tolerance",
+              fmt::format("a relative tolerance of {} is {}; try {}, or --engine exact", reltol_,
+                          reltol_ < engine::sparse::least_tolerance ? "below rounding" : "none",
+                          reltol_ < engine::sparse::least_tolerance ? engine::sparse::least_tolerance : engine::sparse::largest_tolerance));
 }
 
 int Session::open(const std::string& name, std::optional<OutputFile>& file) {
@@ -129,7 +154,7 @@ void Session::take_remarks(const engine::Answer& answer) {
 }
 
 int Session::operating_point() {
-  const engine::OperatingPoint point = engine::operating_point(*model_);
+  const engine::OperatingPoint point = sparse_ ? engine::sparse::operating_point(*sparse_) : engine::operating_point(*exact_);
   take_remarks(point.answer);
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
   const std::vector<std::string> names = analysis::column_names(compiled_->network);
@@ -148,7 +173,9 @@ int Session::transient() {
     Progress progress(options_.progress, stop);
     analysis::RunControl control{options_.events, options_.events || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
-    const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model_, request, sink); };
+    const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
+      return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
+    };
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);
   }
   take_remarks(run.answer);

@@ -91,4 +91,10 @@ struct Answer {
   std::vector<Jump> jumps;  ///< the first thousand, where they were asked for
 };
 
+/// The DC operating point: the values of all signals, in the order of Network::signals. `answer` tells why where there is none.
+struct OperatingPoint {
+  Answer answer;
+  std::vector<double> values;
+};
+
 }  // namespace pwlsim::engine

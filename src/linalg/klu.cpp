@@ -14,7 +14,7 @@ constexpr double least_growth = 1e-8;
 constexpr double suspicious_ratio = 1e-3;
 constexpr double largest_condition = 1e12;
 
-int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }            // KLU takes no const, and writes nothing
+int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }           // KLU takes no const, and writes nothing
 double* writable(const std::vector<double>& v) { return const_cast<double*>(v.data()); }  // likewise
 
 }  // namespace

@@ -19,11 +19,7 @@ class ExactModel;
 /// Runs from 0 to request.stop and hands every row to `sink`.
 [[nodiscard]] Answer run(const ExactModel& model, const Request& request, RowSink& sink);
 
-/// The DC operating point: the values of all signals, in the order of Network::signals. `answer` tells why where there is none.
-struct OperatingPoint {
-  Answer answer;
-  std::vector<double> values;
-};
+/// The DC operating point.
 [[nodiscard]] OperatingPoint operating_point(const ExactModel& model);
 
 }  // namespace pwlsim::engine

@@ -1,0 +1,246 @@
+/// Block: where events lie, and what happens there.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sparse/block.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+/// Of the margin at the ends of the step: how near to its zero an event is stepped to, in tolerances.
+constexpr double location_share = 0.01;
+constexpr double sign_tolerance = 1e-12;
+constexpr int most_locations = 24;
+constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
+constexpr double euler_share = 0.1;  ///< of the tolerance, for the Euler steps after an event
+constexpr double room_share = 1.0 / 16.0;
+/// A state has jumped when the first Euler step moves it by so many times what the second does, and by more than this part of its size.
+constexpr double jump_ratio = 20.0, least_jump = 1e-6;
+constexpr int crowd_limit = 400;
+constexpr double crowd_fraction = 1e-9;
+
+/// Lagrange interpolation of (t, g) at `time`.
+double polynomial(const std::vector<std::pair<double, double>>& points, double time) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double weight = points[i].second;
+    for (std::size_t j = 0; j < points.size(); ++j)
+      if (j != i) weight *= (time - points[j].first) / (points[i].first - points[j].first);
+    sum += weight;
+  }
+  return sum;
+}
+
+/// The zero of the polynomial through `points` less `target` between low and high, where it is positive and negative.
+double zero(const std::vector<std::pair<double, double>>& points, double target, double low, double high) {
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (polynomial(points, middle) > target ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of SDIRK2 is C (h λ)³.
+int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::log2(std::pow(reltol, 1.0 / 6.0)))); }
+
+}  // namespace
+
+double Block::margin(const Crossing& crossing, const Position& on, const std::vector<double>& z, const std::vector<double>& w) const {
+  if (!crossing.is_control) return ports_.free_variable(crossing.index, on[crossing.index] != 0, z, w);
+  const Control& control = controls_[crossing.index];
+  return control.margin(on, control.value.value(z.data(), w.data()));
+}
+
+double Block::margin_size(const Crossing& crossing) const {
+  if (crossing.is_control) return std::max(controls_[crossing.index].level_size(), controls_[crossing.index].largest);
+  return point_.on[crossing.index] != 0 ? ports_.scale().input : ports_.scale().slack;
+}
+
+std::vector<Block::Crossing> Block::crossings(const Position& on, const Point& end, bool ports_too) const {
+  std::vector<Crossing> result;
+  const auto add = [&](const Crossing& crossing) {
+    if (margin(crossing, on, end.z, end.w) < -sign_tolerance * margin_size(crossing)) result.push_back(crossing);
+  };
+  for (std::size_t i = 0; i < controls_.size(); ++i) add({i, true});
+  if (ports_too)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) add({i, false});
+  return result;
+}
+
+/// Steps to the first of the crossings that `trial`, a step of h with all ports frozen, ends beyond, a hair past it.
+bool Block::locate(const std::vector<Crossing>& candidates, double h, Trial& trial) {
+  struct Candidate {
+    Crossing crossing;
+    double tolerance = 0.0;
+    std::vector<std::pair<double, double>> points;
+  };
+  std::vector<Candidate> list;
+  for (const Crossing& crossing : candidates) {
+    Candidate c{crossing, 0.0, {}};
+    for (std::size_t back = 0; back < std::min<std::size_t>(history_.size(), 3); ++back) {
+      const auto& sample = history_.sample(back);
+      c.points.emplace_back(sample.time, margin(crossing, point_.on, sample.z, sample.w));
+    }
+    const double now = margin(crossing, point_.on, point_.z, point_.w);
+    const double then = margin(crossing, point_.on, trial.end.z, trial.end.w);
+    if (now <= 0.0) {  // it was on its way already
+      restart_due_ = true;
+      return true;
+    }
+    c.tolerance = std::max(location_share * reltol_ * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
+    list.push_back(std::move(c));
+  }
+  double low = point_.time, high = trial.end.time;
+  for (int round = 0; round < most_locations; ++round) {
+    bool near = true;
+    double next = high;
+    for (Candidate& c : list) {
+      const double value = margin(c.crossing, point_.on, trial.end.z, trial.end.w);
+      if (value >= 0.0) continue;
+      near &= -value <= c.tolerance;
+      auto points = c.points;
+      points.emplace_back(high, value);
+      next = std::min(next, zero(points, -0.5 * c.tolerance, low, high));
+    }
+    if (near || high - low <= tolerance_) break;
+    if (round % 4 == 3) next = 0.5 * (low + high);
+    stepper_.sdirk2(point_, next - point_.time, true, scale_, trial_);
+    if (trial_.solved != Solved::yes) return false;
+    const bool beyond = std::any_of(list.begin(), list.end(), [&](const Candidate& c) {
+      return margin(c.crossing, point_.on, trial_.end.z, trial_.end.w) < 0.0;
+    });
+    for (Candidate& c : list) {
+      auto& points = c.points;
+      const auto& end = beyond ? trial.end : trial_.end;  // the end that is not the new high
+      points.emplace_back(end.time, margin(c.crossing, point_.on, end.z, end.w));
+      if (points.size() > 3) points.erase(points.begin());
+    }
+    (beyond ? high : low) = next;
+    if (beyond) std::swap(trial, trial_);
+    h = high - point_.time;
+  }
+  accept(trial, h);
+  ++located_;
+  restart_due_ = true;
+  return true;
+}
+
+bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
+  bool flipped = false;
+  if (by_sources) sources_.evaluate(time, w_);
+  for (const Control& control : controls_) {
+    if (control.by_sources != by_sources) continue;
+    const double value = by_sources ? control.of_sources.value(nullptr, w_.data()) : control.value.value(at.z.data(), at.w.data());
+    const double size = std::max({control.level_size(), control.largest, std::abs(value)});
+    if (control.margin(on, value) >= -sign_tolerance * size) continue;
+    on[control.port] ^= 1;
+    flipped = true;
+    instant.mode_change = true;
+  }
+  return flipped;
+}
+
+/// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
+/// until none moves.
+bool Block::settle(double h, Instant& instant, Point& first) {
+  for (int round = 0; round < most_rounds; ++round) {
+    if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
+    trial_.solved = stepper_.euler(point_, h, first);
+    if (trial_.solved != Solved::yes) return fail_step(trial_);
+    if (!flip(first, false, instant.time + h, instant, point_.on)) return true;
+  }
+  fail(Outcome::no_solution, "E-no-settle",
+       fmt::format("the switches find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh", instant.time), {});
+  return false;
+}
+
+/// Of inductors the flux counts: currents of perfectly coupled ones may hand it to each other.
+bool Block::jumped(const Point& before, const Point& first, const Point& second) const {
+  const auto& states = descriptor_.states();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i].is_current) {
+      const auto row = static_cast<std::size_t>(states[i].plus);
+      const double size = states[i].storage / descriptor_.r0() * scale_.size(i, first.z);
+      if (std::abs(first.y[row] - before.y[row]) > jump_ratio * std::abs(second.y[row] - first.y[row]) + least_jump * std::abs(size)) return true;
+      continue;
+    }
+    const double a = start_states_.empty() ? states[i].value(before.z.data()) : start_states_[i], b = states[i].value(first.z.data()), c = states[i].value(second.z.data());
+    if (std::abs(b - a) > jump_ratio * std::abs(c - b) + least_jump * scale_.size(i, first.z)) return true;
+  }
+  return false;
+}
+
+bool Block::restart(double time) {
+  restart_due_ = false;
+  Instant instant;
+  instant.time = time;
+  if (request_.events)
+    for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
+  if (sources_.next_break() <= time + tolerance_) instant.source_edge = sources_.advance(time, tolerance_);
+  const Position before = point_.on;
+  const int levels = restart_levels(reltol_);
+  const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
+  int level = level_ + levels;
+  while (gamma_sdirk * ladder(level) > room_share * room) ++level;
+  const int level_of_room = level;
+  for (;; level += 2) {
+    const double h = gamma_sdirk * ladder(level);
+    if (!settle(h, instant, euler_[0])) return false;
+    for (int i = 1; i < 3; ++i) {
+      trial_.solved = stepper_.euler(euler_[i - 1], h, euler_[i]);
+      if (trial_.solved != Solved::yes) return fail_step(trial_);
+    }
+    scale_.note(euler_[2].z);
+    if (level >= last_level || stepper_.euler_error(euler_[1], euler_[2], h, scale_) <= euler_share * reltol_) break;
+  }
+  level_ += std::max(0, level - level_of_room);
+  instant.mode_change |= euler_[2].on != before;
+  instant.jump = jumped(point_, euler_[0], euler_[1]);
+  start_states_.clear();
+  history_.clear();
+  for (int i = 1; i < 3; ++i) history_.add(euler_[i].time, euler_[i].z, euler_[i].w);
+  std::swap(point_, euler_[2]);
+  scale_.note(point_.z);
+  ports_.note_scale(point_.z, point_.w);
+  note_signals();
+  steps_ += 3;
+  if (time > 0.0 && instant.happened()) {
+    ++events_;
+    jumps_ += instant.jump ? 1 : 0;
+    instant_ = instant;
+  }
+  if (time == 0.0) start_projected_ = instant.jump;
+  return watch_crowd(time);
+}
+
+bool Block::watch_crowd(double time) {
+  if (time - crowd_start_ > crowd_fraction * request_.stop) {
+    crowd_start_ = time;
+    crowd_ = 0;
+  }
+  if (++crowd_ < crowd_limit) return true;
+  fail(Outcome::accumulation, "E-accumulation",
+       fmt::format("events accumulate at t = {} s ({} of them within {} s); try a resistor, capacitor or hysteresis that separates them", time,
+                   crowd_, time - crowd_start_),
+       {});
+  return false;
+}
+
+bool Block::begin(const Start& start) {
+  const auto n = static_cast<std::size_t>(descriptor_.size());
+  point_.time = 0.0;
+  point_.on = start.on;
+  point_.z.assign(n, 0.0);
+  point_.y.resize(n);
+  point_.k.assign(n, 0.0);
+  sources_.evaluate(0.0, point_.w);
+  descriptor_.memory_of_states(start.states, point_.y.data());
+  start_states_ = start.states;
+  scale_.note_values(start.states);
+  return restart(0.0);
+}
+
+}  // namespace pwlsim::engine::sparse

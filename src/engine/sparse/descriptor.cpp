@@ -1,0 +1,350 @@
+#include "engine/sparse/descriptor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+using model::ground;
+using model::NodeIndex;
+using model::Term;
+
+/// Resistors below this fraction of R0 carry their own current.
+constexpr double low_resistance = 1e-6;
+
+class LogMean {
+ public:
+  void add(double value) {
+    if (!(value > 0.0) || !std::isfinite(value)) return;
+    sum_ += std::log(value);
+    ++count_;
+  }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] double value() const { return count_ == 0 ? 1.0 : std::exp(sum_ / count_); }
+
+ private:
+  double sum_ = 0.0;
+  int count_ = 0;
+};
+
+std::vector<char> capacitors_read(const model::Network& network) {
+  std::vector<char> read(network.capacitors.size(), 0);
+  const auto note = [&](const model::LinearForm& form) {
+    for (const Term& term : form)
+      if (term.kind == Term::Kind::capacitor_current) read[static_cast<std::size_t>(term.index)] = 1;
+  };
+  for (const auto& b : network.branches) note(b.voltage);
+  for (const auto& i : network.injections) note(i.current);
+  for (const auto& c : network.complementarities) note(c.slack);
+  for (const auto& s : network.switches) note(s.control);
+  for (const auto& s : network.signals) note(s.form);
+  return read;
+}
+
+}  // namespace
+
+Descriptor::Descriptor(const model::Network& network) : network_(network) {
+  choose_scale();
+  number_unknowns();
+  constant_.assign(static_cast<std::size_t>(size_), 0.0);
+  add_resistors();
+  add_stores();
+  add_branches_and_injections();
+  add_ports();
+  compress();
+}
+
+void Descriptor::choose_scale() {
+  LogMean capacitance, inductance, resistance;
+  for (const auto& c : network_.capacitors) capacitance.add(std::abs(c.capacitance));
+  for (const auto& l : network_.inductors) inductance.add(std::abs(l.inductance));
+  for (const auto& r : network_.resistors) resistance.add(std::abs(r.resistance));
+  if (!capacitance.empty() && !inductance.empty()) resistance.add(std::sqrt(inductance.value() / capacitance.value()));
+  r0_ = resistance.value();
+}
+
+void Descriptor::number_unknowns() {
+  int next = static_cast<int>(network_.nodes.size());
+  for (const auto& r : network_.resistors) low_resistor_.push_back(std::abs(r.resistance) < low_resistance * r0_ ? next++ : -1);
+  for (const char read : capacitors_read(network_)) capacitor_current_.push_back(read != 0 ? next++ : -1);
+  first_inductor_ = next;
+  first_branch_ = first_inductor_ + static_cast<int>(network_.inductors.size());
+  first_port_ = first_branch_ + static_cast<int>(network_.branches.size());
+  first_switch_ = static_cast<int>(network_.diodes.size() + network_.complementarities.size());
+  size_ = first_port_ + first_switch_ + static_cast<int>(network_.switches.size());
+  input_scale_.assign(network_.complementarities.size(), 1.0);
+  slack_scale_.assign(network_.complementarities.size(), 1.0);
+  scale_complementarities();
+}
+
+/// Largest coefficients become one: of an input where it is a voltage or a current, else in the slacks that hold it; of a slack in its row.
+void Descriptor::scale_complementarities() {
+  std::vector<double> in_circuit(input_scale_.size(), 0.0), in_slacks(input_scale_.size(), 0.0);
+  const auto weigh = [](std::vector<double>& largest, const model::LinearForm& form, double factor) {
+    for (const Term& term : form)
+      if (term.kind == Term::Kind::slack_input) {
+        double& l = largest[static_cast<std::size_t>(term.index)];
+        l = std::max(l, std::abs(factor * term.coefficient));
+      }
+  };
+  for (const auto& b : network_.branches) weigh(in_circuit, b.voltage, 1.0);
+  for (const auto& i : network_.injections) weigh(in_circuit, i.current, r0_);
+  for (std::size_t i = 0; i < slack_scale_.size(); ++i) {
+    const model::LinearForm& terms = network_.complementarities[i].slack;
+    double largest = 0.0;
+    for (const auto& part : form(terms).z)
+      if (part.index < first_port_ + static_cast<int>(network_.diodes.size()) || part.index >= first_port_ + first_switch_)
+        largest = std::max(largest, std::abs(part.coefficient));
+    if (largest > 0.0) slack_scale_[i] = 1.0 / largest;
+    weigh(in_slacks, terms, slack_scale_[i]);
+  }
+  for (std::size_t i = 0; i < input_scale_.size(); ++i) {
+    const double largest = in_circuit[i] > 0.0 ? in_circuit[i] : in_slacks[i];
+    if (largest > 0.0) input_scale_[i] = 1.0 / largest;
+  }
+}
+
+void Descriptor::entry(int row, int column, double e, double g) { places_.push_back({row, column, e, g, 0.0, 0.0}); }
+
+void Descriptor::entry_of_port(int row, int column, double slack, double input) {
+  places_.push_back({row, column, 0.0, 0.0, slack, input});
+}
+
+void Descriptor::add_kcl(NodeIndex p, NodeIndex n, int column, double value) {
+  if (p != ground) entry(p, column, 0.0, value);
+  if (n != ground) entry(n, column, 0.0, -value);
+}
+
+void Descriptor::add_voltage(int row, NodeIndex p, NodeIndex n, double sign) {
+  if (p != ground) entry(row, p, 0.0, sign);
+  if (n != ground) entry(row, n, 0.0, -sign);
+}
+
+void Descriptor::add_form(int row, const model::LinearForm& terms, double factor) {
+  const Form f = form(terms);
+  for (const auto& part : f.z) entry(row, part.index, 0.0, factor * part.coefficient);
+  for (const auto& part : f.w) sources_.push_back({row, part.index, factor * part.coefficient});
+  constant_[static_cast<std::size_t>(row)] += factor * f.constant;
+}
+
+void Descriptor::add_resistors() {
+  for (std::size_t i = 0; i < network_.resistors.size(); ++i) {
+    const auto& r = network_.resistors[i];
+    const int low = low_resistor_[i];
+    if (low >= 0) {
+      add_kcl(r.p, r.n, low, 1.0);
+      add_voltage(low, r.p, r.n, 1.0);
+      entry(low, low, 0.0, -r.resistance / r0_);
+      continue;
+    }
+    const double conductance = r0_ / r.resistance;
+    if (r.p != ground) add_kcl(r.p, r.n, r.p, conductance);
+    if (r.n != ground) add_kcl(r.p, r.n, r.n, -conductance);
+  }
+}
+
+void Descriptor::add_stores() {
+  for (std::size_t i = 0; i < network_.capacitors.size(); ++i) {
+    const auto& c = network_.capacitors[i];
+    const double e = r0_ * c.capacitance;
+    const int own = capacitor_current_[i];
+    states_.push_back({c.p, c.n, false, c.capacitance});
+    if (own >= 0) {
+      add_kcl(c.p, c.n, own, 1.0);
+      entry(own, own, 0.0, -1.0);
+    }
+    for (const auto& [row, sign] : {std::pair{own >= 0 ? own : c.p, 1.0}, std::pair{own >= 0 ? -1 : c.n, -1.0}}) {
+      if (row < 0) continue;
+      if (c.p != ground) entry(row, c.p, sign * e, 0.0);
+      if (c.n != ground) entry(row, c.n, -sign * e, 0.0);
+    }
+  }
+  for (std::size_t i = 0; i < network_.inductors.size(); ++i) {
+    const auto& l = network_.inductors[i];
+    const int own = first_inductor_ + static_cast<int>(i);
+    states_.push_back({own, -1, true, l.inductance});
+    add_kcl(l.p, l.n, own, 1.0);
+    add_voltage(own, l.p, l.n, -1.0);
+    entry(own, own, l.inductance / r0_, 0.0);
+  }
+  for (const auto& k : network_.couplings) {
+    const double a = network_.inductors[static_cast<std::size_t>(k.inductor_a)].inductance;
+    const double b = network_.inductors[static_cast<std::size_t>(k.inductor_b)].inductance;
+    const double mutual = k.coefficient * std::sqrt(std::abs(a)) * std::sqrt(std::abs(b)) / r0_;
+    entry(first_inductor_ + k.inductor_a, first_inductor_ + k.inductor_b, mutual, 0.0);
+    entry(first_inductor_ + k.inductor_b, first_inductor_ + k.inductor_a, mutual, 0.0);
+  }
+}
+
+void Descriptor::add_branches_and_injections() {
+  for (std::size_t i = 0; i < network_.branches.size(); ++i) {
+    const auto& b = network_.branches[i];
+    const int own = first_branch_ + static_cast<int>(i);
+    add_kcl(b.p, b.n, own, 1.0);
+    add_voltage(own, b.p, b.n, 1.0);
+    add_form(own, b.voltage, -1.0);
+  }
+  for (const auto& i : network_.injections) {
+    if (i.p != ground) add_form(i.p, i.current, r0_);
+    if (i.n != ground) add_form(i.n, i.current, -r0_);
+  }
+}
+
+void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
+                          double resistance, double drop) {
+  Port port{std::move(name), row, {}, false};
+  if (slack) {
+    port.slack = form(*slack);
+    for (auto& part : port.slack.z) part.coefficient *= slack_scale;
+    for (auto& part : port.slack.w) part.coefficient *= slack_scale;
+    port.slack.constant *= slack_scale;
+  } else {
+    add_kcl(p, n, row, 1.0);
+    if (p != ground) port.slack.z.push_back({p, -1.0});
+    if (n != ground) port.slack.z.push_back({n, 1.0});
+    if (resistance != 0.0) port.slack.z.push_back({row, resistance / r0_});
+    port.slack.constant = drop;
+  }
+  for (const auto& part : port.slack.z) entry_of_port(row, part.index, part.coefficient, 0.0);
+  entry_of_port(row, row, 0.0, 1.0);
+  ports_.push_back(std::move(port));
+}
+
+void Descriptor::add_ports() {
+  int row = first_port_;
+  for (const auto& d : network_.diodes) add_port(d.label.name, row++, nullptr, 1.0, d.p, d.n, d.resistance, d.drop);
+  for (std::size_t i = 0; i < network_.complementarities.size(); ++i)
+    add_port(network_.complementarities[i].label.name, row++, &network_.complementarities[i].slack, slack_scale_[i], ground, ground, 0.0,
+             0.0);
+  for (const auto& s : network_.switches) {
+    add_port(s.label.name, row++, nullptr, 1.0, s.p, s.n, s.resistance, s.drop);
+    ports_.back().is_switch = true;
+  }
+}
+
+void Descriptor::compress() {
+  linalg::PatternBuilder builder(size_);
+  for (const Place& place : places_) builder.add(place.row, place.column);
+  std::vector<int> entry_of_place;
+  pattern_ = builder.take(entry_of_place);
+  for (auto* values : {&e_, &g_, &slack_, &input_}) values->assign(pattern_.entries(), 0.0);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(entry_of_place[i]);
+    e_[k] += places_[i].e;
+    g_[k] += places_[i].g;
+    slack_[k] += places_[i].slack;
+    input_[k] += places_[i].input;
+  }
+  for (std::size_t k = 0; k < pattern_.entries(); ++k)
+    if (pattern_.row[k] >= first_port_) {
+      port_entries_.push_back(static_cast<int>(k));
+      port_of_entry_.push_back(pattern_.row[k] - first_port_);
+    }
+  places_ = {};
+}
+
+void Descriptor::matrix(double shift, const Position& on, double epsilon, std::vector<double>& values) const {
+  values.resize(pattern_.entries());
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = shift * e_[k] + g_[k];
+  for (std::size_t i = 0; i < port_entries_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(port_entries_[i]);
+    const bool is_on = on[static_cast<std::size_t>(port_of_entry_[i])] != 0;
+    values[k] = is_on ? slack_[k] + epsilon * input_[k] : input_[k] + epsilon * slack_[k];
+  }
+}
+
+void Descriptor::input(const double* w, const Position& on, double* b) const {
+  for (int i = 0; i < size_; ++i) b[i] = -constant_[static_cast<std::size_t>(i)];
+  for (const SourceEntry& entry : sources_) b[entry.row] -= entry.coefficient * w[entry.source];
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const Form& slack = ports_[i].slack;
+    if (slack.constant == 0.0 && slack.w.empty()) continue;
+    double value = slack.constant;
+    for (const auto& part : slack.w) value += part.coefficient * w[part.index];
+    b[ports_[i].row] = on[i] != 0 ? -value : 0.0;
+  }
+}
+
+void Descriptor::memory_of_states(const std::vector<double>& values, double* y) const {
+  std::fill(y, y + size_, 0.0);
+  const std::size_t capacitors = network_.capacitors.size();
+  for (std::size_t i = 0; i < capacitors; ++i) {
+    const double charge = r0_ * states_[i].storage * values[i];
+    const int own = capacitor_current_[i];
+    const int p = own >= 0 ? own : states_[i].plus, n = own >= 0 ? -1 : states_[i].minus;
+    if (p >= 0) y[p] += charge;
+    if (n >= 0) y[n] -= charge;
+  }
+  for (std::size_t i = capacitors; i < states_.size(); ++i) {
+    const int column = states_[i].plus;
+    for (int k = pattern_.start[static_cast<std::size_t>(column)]; k < pattern_.start[static_cast<std::size_t>(column) + 1]; ++k)
+      y[pattern_.row[static_cast<std::size_t>(k)]] += e_[static_cast<std::size_t>(k)] * values[i];
+  }
+}
+
+Form Descriptor::form(const model::LinearForm& terms) const {
+  Form f;
+  const auto add = [&](int column, double coefficient) {
+    if (column >= 0) f.z.push_back({column, coefficient});
+  };
+  for (const Term& term : terms) {
+    const double c = term.coefficient;
+    const auto i = static_cast<std::size_t>(term.index);
+    switch (term.kind) {
+      case Term::Kind::one:
+        f.constant += c;
+        break;
+      case Term::Kind::source:
+        f.w.push_back({term.index, c});
+        break;
+      case Term::Kind::node_voltage:
+        add(term.index, c);
+        break;
+      case Term::Kind::resistor_current: {
+        const auto& r = network_.resistors[i];
+        if (low_resistor_[i] >= 0) {
+          add(low_resistor_[i], c / r0_);
+        } else {
+          add(r.p, c / r.resistance);
+          add(r.n, -c / r.resistance);
+        }
+        break;
+      }
+      case Term::Kind::capacitor_current:
+        add(capacitor_current_[i], c / r0_);
+        break;
+      case Term::Kind::inductor_current:
+        add(first_inductor_ + term.index, c / r0_);
+        break;
+      case Term::Kind::branch_current:
+        add(first_branch_ + term.index, c / r0_);
+        break;
+      case Term::Kind::diode_current:
+        add(first_port_ + term.index, c / r0_);
+        break;
+      case Term::Kind::switch_current:
+        add(first_port_ + first_switch_ + term.index, c / r0_);
+        break;
+      case Term::Kind::slack_input:
+        add(first_port_ + static_cast<int>(network_.diodes.size()) + term.index, c * input_scale_[i]);
+        break;
+    }
+  }
+  return f;
+}
+
+std::string Descriptor::unknown_name(int index) const {
+  const auto i = static_cast<std::size_t>(index);
+  if (i < network_.nodes.size()) return "node " + network_.nodes[i].name;
+  for (std::size_t r = 0; r < low_resistor_.size(); ++r)
+    if (low_resistor_[r] == index) return network_.resistors[r].label.name;
+  for (std::size_t c = 0; c < capacitor_current_.size(); ++c)
+    if (capacitor_current_[c] == index) return network_.capacitors[c].label.name;
+  if (index < first_branch_) return network_.inductors[i - static_cast<std::size_t>(first_inductor_)].label.name;
+  if (index < first_port_) return network_.branches[i - static_cast<std::size_t>(first_branch_)].label.name;
+  return ports_[i - static_cast<std::size_t>(first_port_)].name;
+}
+
+}  // namespace pwlsim::engine::sparse

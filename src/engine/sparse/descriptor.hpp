@@ -1,0 +1,125 @@
+#pragma once
+/// A network as equations without any reduction:  E z' + G z + H w + g = 0,  w the values of its sources.
+///
+/// z: node voltages, then currents times R0 of low resistors, of capacitors whose current some form reads, of inductors, branches and diodes, the
+/// scaled inputs of complementarities, currents times R0 of switches: all of it in volts. E is symmetric positive semidefinite (capacitances in rows
+/// of Kirchhoff's current law, inductances in those of inductors), so that ½ zᵀE z / R0 is the stored energy where no capacitor has a
+/// current of its own.
+///
+/// Every port p has an input u = z[row] and a slack s = row·z + …:  0 ≤ u ⊥ s ≥ 0, for a diode i and drop + R i − v. Its closing row is
+///    on:  s + ε u = 0      off:  u + ε s = 0
+/// with ε = 0 wherever that is regular. Both entries are kept in the pattern in either position.
+
+#include <string>
+#include <vector>
+
+#include "linalg/sparse.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::engine::sparse {
+
+/// Which ports are on. Switches too: on is closed.
+using Position = std::vector<char>;
+
+/// value = Σ z-terms + Σ w-terms + constant.
+struct Form {
+  struct Part {
+    int index;
+    double coefficient;
+  };
+  std::vector<Part> z, w;
+  double constant = 0.0;
+
+  [[nodiscard]] double value(const double* unknowns, const double* sources) const {
+    double sum = constant;
+    for (const Part& part : z) sum += part.coefficient * unknowns[part.index];
+    for (const Part& part : w) sum += part.coefficient * sources[part.index];
+    return sum;
+  }
+};
+
+struct Port {
+  std::string name;
+  int row = 0;      ///< its closing row, and the column of its input
+  Form slack;       ///< volts
+  bool is_switch = false;
+};
+
+/// A state: the voltage of a capacitor or the current of an inductor times R0, z[plus] − z[minus] (−1: nothing).
+struct State {
+  int plus = -1, minus = -1;
+  bool is_current = false;
+  double storage = 0.0;  ///< capacitance, or inductance without its couplings
+  [[nodiscard]] double value(const double* z) const { return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0); }
+};
+
+class Descriptor {
+ public:
+  explicit Descriptor(const model::Network& network);
+
+  [[nodiscard]] int size() const { return size_; }
+  /// The first unknowns are node voltages.
+  [[nodiscard]] int nodes() const { return static_cast<int>(network_.nodes.size()); }
+  [[nodiscard]] double r0() const { return r0_; }
+  [[nodiscard]] const linalg::SparsePattern& pattern() const { return pattern_; }
+  [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
+  /// Diodes and complementarities come first.
+  [[nodiscard]] int first_switch() const { return first_switch_; }
+  /// Capacitors, then inductors, as in the network.
+  [[nodiscard]] const std::vector<State>& states() const { return states_; }
+
+  /// Entries of shift·E + G with the closing rows of a position.
+  void matrix(double shift, const Position& on, double epsilon, std::vector<double>& values) const;
+  /// b = −(H w + g) with the closing rows of a position.
+  void input(const double* w, const Position& on, double* b) const;
+  /// y = E z.
+  void memory(const double* z, double* y) const { linalg::multiply(pattern_, e_, z, y); }
+  /// E z of states given one by one, consistent or not: charges and fluxes.
+  void memory_of_states(const std::vector<double>& values, double* y) const;
+  /// A linear form in SI units.
+  [[nodiscard]] Form form(const model::LinearForm& terms) const;
+  /// "node out", "the current of V1"
+  [[nodiscard]] std::string unknown_name(int index) const;
+
+ private:
+  void choose_scale();
+  void number_unknowns();
+  void scale_complementarities();
+  void add_resistors();
+  void add_stores();
+  void add_branches_and_injections();
+  void add_ports();
+  void add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, model::NodeIndex p, model::NodeIndex n,
+                double resistance, double drop);
+  void compress();
+  void entry(int row, int column, double e, double g);
+  void entry_of_port(int row, int column, double slack, double input);
+  void add_kcl(model::NodeIndex p, model::NodeIndex n, int column, double value);
+  void add_voltage(int row, model::NodeIndex p, model::NodeIndex n, double sign);
+  void add_form(int row, const model::LinearForm& terms, double factor);
+
+  struct Place {
+    int row, column;
+    double e, g, slack, input;
+  };
+  struct SourceEntry {
+    int row, source;
+    double coefficient;
+  };
+  const model::Network& network_;
+  double r0_ = 1.0;
+  int size_ = 0, first_switch_ = 0;
+  int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
+  std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none
+  std::vector<double> input_scale_, slack_scale_;      ///< of complementarities: SI value of u a volt, one over the largest of the slack
+  std::vector<Place> places_;
+  linalg::SparsePattern pattern_;
+  std::vector<double> e_, g_, slack_, input_;  ///< one an entry; slack_ and input_ only in closing rows
+  std::vector<int> port_entries_, port_of_entry_;  ///< entries of closing rows, and whose they are
+  std::vector<SourceEntry> sources_;
+  std::vector<double> constant_;
+  std::vector<Port> ports_;
+  std::vector<State> states_;
+};
+
+}  // namespace pwlsim::engine::sparse

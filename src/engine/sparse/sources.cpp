@@ -1,0 +1,41 @@
+#include "engine/sparse/sources.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+std::vector<model::SourceFunction> functions_of(const model::Network& network) {
+  std::vector<model::SourceFunction> functions;
+  for (const auto& source : network.sources) functions.push_back(source.function);
+  return functions;
+}
+
+}  // namespace
+
+Sources::Sources(const model::Network& network)
+    : exosystem_(functions_of(network), false), phase_(exosystem_.start()), count_(network.sources.size()) {
+  const auto& rows = exosystem_.rows();
+  for (Eigen::Index j = 0; j < rows.cols(); ++j)
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      if (rows(i, j) != 0.0) parts_.push_back({static_cast<int>(i), static_cast<int>(j), rows(i, j)});
+  zeta_.assign(static_cast<std::size_t>(exosystem_.size()), 0.0);
+}
+
+void Sources::evaluate(double time, std::vector<double>& w) const {
+  exosystem_.evaluate(phase_, time, zeta_.data());
+  w.assign(count_, 0.0);
+  for (const Part& part : parts_) w[static_cast<std::size_t>(part.source)] += part.coefficient * zeta_[static_cast<std::size_t>(part.state)];
+}
+
+double Sources::shortest_period() const {
+  double period = model::forever;
+  for (const auto& block : exosystem_.blocks())
+    if (block.kind == model::Exosystem::Block::Kind::oscillation && block.omega > 0.0)
+      period = std::min(period, 2.0 * std::numbers::pi / block.omega);
+  return period;
+}
+
+}  // namespace pwlsim::engine::sparse

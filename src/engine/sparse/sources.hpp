@@ -1,0 +1,36 @@
+#pragma once
+/// Values of the sources over time, between breakpoints and across them.
+
+#include <vector>
+
+#include "model/exosystem.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class Sources {
+ public:
+  explicit Sources(const model::Network& network);
+
+  /// Values at `time`, on the segments where the sources stand.
+  void evaluate(double time, std::vector<double>& w) const;
+  [[nodiscard]] double next_break() const { return phase_.next; }
+  /// Takes every breakpoint up to time + tolerance; true if some source jumped.
+  bool advance(double time, double tolerance) { return exosystem_.advance(phase_, time, tolerance); }
+  [[nodiscard]] std::size_t size() const { return count_; }
+  /// The shortest period of a sinusoid that never ends; infinite where there is none.
+  [[nodiscard]] double shortest_period() const;
+
+ private:
+  struct Part {
+    int source, state;
+    double coefficient;
+  };
+  model::Exosystem exosystem_;
+  model::Exosystem::Phase phase_;
+  std::size_t count_ = 0;
+  std::vector<Part> parts_;
+  mutable std::vector<double> zeta_;
+};
+
+}  // namespace pwlsim::engine::sparse

@@ -1,0 +1,50 @@
+#include "engine/sparse/sparse.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/sparse/transient.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+/// Stores and ports beyond which the dense modes of the exact engine cost more than steps do.
+constexpr std::size_t dense_limit = 400;
+
+}  // namespace
+
+class SparseModel {
+ public:
+  explicit SparseModel(model::Network n) : network(std::move(n)) {}
+  model::Network network;
+};
+
+std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
+  const Descriptor descriptor(network);
+  Factors factors(descriptor);
+  if (!factors.at(1.0, first_position(network, descriptor)) && !factors.out_of_memory()) {
+    const int unknown = factors.singular_unknown();
+    diagnostics.error("E-singular", {},
+                      fmt::format("the equations leave {} open; try a resistor to ground, or one in its loop of sources",
+                                  unknown >= 0 ? descriptor.unknown_name(unknown) : "some unknown"));
+    return nullptr;
+  }
+  return std::make_shared<SparseModel>(network);
+}
+
+Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+  return Transient(model.network, request, reltol, sink).run();
+}
+
+OperatingPoint operating_point(const SparseModel& model) {
+  Start start = start_from_operating_point(model.network, Descriptor(model.network));
+  OperatingPoint result{std::move(start.answer), std::move(start.signals)};
+  result.values.resize(model.network.signals.size(), 0.0);
+  return result;
+}
+
+bool pays(const model::Network& n) {
+  return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size() > dense_limit;
+}
+
+}  // namespace pwlsim::engine::sparse

@@ -1,0 +1,34 @@
+#pragma once
+/// Entry points of the sparse engine (implicit steps on KLU), for circuits too large for the dense modes of the exact one.
+
+#include <memory>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+#include "engine/run.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::engine::sparse {
+
+inline constexpr double default_tolerance = 1e-4;
+/// Below this rounding takes part in the error estimate.
+inline constexpr double least_tolerance = 1e-11;
+inline constexpr double largest_tolerance = 0.1;
+
+/// A network prepared for running. Opaque to callers.
+class SparseModel;
+
+/// Errors of structure go to `diagnostics`; then the result is null.
+[[nodiscard]] std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics);
+
+/// Runs from 0 to request.stop and hands every row to `sink`. `reltol`: bound on the local error of a step relative to each state's running
+/// maximum.
+[[nodiscard]] Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink);
+
+/// The DC operating point.
+[[nodiscard]] OperatingPoint operating_point(const SparseModel& model);
+
+/// Whether `auto` takes this engine: more stores and ports than the exact engine's dense modes are made for.
+[[nodiscard]] bool pays(const model::Network& network);
+
+}  // namespace pwlsim::engine::sparse

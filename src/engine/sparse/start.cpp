@@ -1,0 +1,168 @@
+#include "engine/sparse/start.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/sparse/port_solver.hpp"
+#include "engine/sparse/sources.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+using model::Network;
+
+constexpr int most_rounds = 64;  ///< of switches answering each other
+constexpr int simultaneous_rounds = 16;
+/// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
+constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
+constexpr int steps_of_a_size = 3;
+constexpr double rest_tolerance = 1e-9;
+
+/// The network with its `.ic` values held by sources. An inductor held at its current has no voltage of its own to offer.
+Network with_conditions(Network n) {
+  for (const auto& c : n.node_conditions) n.branches.push_back({c.label, c.node, model::ground, {{model::Term::Kind::one, 0, c.voltage}}});
+  for (const auto& c : n.current_conditions) {
+    model::Inductor& l = n.inductors[static_cast<std::size_t>(c.inductor)];
+    n.nodes.push_back({c.label.name, c.label.span});
+    const auto middle = static_cast<model::NodeIndex>(n.nodes.size()) - 1;
+    const model::NodeIndex end = l.n;
+    l.n = middle;
+    n.injections.push_back({c.label, middle, end, {{model::Term::Kind::one, 0, c.current}}});
+  }
+  return n;
+}
+
+double mean_time(const Descriptor& d) {
+  double sum = 0.0;
+  int count = 0;
+  for (const State& state : d.states()) {
+    const double time = std::abs(state.storage) * (state.is_current ? 1.0 / d.r0() : d.r0());
+    if (!(time > 0.0)) continue;
+    sum += std::log(time);
+    ++count;
+  }
+  return count == 0 ? 1.0 : std::exp(sum / count);
+}
+
+class RestFinder {
+ public:
+  RestFinder(const Network& network, const Descriptor& descriptor)
+      : descriptor_(descriptor), factors_(descriptor), ports_(descriptor, factors_), controls_(controls_of(network, descriptor)) {
+    on = first_position(network, descriptor);
+    Sources(network).evaluate(0.0, w_);
+  }
+
+  bool run() {
+    for (int round = 0; round < most_rounds; ++round) {
+      if (!find_rest()) return false;
+      if (!flip_switches(round < simultaneous_rounds)) return true;
+    }
+    problem = "the switches find no rest";
+    return false;
+  }
+
+  Position on;
+  std::vector<double> z;
+  std::string problem;
+  [[nodiscard]] const std::vector<double>& w() const { return w_; }
+
+ private:
+  bool find_rest() {
+    const auto n = static_cast<std::size_t>(descriptor_.size());
+    std::vector<double> y(n, 0.0), before;
+    const double time = mean_time(descriptor_);
+    for (double size = first_step; size <= last_step; size *= step_growth)
+      for (int step = 0; step < steps_of_a_size; ++step) {
+        before = z;
+        for (double& value : y) value /= size * time;
+        const Solved solved = ports_.solve(1.0 / (size * time), y, w_, on, z);
+        if (solved == Solved::singular) {
+          const int unknown = factors_.singular_unknown();
+          problem = unknown >= 0 ? fmt::format("the equations leave {} open", descriptor_.unknown_name(unknown)) : "the equations are singular";
+          return false;
+        }
+        if (solved != Solved::yes) {
+          problem = "no position of the diodes satisfies it";
+          return false;
+        }
+        descriptor_.memory(z.data(), y.data());
+        if (step > 0 && rests(before)) return true;
+      }
+    problem = "with its inductors short and its capacitors open it has no rest";
+    return false;
+  }
+
+  [[nodiscard]] bool rests(const std::vector<double>& before) const {
+    double change[2] = {0.0, 0.0}, size[2] = {0.0, 0.0};
+    for (const State& state : descriptor_.states()) {
+      const int kind = state.is_current ? 1 : 0;
+      change[kind] = std::max(change[kind], std::abs(state.value(z.data()) - state.value(before.data())));
+      size[kind] = std::max(size[kind], std::abs(state.value(z.data())));
+    }
+    const double total = std::max(size[0], size[1]);
+    return change[0] <= rest_tolerance * std::max(size[0], 1e-3 * total) && change[1] <= rest_tolerance * std::max(size[1], 1e-3 * total);
+  }
+
+  /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
+  bool flip_switches(bool together) {
+    bool flipped = false;
+    for (const Control& control : controls_) {
+      const double slack = rest_tolerance * control.level_size();
+      if (control.margin(on, control.value.value(z.data(), w_.data())) >= -slack) continue;
+      on[control.port] ^= 1;
+      flipped = true;
+      if (!together) break;
+    }
+    return flipped;
+  }
+
+  const Descriptor& descriptor_;
+  Factors factors_;
+  PortSolver ports_;
+  std::vector<Control> controls_;
+  std::vector<double> w_;
+};
+
+}  // namespace
+
+Start start_from_initial_values(const Network& network, const Descriptor& descriptor) {
+  Start start;
+  start.on = first_position(network, descriptor);
+  std::map<int, double> voltage, current;
+  for (const auto& c : network.node_conditions) voltage[c.node] = c.voltage;
+  for (const auto& c : network.current_conditions) current[c.inductor] = c.current;
+  const auto at = [&](model::NodeIndex node) { return voltage.contains(node) ? voltage.at(node) : 0.0; };
+  for (const auto& c : network.capacitors) start.states.push_back(c.has_initial ? c.initial_voltage : at(c.p) - at(c.n));
+  for (std::size_t i = 0; i < network.inductors.size(); ++i) {
+    const auto& l = network.inductors[i];
+    const auto given = current.find(static_cast<int>(i));
+    start.states.push_back(descriptor.r0() * (l.has_initial || given == current.end() ? l.initial_current : given->second));
+  }
+  return start;
+}
+
+Start start_from_operating_point(const Network& network, const Descriptor& descriptor) {
+  const bool told = std::any_of(network.capacitors.begin(), network.capacitors.end(), [](const auto& c) { return c.starts_there; });
+  if (told) return start_from_initial_values(network, descriptor);
+  Start start;
+  const Network forced = with_conditions(network);
+  const Descriptor system(forced);
+  RestFinder point(forced, system);
+  if (!point.run()) {
+    start.answer.outcome = Outcome::no_solution;
+    start.answer.id = "E-no-operating-point";
+    start.answer.message = fmt::format("no DC operating point: {}; try uic with initial values", point.problem);
+    return start;
+  }
+  start.on = point.on;
+  for (const State& state : system.states())
+    start.states.push_back(state.value(point.z.data()) * (state.is_current ? descriptor.r0() / system.r0() : 1.0));
+  for (const auto& signal : network.signals) start.signals.push_back(system.form(signal.form).value(point.z.data(), point.w().data()));
+  return start;
+}
+
+}  // namespace pwlsim::engine::sparse

@@ -1,0 +1,26 @@
+#pragma once
+/// Where a run starts: values of the states and the position of the switches.
+
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+#include "engine/sparse/controls.hpp"
+
+namespace pwlsim::engine::sparse {
+
+struct Start {
+  Answer answer;               ///< outcome and remarks
+  std::vector<double> states;  ///< in the order of Descriptor::states, in volts
+  Position on;
+  std::vector<double> signals;  ///< operating point only
+};
+
+/// `ic=` and `.ic` values, zero elsewhere.
+[[nodiscard]] Start start_from_initial_values(const model::Network& network, const Descriptor& descriptor);
+
+/// Sources at their value just before t = 0, complementarity satisfied, `.ic` values forced: implicit Euler steps of ever larger size from
+/// empty stores, until nothing changes. What has no rest (a loop without resistance, a floating capacitor) stays as empty as it can be.
+[[nodiscard]] Start start_from_operating_point(const model::Network& network, const Descriptor& descriptor);
+
+}  // namespace pwlsim::engine::sparse
