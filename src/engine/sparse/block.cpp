@@ -12,6 +12,9 @@ namespace {
 
 constexpr double most_steps_of_run = 1.0 / 64.0;     ///< the largest step, of the run
 constexpr double most_steps_of_period = 1.0 / 16.0;  ///< and of a sinusoid's period
+/// Likewise, times √reltol: currents of capacitors in a loop with a source are known to the order of h, so that the instants at which they pass
+/// zero are, and the states after them to that of h².
+constexpr double most_for_loops = 3.2;
 constexpr int first_level = 6;
 /// Growth waits until the error of the doubled step is this part of the tolerance.
 constexpr double growth_share = 0.5;
@@ -27,10 +30,10 @@ Block::Block(const model::Network& network, const Request& request, double relto
       reltol_(reltol),
       descriptor_(network),
       factors_(descriptor_),
-      ports_(descriptor_, factors_),
+      ports_(descriptor_, factors_, largest_held_voltage(network)),
       sources_(network),
       stepper_(descriptor_, ports_, sources_),
-      scale_(descriptor_),
+      scale_(descriptor_, largest_held_voltage(network)),
       controls_(controls_of(network, descriptor_)),
       certificate_(descriptor_) {
   for (const auto& signal : network.signals) {
@@ -39,9 +42,11 @@ Block::Block(const model::Network& network, const Request& request, double relto
   }
   signal_scale_.assign(signals_.size(), 0.0);
   signals_before_.assign(signals_.size(), 0.0);
-  h_max_ = std::min(most_steps_of_run * request.stop, most_steps_of_period * sources_.shortest_period());
+  const double of_period = std::min(most_steps_of_period, most_for_loops * std::sqrt(reltol));
+  h_max_ = std::min(most_steps_of_run * request.stop, of_period * sources_.shortest_period());
   level_ = first_level;
   tolerance_ = merge_fraction * request.stop;
+  passive_ = descriptor_.passive();
 }
 
 void Block::signals(double time, double* values) {
@@ -57,6 +62,15 @@ void Block::note_signals() {
   for (Control& control : controls_) control.largest = std::max(control.largest, std::abs(control.value.value(point_.z.data(), point_.w.data())));
   for (std::size_t i = 0; i < signals_.size(); ++i)
     signal_scale_[i] = std::max(signal_scale_[i], std::abs(signals_[i].value(point_.z.data(), point_.w.data())));
+}
+
+/// Until the step behind it is taken, a step's rows are not as good as they will be.
+double Block::known() const {
+  return stands_before_instant() || finished_ || history_.size() < 2 ? point_.time : history_.sample(1).time;
+}
+
+bool Block::stands_before_instant() const {
+  return restart_due_ || sources_.next_break() <= point_.time + tolerance_ || point_.time >= request_.stop - tolerance_;
 }
 
 bool Block::advance() {
@@ -113,7 +127,7 @@ bool Block::settle_changes(double h, Trial& trial, bool& accepted) {
   const bool within = trial.error <= reltol_ && !request_.events && !matters(trial.end, frozen_.end);
   if (candidates.empty() && within) {
     ++events_;
-    accept(trial, h);
+      accept(trial, h);
     control_size(trial.error);
     return true;
   }
@@ -142,6 +156,7 @@ bool Block::matters(const Point& a, const Point& b) const {
 }
 
 void Block::accept(Trial& trial, double h) {
+  const bool kink = trial.end.on != point_.on;
   certificate_.add(point_, trial, h, ports_);
   std::swap(point_, trial.end);
   const double next = std::min(sources_.next_break(), request_.stop);
@@ -149,7 +164,7 @@ void Block::accept(Trial& trial, double h) {
   scale_.note(point_.z);
   ports_.note_scale(point_.z, point_.w);
   note_signals();
-  history_.add(point_.time, point_.z, point_.w);
+  history_.add(point_.time, point_.z, point_.w, kink);
   ++steps_;
   if (positions_.size() < most_positions) positions_.insert(std::hash<std::string_view>()({point_.on.data(), point_.on.size()}));
 }

@@ -25,8 +25,9 @@ class Block {
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Begins at t = 0. False: failed.
   bool begin(const Start& start);
-  /// Rows before this time are known.
   [[nodiscard]] double time() const { return point_.time; }
+  /// Rows before this time can be asked for.
+  [[nodiscard]] double known() const;
   [[nodiscard]] bool finished() const { return finished_; }
   /// One accepted step, or the event it stands before. False: failed.
   bool advance();
@@ -54,6 +55,7 @@ class Block {
   static constexpr int last_level = 44;  ///< of the ladder
 
   // block.cpp: steps
+  [[nodiscard]] bool stands_before_instant() const;
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
   [[nodiscard]] double step_size() const;
   bool step();
@@ -78,6 +80,8 @@ class Block {
   bool locate(const std::vector<Crossing>& candidates, double h, Trial& trial);
   bool restart(double time);
   bool settle(double h, Instant& instant, Point& first);
+  bool start_rates(double h);
+  bool jump_settles(double h);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   [[nodiscard]] bool jumped(const Point& before, const Point& first, const Point& second) const;
   bool watch_crowd(double time);
@@ -105,7 +109,7 @@ class Block {
   Answer failure_;
   double h_max_ = 0.0, tolerance_ = 0.0;
   int level_ = 0;
-  bool restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
+  bool passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   std::uint64_t steps_ = 0, rejections_ = 0, events_ = 0, jumps_ = 0, located_ = 0;

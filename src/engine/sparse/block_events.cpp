@@ -12,13 +12,19 @@ namespace {
 
 /// Of the margin at the ends of the step: how near to its zero an event is stepped to, in tolerances.
 constexpr double location_share = 0.01;
+/// Where a constraint may hold back a state two integrations away, what is left of its margin is divided by the length of the Euler step.
+constexpr double active_location_share = 1e-6;
 constexpr double sign_tolerance = 1e-12;
+constexpr double shortest_share = 1e-7;  ///< of the step at hand: an event so near is at hand already
 constexpr int most_locations = 24;
 constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
+/// Levels by which the Euler steps shrink where the first ends in another position than the last: a fast motion, if it is no jump.
+constexpr int most_refinement = 8;
 constexpr double euler_share = 0.1;  ///< of the tolerance, for the Euler steps after an event
 constexpr double room_share = 1.0 / 16.0;
 /// A state has jumped when the first Euler step moves it by so many times what the second does, and by more than this part of its size.
 constexpr double jump_ratio = 20.0, least_jump = 1e-6;
+constexpr double unsettled_jump = 0.05;  ///< of a state's size: difference between the same jump by two steps
 constexpr int crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
 
@@ -90,7 +96,7 @@ bool Block::locate(const std::vector<Crossing>& candidates, double h, Trial& tri
       restart_due_ = true;
       return true;
     }
-    c.tolerance = std::max(location_share * reltol_ * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
+    c.tolerance = std::max((passive_ ? location_share : active_location_share) * reltol_ * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
     list.push_back(std::move(c));
   }
   double low = point_.time, high = trial.end.time;
@@ -107,6 +113,10 @@ bool Block::locate(const std::vector<Crossing>& candidates, double h, Trial& tri
     }
     if (near || high - low <= tolerance_) break;
     if (round % 4 == 3) next = 0.5 * (low + high);
+    if (next - point_.time < shortest_share * ladder(level_)) {
+      restart_due_ = true;
+      return true;
+    }
     stepper_.sdirk2(point_, next - point_.time, true, scale_, trial_);
     if (trial_.solved != Solved::yes) return false;
     const bool beyond = std::any_of(list.begin(), list.end(), [&](const Candidate& c) {
@@ -173,6 +183,37 @@ bool Block::jumped(const Point& before, const Point& first, const Point& second)
   return false;
 }
 
+/// Two more Euler steps in one position, however many it takes.
+bool Block::start_rates(double h) {
+  for (int round = 0; round < most_rounds; ++round) {
+    trial_.solved = stepper_.euler(euler_[round == 0 ? 0 : 2], h, euler_[1]);
+    if (trial_.solved == Solved::yes) trial_.solved = stepper_.euler(euler_[1], h, euler_[2]);
+    if (trial_.solved != Solved::yes) return false;
+    if (euler_[1].on == euler_[2].on) break;
+  }
+  return true;
+}
+
+/// Where a jump is of first order, a shorter Euler step ends in the same place. In an active network it need not be, and then no step would do.
+bool Block::jump_settles(double h) {
+  Point shorter;
+  trial_.solved = stepper_.euler(point_, 0.25 * h, shorter);
+  if (trial_.solved != Solved::yes) return fail_step(trial_);
+  const auto& states = descriptor_.states();
+  double difference = 0.0, motion = 0.0, largest = 0.0;
+  for (const State& state : states) {
+    const double first = state.measure(euler_[0].z.data());
+    difference = std::max(difference, std::abs(state.measure(shorter.z.data()) - first));
+    motion = std::max(motion, std::abs(state.measure(euler_[1].z.data()) - first));
+    largest = std::max(largest, std::abs(first));
+  }
+  if (difference <= std::max(unsettled_jump * largest, 2.0 * motion)) return true;
+  fail(Outcome::no_solution, "E-jump-order",
+       fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact", point_.time),
+       {});
+  return false;
+}
+
 bool Block::restart(double time) {
   restart_due_ = false;
   Instant instant;
@@ -189,19 +230,18 @@ bool Block::restart(double time) {
   for (;; level += 2) {
     const double h = gamma_sdirk * ladder(level);
     if (!settle(h, instant, euler_[0])) return false;
-    for (int i = 1; i < 3; ++i) {
-      trial_.solved = stepper_.euler(euler_[i - 1], h, euler_[i]);
-      if (trial_.solved != Solved::yes) return fail_step(trial_);
-    }
+    if (!start_rates(h)) return fail_step(trial_);
     scale_.note(euler_[2].z);
+    if (euler_[0].on != euler_[2].on && level < level_of_room + most_refinement && level < last_level) continue;
     if (level >= last_level || stepper_.euler_error(euler_[1], euler_[2], h, scale_) <= euler_share * reltol_) break;
   }
   level_ += std::max(0, level - level_of_room);
   instant.mode_change |= euler_[2].on != before;
   instant.jump = jumped(point_, euler_[0], euler_[1]);
+  if (!passive_ && !jump_settles(gamma_sdirk * ladder(level))) return false;
   start_states_.clear();
   history_.clear();
-  for (int i = 1; i < 3; ++i) history_.add(euler_[i].time, euler_[i].z, euler_[i].w);
+  for (int i = 1; i < 3; ++i) history_.add(euler_[i].time, euler_[i].z, euler_[i].w, false);
   std::swap(point_, euler_[2]);
   scale_.note(point_.z);
   ports_.note_scale(point_.z, point_.w);

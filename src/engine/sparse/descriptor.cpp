@@ -13,6 +13,7 @@ using model::Term;
 
 /// Resistors below this fraction of R0 carry their own current.
 constexpr double low_resistance = 1e-6;
+constexpr double perfect_coupling = 1.0 - 1e-9;
 
 class LogMean {
  public:
@@ -150,7 +151,7 @@ void Descriptor::add_stores() {
     const auto& c = network_.capacitors[i];
     const double e = r0_ * c.capacitance;
     const int own = capacitor_current_[i];
-    states_.push_back({c.p, c.n, false, c.capacitance});
+    states_.push_back({c.p, c.n, false, c.capacitance, {}});
     if (own >= 0) {
       add_kcl(c.p, c.n, own, 1.0);
       entry(own, own, 0.0, -1.0);
@@ -164,7 +165,7 @@ void Descriptor::add_stores() {
   for (std::size_t i = 0; i < network_.inductors.size(); ++i) {
     const auto& l = network_.inductors[i];
     const int own = first_inductor_ + static_cast<int>(i);
-    states_.push_back({own, -1, true, l.inductance});
+    states_.push_back({own, -1, true, l.inductance, {}});
     add_kcl(l.p, l.n, own, 1.0);
     add_voltage(own, l.p, l.n, -1.0);
     entry(own, own, l.inductance / r0_, 0.0);
@@ -176,6 +177,37 @@ void Descriptor::add_stores() {
     entry(first_inductor_ + k.inductor_a, first_inductor_ + k.inductor_b, mutual, 0.0);
     entry(first_inductor_ + k.inductor_b, first_inductor_ + k.inductor_a, mutual, 0.0);
   }
+  measure_fluxes();
+}
+
+void Descriptor::measure_fluxes() {
+  const auto state = [&](int inductor) -> State& { return states_[network_.capacitors.size() + static_cast<std::size_t>(inductor)]; };
+  std::vector<char> perfect(network_.inductors.size(), 0);
+  for (const auto& k : network_.couplings)
+    if (std::abs(k.coefficient) > perfect_coupling)
+      perfect[static_cast<std::size_t>(k.inductor_a)] = perfect[static_cast<std::size_t>(k.inductor_b)] = 1;
+  for (std::size_t i = 0; i < perfect.size(); ++i)
+    if (perfect[i] != 0) state(static_cast<int>(i)).flux = {{first_inductor_ + static_cast<int>(i), 1.0}};
+  for (const auto& k : network_.couplings)
+    for (const auto& [own, other] : {std::pair{k.inductor_a, k.inductor_b}, std::pair{k.inductor_b, k.inductor_a}}) {
+      if (perfect[static_cast<std::size_t>(own)] == 0) continue;
+      const double ratio = state(other).storage / state(own).storage;
+      state(own).flux.push_back({first_inductor_ + other, k.coefficient * std::sqrt(std::abs(ratio))});
+    }
+}
+
+bool Descriptor::passive() const {
+  const auto by_sources = [](const model::LinearForm& form) {
+    return std::all_of(form.begin(), form.end(), [](const Term& t) { return t.kind == Term::Kind::one || t.kind == Term::Kind::source; });
+  };
+  const auto all = [](const auto& list, const auto& test) { return std::all_of(list.begin(), list.end(), test); };
+  return network_.complementarities.empty() && all(network_.branches, [&](const auto& b) { return by_sources(b.voltage); }) &&
+         all(network_.injections, [&](const auto& i) { return by_sources(i.current); }) &&
+         all(network_.resistors, [](const auto& r) { return r.resistance >= 0.0; }) &&
+         all(network_.capacitors, [](const auto& c) { return c.capacitance >= 0.0; }) &&
+         all(network_.inductors, [](const auto& l) { return l.inductance >= 0.0; }) &&
+         all(network_.diodes, [](const auto& d) { return d.resistance >= 0.0; }) &&
+         all(network_.switches, [](const auto& s) { return s.resistance >= 0.0; });
 }
 
 void Descriptor::add_branches_and_injections() {

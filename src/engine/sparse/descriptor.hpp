@@ -50,6 +50,14 @@ struct State {
   int plus = -1, minus = -1;
   bool is_current = false;
   double storage = 0.0;  ///< capacitance, or inductance without its couplings
+  std::vector<Form::Part> flux;  ///< of a perfectly coupled inductor: its flux over its inductance
+  /// What errors are measured in: the value, but the flux of a perfectly coupled inductor, whose current is no state of its own.
+  [[nodiscard]] double measure(const double* z) const {
+    if (flux.empty()) return value(z);
+    double sum = 0.0;
+    for (const auto& part : flux) sum += part.coefficient * z[part.index];
+    return sum;
+  }
   [[nodiscard]] double value(const double* z) const { return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0); }
 };
 
@@ -65,6 +73,8 @@ class Descriptor {
   [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
   /// Diodes and complementarities come first.
   [[nodiscard]] int first_switch() const { return first_switch_; }
+  /// Whether nothing in the network can feed energy in but its sources: then its solution is unique, and jumps are of first order.
+  [[nodiscard]] bool passive() const;
   /// Capacitors, then inductors, as in the network.
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
 
@@ -87,6 +97,7 @@ class Descriptor {
   void scale_complementarities();
   void add_resistors();
   void add_stores();
+  void measure_fluxes();
   void add_branches_and_injections();
   void add_ports();
   void add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, model::NodeIndex p, model::NodeIndex n,

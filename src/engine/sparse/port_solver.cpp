@@ -13,6 +13,10 @@ namespace {
 /// A sign is wrong beyond this fraction of the largest quantity of its kind; where positions repeat, beyond the second: ties of zero with zero.
 constexpr double sign_tolerance = 1e-12;
 constexpr double tie_tolerance = 1e-9;
+/// Where there are only voltages as yet, currents are judged against this part of them over R0, and the other way round.
+constexpr double cross_scale = 1e-3;
+/// What a position forces to zero may be this part of the largest: more, and the ε of its closing rows is all that holds it.
+constexpr double forced_tolerance = 1e-6, forced_cross_scale = 1e-9;
 constexpr int most_iterations = 40;
 constexpr int most_decisions = 8;
 
@@ -35,18 +39,23 @@ void PortSolver::note_scale(const std::vector<double>& z, const std::vector<doub
 std::vector<int> PortSolver::violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w, double tolerance) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<double> value(diodes);
+  double forced_slack = 0.0, forced_input = 0.0;
   PortScale scale = scale_;
   for (std::size_t i = 0; i < diodes; ++i) {
     value[i] = free_variable(i, on[i] != 0, z, w);
+    const double forced = std::abs(free_variable(i, on[i] == 0, z, w));
+    (on[i] != 0 ? forced_slack : forced_input) = std::max(on[i] != 0 ? forced_slack : forced_input, forced);
     double& largest = on[i] != 0 ? scale.input : scale.slack;
     largest = std::max(largest, std::abs(value[i]));
   }
+  forced_ = std::max(forced_slack > 0.0 ? forced_slack / std::max(scale.slack, forced_cross_scale * scale.input) : 0.0,
+                     forced_input > 0.0 ? forced_input / std::max(scale.input, forced_cross_scale * scale.slack) : 0.0);
+  scale.input = std::max(scale.input, cross_scale * scale.slack);
+  scale.slack = std::max(scale.slack, cross_scale * scale.input);
   std::vector<int> result;
-  violation_ = 0.0;
   for (std::size_t i = 0; i < diodes; ++i) {
     const double largest = on[i] != 0 ? scale.input : scale.slack;
     if (!(value[i] < 0.0)) continue;
-    violation_ = std::max(violation_, -value[i] / largest);
     if (value[i] < -tolerance * largest) result.push_back(static_cast<int>(i));
   }
   return result;
@@ -85,12 +94,12 @@ Solved PortSolver::solve(double shift, const std::vector<double>& memory, const 
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
     std::vector<int> wrong = violated(on, z, w, tolerance);
-    if (wrong.empty()) return Solved::yes;
+    if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
     dispute(wrong);
     if (!visited.insert(hash_of(on)).second) {
       tolerance = tie_tolerance;
       wrong = violated(on, z, w, tolerance);
-      if (wrong.empty()) return Solved::yes;
+      if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
       if (++decisions > most_decisions || !decide(shift, on, z, w)) return Solved::no_position;
       continue;
     }

@@ -24,7 +24,9 @@ struct PortScale {
 
 class PortSolver {
  public:
-  PortSolver(const Descriptor& descriptor, Factors& factors) : descriptor_(descriptor), factors_(factors) {}
+  /// `voltage`: of the sources, a first scale.
+  PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
+      : descriptor_(descriptor), factors_(factors), scale_{0.0, voltage} {}
 
   /// `on`: position to start from, then the one found. `memory`: r.
   [[nodiscard]] Solved solve(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
@@ -40,8 +42,6 @@ class PortSolver {
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
   [[nodiscard]] const PortScale& scale() const { return scale_; }
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
-  /// Of the last solution: the most negative free variable relative to its scale.
-  [[nodiscard]] double violation() const { return violation_; }
   /// Ports that no position satisfied, after `no_position`.
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
 
@@ -56,7 +56,7 @@ class PortSolver {
   std::vector<int> disputed_;
   std::vector<double> right_;
   std::uint64_t pivots_ = 0;
-  double violation_ = 0.0;
+  double forced_ = 0.0;  ///< of the last solution: what should be zero, relative to its scale
 };
 
 }  // namespace pwlsim::engine::sparse

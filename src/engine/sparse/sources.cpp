@@ -1,7 +1,9 @@
 #include "engine/sparse/sources.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <variant>
 
 namespace pwlsim::engine::sparse {
 
@@ -36,6 +38,35 @@ double Sources::shortest_period() const {
     if (block.kind == model::Exosystem::Block::Kind::oscillation && block.omega > 0.0)
       period = std::min(period, 2.0 * std::numbers::pi / block.omega);
   return period;
+}
+
+double largest_value(const model::SourceFunction& function) {
+  struct Bound {
+    double operator()(const model::Dc& f) const { return std::abs(f.value); }
+    double operator()(const model::Sin& f) const { return std::abs(f.offset) + std::abs(f.amplitude); }
+    double operator()(const model::Pulse& f) const { return std::max(std::abs(f.initial), std::abs(f.pulsed)); }
+    double operator()(const model::Pwl& f) const {
+      double largest = 0.0;
+      for (const auto& point : f.points) largest = std::max(largest, std::abs(point.value));
+      return largest;
+    }
+    double operator()(const model::Exp& f) const { return std::max(std::abs(f.v1), std::abs(f.v2)); }
+  };
+  return std::visit(Bound{}, function);
+}
+
+double largest_held_voltage(const model::Network& network) {
+  double largest = 0.0;
+  for (const auto& branch : network.branches) {
+    double sum = 0.0;
+    for (const auto& term : branch.voltage) {
+      if (term.kind == model::Term::Kind::one) sum += std::abs(term.coefficient);
+      if (term.kind == model::Term::Kind::source)
+        sum += std::abs(term.coefficient) * largest_value(network.sources[static_cast<std::size_t>(term.index)].function);
+    }
+    largest = std::max(largest, sum);
+  }
+  return largest;
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -33,4 +33,10 @@ class Sources {
   mutable std::vector<double> zeta_;
 };
 
+/// The largest magnitude a function takes, or a bound of it.
+[[nodiscard]] double largest_value(const model::SourceFunction& function);
+
+/// The largest voltage that a branch of sources holds, in V.
+[[nodiscard]] double largest_held_voltage(const model::Network& network);
+
 }  // namespace pwlsim::engine::sparse

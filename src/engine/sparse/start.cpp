@@ -51,7 +51,7 @@ double mean_time(const Descriptor& d) {
 class RestFinder {
  public:
   RestFinder(const Network& network, const Descriptor& descriptor)
-      : descriptor_(descriptor), factors_(descriptor), ports_(descriptor, factors_), controls_(controls_of(network, descriptor)) {
+      : descriptor_(descriptor), factors_(descriptor), ports_(descriptor, factors_, largest_held_voltage(network)), controls_(controls_of(network, descriptor)) {
     on = first_position(network, descriptor);
     Sources(network).evaluate(0.0, w_);
   }

@@ -15,7 +15,7 @@ constexpr double least_of_kind = 1e-3;
 
 void StateScale::note(const std::vector<double>& z) {
   const auto& states = descriptor_.states();
-  for (std::size_t i = 0; i < states.size(); ++i) take(i, states[i].value(z.data()));
+  for (std::size_t i = 0; i < states.size(); ++i) take(i, states[i].measure(z.data()));
   for (int node = 0; node < descriptor_.nodes(); ++node) voltage_ = std::max(voltage_, std::abs(z[static_cast<std::size_t>(node)]));
 }
 
@@ -32,14 +32,14 @@ void StateScale::take(std::size_t i, double value) {
 double StateScale::size(std::size_t i, const std::vector<double>& z) const {
   const State& state = descriptor_.states()[i];
   const double kind = state.is_current ? std::max(current_, least_of_kind * voltage_) : voltage_;
-  return std::max({largest_[i], std::abs(state.value(z.data())), least_of_kind * kind});
+  return std::max({largest_[i], std::abs(state.measure(z.data())), least_of_kind * kind});
 }
 
 double StateScale::norm(const std::vector<double>& error, const std::vector<double>& z) const {
   const auto& states = descriptor_.states();
   double worst = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double e = std::abs(states[i].value(error.data()));
+    const double e = std::abs(states[i].measure(error.data()));
     if (e > 0.0) worst = std::max(worst, e / size(i, z));
   }
   return worst;

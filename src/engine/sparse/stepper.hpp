@@ -30,7 +30,9 @@ struct Point {
 /// Running maxima of the states, which errors are relative to.
 class StateScale {
  public:
-  explicit StateScale(const Descriptor& descriptor) : descriptor_(descriptor), largest_(descriptor.states().size(), 0.0) {}
+  /// `voltage`: of the sources; where everything starts at zero, it says what small is.
+  StateScale(const Descriptor& descriptor, double voltage)
+      : descriptor_(descriptor), largest_(descriptor.states().size(), 0.0), voltage_(voltage) {}
   void note(const std::vector<double>& z);
   /// The same for states given one by one.
   void note_values(const std::vector<double>& states);

@@ -14,13 +14,15 @@ using Clock = std::chrono::steady_clock;
 constexpr double merge_fraction = 1e-14;
 constexpr std::size_t rows_per_block = 256;
 constexpr int steps_between_checks = 64;
+/// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
+constexpr double doubtful_tolerances = 10.0;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
 
 Transient::Transient(const model::Network& network, const Request& request, double reltol, RowSink& sink)
-    : network_(network), request_(request), sink_(sink), block_(network, request, reltol) {
+    : network_(network), request_(request), reltol_(reltol), sink_(sink), block_(network, request, reltol) {
   width_ = 1 + network.signals.size();
   rows_.resize(rows_per_block * width_);
   tolerance_ = merge_fraction * request.stop;
@@ -45,7 +47,7 @@ Answer Transient::run() {
   bool going = begin();
   for (int count = 0; going; ++count) {
     if (block_.finished()) break;
-    going = rows_before(block_.time(), false) && block_.advance() && event_rows();
+    going = rows_before(block_.known(), false) && block_.advance() && event_rows();
     if (going && count % steps_between_checks == 0) {
       if (request_.progress) request_.progress(block_.time());
       going = !interrupted();
@@ -124,7 +126,18 @@ void Transient::finish() {
   answer_.statistics.islands = 1;
   block_.add_statistics(answer_.statistics);
   const auto clock = Clock::now();
-  answer_.certificate = block_.certificate().check();
+  Certificate& c = answer_.certificate;
+  c = block_.certificate().check();
+  if (std::max(c.complementarity, c.kcl_kvl) > doubtful_tolerances * reltol_)
+    answer_.remarks.push_back({"W-certificate",
+                               fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit "
+                                           "are too fast, or too far apart in size, for double precision",
+                                           std::max(c.complementarity, c.kcl_kvl))});
+  c.has_passivity = c.passive = block_.descriptor().passive();
+  if (!c.passive)
+    answer_.remarks.push_back({"N-not-examined",
+                               "the circuit holds controlled sources or blocks that may feed energy in, so that its solution need not be the only "
+                               "one; the sparse engine takes the one it finds, --engine exact examines it"});
   answer_.statistics.seconds_certificate = seconds_since(clock);
 }
 

@@ -25,6 +25,7 @@ class Transient {
 
   const model::Network& network_;
   const Request& request_;
+  double reltol_;
   RowSink& sink_;
   Block block_;
   Answer answer_;
