@@ -62,6 +62,15 @@ TEST_CASE("what is supported is accepted", "[unit]") {
   CHECK(accepted({"c.net", "--verbose"}).verbose);
 }
 
+TEST_CASE("the engine and its tolerance are taken", "[unit]") {
+  CHECK(accepted({"c.net"}).engine == cli::EngineChoice::automatic);
+  CHECK(accepted({"c.net", "--engine", "auto"}).engine == cli::EngineChoice::automatic);
+  CHECK(accepted({"c.net", "--engine", "exact"}).engine == cli::EngineChoice::exact);
+  CHECK(accepted({"c.net", "--engine", "sparse"}).engine == cli::EngineChoice::sparse);
+  CHECK_FALSE(accepted({"c.net"}).reltol);
+  CHECK(accepted({"c.net", "--reltol", "1e-6"}).reltol == 1e-6);
+}
+
 TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
   CHECK(accepted({"./inspect"}).deck == "./inspect");
   CHECK(accepted({"--", "compare"}).deck == "compare");
@@ -73,7 +82,6 @@ TEST_CASE("what comes later is refused by its name", "[unit]") {
   CHECK(refused({"export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is not supported yet") == 0);
   CHECK(refused({"--quiet", "export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is") == 0);
   CHECK(refused({"compare"}).find("error[E-not-supported-yet]: `pwlsim compare` is") == 0);
-  CHECK(refused({"c.net", "--engine", "sparse"}).find("error[E-not-supported-yet]: `--engine sparse` is") == 0);
   CHECK(refused({"c.net", "--format", "raw"}).find("error[E-not-supported-yet]: `--format raw` is") == 0);
   CHECK(refused({"c.net", "--plot", "p.svg"}).find("error[E-not-supported-yet]: `--plot` is") == 0);
   CHECK(refused({"c.net", "--report", "r.html"}).find("error[E-not-supported-yet]: `--report` is") == 0);

@@ -200,7 +200,7 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   const Scratch scratch;
   scratch.write("divider.net", divider);
   const Names words =
-      GENERATE(Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "sparse"},
+      GENERATE(Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "dense"},
                Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
                Names{"inspect", "divider.net", "--mode", "R1"}, Names{"export", "divider.net", "-o", "x"}, Names{"compare", "divider.net"});
   const Finished finished = run_in(scratch, words);
@@ -208,6 +208,17 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   CHECK(finished.out.empty());
   CHECK_THAT(finished.err, Contains("error[E-") && Contains("; try "));
   CHECK(scratch.names() == Names{"divider.net"});
+}
+
+TEST_CASE("the sparse engine runs a deck, and refuses a tolerance below rounding", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished done = run_in(scratch, {"divider.net", "--engine", "sparse", "--stats", "-"});
+  CHECK(done.status == 0);
+  CHECK_THAT(done.out, Contains("\"engine\": \"sparse\""));
+  const Finished refused = run_in(scratch, {"divider.net", "--engine", "sparse", "--reltol", "1e-14"});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Contains("error[E-tolerance]: a relative tolerance of 1e-14 is below rounding"));
 }
 
 TEST_CASE("a deck that cannot be read has status 3", "[unit]") {

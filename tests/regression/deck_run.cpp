@@ -1,11 +1,13 @@
 #include "regression/deck_run.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 #include "analysis/row_grid.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/exact.hpp"
+#include "engine/sparse/sparse.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim::test {
@@ -40,26 +42,54 @@ engine::NonUnique non_unique(circuit::NonUniqueChoice choice) {
   return choice == circuit::NonUniqueChoice::stay ? engine::NonUnique::stay : engine::NonUnique::error;
 }
 
-void simulate(const circuit::Compiled& compiled, const engine::ExactModel& model, bool events, DeckRun& run) {
+engine::Request request_of(const circuit::Compiled& compiled, bool events, DeckRun& run) {
   engine::Request request;
   request.stop = run.stop = compiled.analyses.transient->stop.seconds;
   request.grid = analysis::row_grid(*compiled.analyses.transient);
   request.events = request.jumps = events;
   request.use_initial_conditions = compiled.analyses.transient->use_initial_conditions;
   request.non_unique = non_unique(compiled.analyses.non_unique);
-  Rows rows(run.rows);
-  run.answer = engine::run(model, request, rows);
+  return request;
 }
 
-DeckRun run_parsed(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics, bool events) {
+/// Runs a compiled deck into a sink; false where the network has errors of structure, which are among the diagnostics then.
+using Simulate = std::function<bool(const circuit::Compiled&, DeckRun&, Diagnostics&)>;
+
+Simulate exact(bool events) {
+  return [events](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+    const auto model = engine::prepare(compiled.network, diagnostics);
+    Rows rows(run.rows);
+    if (model) run.answer = engine::run(*model, request_of(compiled, events, run), rows);
+    return model != nullptr;
+  };
+}
+
+Simulate sparse(double reltol, bool events) {
+  return [reltol, events](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+    const auto model = engine::sparse::prepare(compiled.network, diagnostics);
+    Rows rows(run.rows);
+    if (model) run.answer = engine::sparse::run(*model, request_of(compiled, events, run), reltol, rows);
+    return model != nullptr;
+  };
+}
+
+DeckRun run_parsed(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics, const Simulate& simulate) {
   DeckRun run;
   const std::optional<circuit::Compiled> compiled = circuit::compile(deck, sources, diagnostics);
   if (compiled && compiled->analyses.transient) {
     for (const auto& signal : compiled->network.signals) run.signals.push_back(signal.name);
-    if (const auto model = engine::prepare(compiled->network, diagnostics)) simulate(*compiled, *model, events, run);
+    simulate(*compiled, run, diagnostics);
   }
   run.messages = errors_of(diagnostics, sources);
   return run;
+}
+
+DeckRun run_file(const std::filesystem::path& path, const Simulate& simulate) {
+  SourceStore sources;
+  Diagnostics diagnostics;
+  const netlist::Loaded loaded = netlist::load(path.string(), sources, diagnostics);
+  if (!loaded.readable) return {"cannot read " + path.string(), {}, {}, 0.0, {}};
+  return run_parsed(loaded.deck, sources, diagnostics, simulate);
 }
 
 }  // namespace
@@ -69,19 +99,15 @@ const std::vector<double>* DeckRun::row_at(double time) const {
   return found != rows.end() && (*found)[0] == time ? &*found : nullptr;
 }
 
-DeckRun run_deck(const std::filesystem::path& path, bool events) {
-  SourceStore sources;
-  Diagnostics diagnostics;
-  const netlist::Loaded loaded = netlist::load(path.string(), sources, diagnostics);
-  if (!loaded.readable) return {"cannot read " + path.string(), {}, {}, 0.0, {}};
-  return run_parsed(loaded.deck, sources, diagnostics, events);
-}
+DeckRun run_deck(const std::filesystem::path& path, bool events) { return run_file(path, exact(events)); }
+
+DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 
 DeckRun run_text(const std::string& text, bool events) {
   SourceStore sources;
   Diagnostics diagnostics;
   const netlist::Deck deck = netlist::parse("deck", text, sources, diagnostics);
-  return run_parsed(deck, sources, diagnostics, events);
+  return run_parsed(deck, sources, diagnostics, exact(events));
 }
 
 }  // namespace pwlsim::test

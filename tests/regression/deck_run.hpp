@@ -22,6 +22,8 @@ struct DeckRun {
 
 /// `events`: rows before and after every event as well. The deck must have a .tran card.
 [[nodiscard]] DeckRun run_deck(const std::filesystem::path& path, bool events = false);
+/// The same on the sparse engine.
+[[nodiscard]] DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events = false);
 /// The same for a deck in memory.
 [[nodiscard]] DeckRun run_text(const std::string& text, bool events = false);
 

@@ -29,7 +29,7 @@ Block::Block(const model::Network& network, const Request& request, double relto
     : request_(request),
       reltol_(reltol),
       descriptor_(network),
-      factors_(descriptor_),
+      factors_(descriptor_, reltol),
       ports_(descriptor_, factors_, largest_held_voltage(network)),
       sources_(network),
       stepper_(descriptor_, ports_, sources_),
@@ -59,15 +59,14 @@ void Block::signals(double time, double* values) {
 }
 
 void Block::note_signals() {
-  for (Control& control : controls_) control.largest = std::max(control.largest, std::abs(control.value.value(point_.z.data(), point_.w.data())));
+  for (Control& control : controls_)
+    control.largest = std::max(control.largest, std::abs(control.value.value(point_.z.data(), point_.w.data())));
   for (std::size_t i = 0; i < signals_.size(); ++i)
     signal_scale_[i] = std::max(signal_scale_[i], std::abs(signals_[i].value(point_.z.data(), point_.w.data())));
 }
 
 /// Until the step behind it is taken, a step's rows are not as good as they will be.
-double Block::known() const {
-  return stands_before_instant() || finished_ || history_.size() < 2 ? point_.time : history_.sample(1).time;
-}
+double Block::known() const { return stands_before_instant() || finished_ || history_.size() < 2 ? point_.time : history_.sample(1).time; }
 
 bool Block::stands_before_instant() const {
   return restart_due_ || sources_.next_break() <= point_.time + tolerance_ || point_.time >= request_.stop - tolerance_;
@@ -127,7 +126,7 @@ bool Block::settle_changes(double h, Trial& trial, bool& accepted) {
   const bool within = trial.error <= reltol_ && !request_.events && !matters(trial.end, frozen_.end);
   if (candidates.empty() && within) {
     ++events_;
-      accept(trial, h);
+    accept(trial, h);
     control_size(trial.error);
     return true;
   }
@@ -142,7 +141,7 @@ bool Block::settle_changes(double h, Trial& trial, bool& accepted) {
     return true;
   }
   accepted = true;
-  return locate(candidates, h, frozen_) || fail_step(frozen_);
+  return locate(h, frozen_) || fail_step(frozen_);
 }
 
 /// Whether two ends of a step differ in a saved signal by more than rows are good for.
@@ -179,7 +178,6 @@ void Block::control_size(double error) {
 /// Down the ladder by what the error asks for. False: the end of the ladder.
 bool Block::reduce(double error) {
   rejected_ = true;
-  ++rejections_;
   const double h = step_size();
   const double factor = error < model::forever ? std::cbrt(0.5 * reltol_ / error) : 0.25;
   while (ladder(level_) >= h) ++level_;
@@ -212,13 +210,14 @@ bool Block::fail_step(const Trial& trial) {
       fail(Outcome::no_solution, "E-out-of-memory", fmt::format("no memory is left for the factors at t = {} s", time), {});
     } else {
       fail(Outcome::no_solution, "E-singular",
-           fmt::format("the equations leave {} open at t = {} s; try a resistor to ground, or one in its loop of sources", what, time), {what});
+           fmt::format("the equations leave {} open at t = {} s; try a resistor to ground, or one in its loop of sources", what, time),
+           {what});
     }
   } else if (trial.solved == Solved::no_position) {
     const auto elements = names(ports_.disputed());
     fail(Outcome::no_solution, "E-no-solution",
-         fmt::format("no solution continues at t = {} s: no position of {} satisfies the circuit; try a small resistor in their loops", time,
-                     fmt::join(elements, ", ")),
+         fmt::format("no solution continues at t = {} s: no position of {} satisfies the circuit; try a small resistor in their loops",
+                     time, fmt::join(elements, ", ")),
          elements);
   } else {
     fail(Outcome::no_solution, "E-step",

@@ -74,10 +74,18 @@ class Block {
     std::size_t index = 0;  ///< port, or control
     bool is_control = false;
   };
-  [[nodiscard]] double margin(const Crossing& crossing, const Position& on, const std::vector<double>& z, const std::vector<double>& w) const;
+  [[nodiscard]] double margin(const Crossing& crossing, const Position& on, const std::vector<double>& z,
+                              const std::vector<double>& w) const;
   [[nodiscard]] double margin_size(const Crossing& crossing) const;
   [[nodiscard]] std::vector<Crossing> crossings(const Position& on, const Point& end, bool ports_too) const;
-  bool locate(const std::vector<Crossing>& candidates, double h, Trial& trial);
+  /// A crossing on the way to be located.
+  struct Candidate {
+    Crossing crossing;
+    double tolerance = 0.0;
+    std::vector<std::pair<double, double>> points;  ///< (time, margin)
+  };
+  bool take_up(const Crossing& crossing, const Trial& trial, std::vector<Candidate>& list) const;
+  bool locate(double h, Trial& trial);
   bool restart(double time);
   bool settle(double h, Instant& instant, Point& first);
   bool start_rates(double h);
@@ -112,7 +120,7 @@ class Block {
   bool passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
-  std::uint64_t steps_ = 0, rejections_ = 0, events_ = 0, jumps_ = 0, located_ = 0;
+  std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };
 

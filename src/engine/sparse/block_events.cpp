@@ -76,34 +76,38 @@ std::vector<Block::Crossing> Block::crossings(const Position& on, const Point& e
   return result;
 }
 
+/// Takes up a crossing that a step ends beyond. False: it was on its way before the step.
+bool Block::take_up(const Crossing& crossing, const Trial& trial, std::vector<Candidate>& list) const {
+  const double now = margin(crossing, point_.on, point_.z, point_.w);
+  const double then = margin(crossing, point_.on, trial.end.z, trial.end.w);
+  if (now <= 0.0) return false;
+  Candidate candidate{crossing, 0.0, {}};
+  const double share = (passive_ ? location_share : active_location_share) * reltol_;
+  candidate.tolerance = std::max(share * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
+  for (std::size_t back = 0; back < std::min<std::size_t>(history_.size(), 3); ++back) {
+    const auto& sample = history_.sample(back);
+    candidate.points.emplace_back(sample.time, margin(crossing, point_.on, sample.z, sample.w));
+  }
+  list.push_back(std::move(candidate));
+  return true;
+}
+
 /// Steps to the first of the crossings that `trial`, a step of h with all ports frozen, ends beyond, a hair past it.
-bool Block::locate(const std::vector<Crossing>& candidates, double h, Trial& trial) {
-  struct Candidate {
-    Crossing crossing;
-    double tolerance = 0.0;
-    std::vector<std::pair<double, double>> points;
-  };
+bool Block::locate(double h, Trial& trial) {
   std::vector<Candidate> list;
-  for (const Crossing& crossing : candidates) {
-    Candidate c{crossing, 0.0, {}};
-    for (std::size_t back = 0; back < std::min<std::size_t>(history_.size(), 3); ++back) {
-      const auto& sample = history_.sample(back);
-      c.points.emplace_back(sample.time, margin(crossing, point_.on, sample.z, sample.w));
-    }
-    const double now = margin(crossing, point_.on, point_.z, point_.w);
-    const double then = margin(crossing, point_.on, trial.end.z, trial.end.w);
-    if (now <= 0.0) {  // it was on its way already
+  double low = point_.time, high = trial.end.time;
+  for (int round = 0; round < most_locations; ++round) {
+    for (const Crossing& crossing : crossings(point_.on, trial.end, true)) {
+      const bool known = std::any_of(list.begin(), list.end(), [&](const Candidate& c) {
+        return c.crossing.index == crossing.index && c.crossing.is_control == crossing.is_control;
+      });
+      if (known || take_up(crossing, trial, list)) continue;
       restart_due_ = true;
       return true;
     }
-    c.tolerance = std::max((passive_ ? location_share : active_location_share) * reltol_ * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
-    list.push_back(std::move(c));
-  }
-  double low = point_.time, high = trial.end.time;
-  for (int round = 0; round < most_locations; ++round) {
     bool near = true;
     double next = high;
-    for (Candidate& c : list) {
+    for (const Candidate& c : list) {
       const double value = margin(c.crossing, point_.on, trial.end.z, trial.end.w);
       if (value >= 0.0) continue;
       near &= -value <= c.tolerance;
@@ -119,21 +123,17 @@ bool Block::locate(const std::vector<Crossing>& candidates, double h, Trial& tri
     }
     stepper_.sdirk2(point_, next - point_.time, true, scale_, trial_);
     if (trial_.solved != Solved::yes) return false;
-    const bool beyond = std::any_of(list.begin(), list.end(), [&](const Candidate& c) {
-      return margin(c.crossing, point_.on, trial_.end.z, trial_.end.w) < 0.0;
-    });
+    const bool beyond = !crossings(point_.on, trial_.end, true).empty();
+    const Point& other = beyond ? trial.end : trial_.end;  // the end that is not the new high
     for (Candidate& c : list) {
-      auto& points = c.points;
-      const auto& end = beyond ? trial.end : trial_.end;  // the end that is not the new high
-      points.emplace_back(end.time, margin(c.crossing, point_.on, end.z, end.w));
-      if (points.size() > 3) points.erase(points.begin());
+      c.points.emplace_back(other.time, margin(c.crossing, point_.on, other.z, other.w));
+      if (c.points.size() > 3) c.points.erase(c.points.begin());
     }
     (beyond ? high : low) = next;
     if (beyond) std::swap(trial, trial_);
     h = high - point_.time;
   }
   accept(trial, h);
-  ++located_;
   restart_due_ = true;
   return true;
 }
@@ -174,10 +174,12 @@ bool Block::jumped(const Point& before, const Point& first, const Point& second)
     if (states[i].is_current) {
       const auto row = static_cast<std::size_t>(states[i].plus);
       const double size = states[i].storage / descriptor_.r0() * scale_.size(i, first.z);
-      if (std::abs(first.y[row] - before.y[row]) > jump_ratio * std::abs(second.y[row] - first.y[row]) + least_jump * std::abs(size)) return true;
+      if (std::abs(first.y[row] - before.y[row]) > jump_ratio * std::abs(second.y[row] - first.y[row]) + least_jump * std::abs(size))
+        return true;
       continue;
     }
-    const double a = start_states_.empty() ? states[i].value(before.z.data()) : start_states_[i], b = states[i].value(first.z.data()), c = states[i].value(second.z.data());
+    const double a = start_states_.empty() ? states[i].value(before.z.data()) : start_states_[i], b = states[i].value(first.z.data()),
+                 c = states[i].value(second.z.data());
     if (std::abs(b - a) > jump_ratio * std::abs(c - b) + least_jump * scale_.size(i, first.z)) return true;
   }
   return false;
@@ -209,7 +211,8 @@ bool Block::jump_settles(double h) {
   }
   if (difference <= std::max(unsettled_jump * largest, 2.0 * motion)) return true;
   fail(Outcome::no_solution, "E-jump-order",
-       fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact", point_.time),
+       fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact",
+                   point_.time),
        {});
   return false;
 }
@@ -263,8 +266,8 @@ bool Block::watch_crowd(double time) {
   }
   if (++crowd_ < crowd_limit) return true;
   fail(Outcome::accumulation, "E-accumulation",
-       fmt::format("events accumulate at t = {} s ({} of them within {} s); try a resistor, capacitor or hysteresis that separates them", time,
-                   crowd_, time - crowd_start_),
+       fmt::format("events accumulate at t = {} s ({} of them within {} s); try a resistor, capacitor or hysteresis that separates them",
+                   time, crowd_, time - crowd_start_),
        {});
   return false;
 }
@@ -280,6 +283,8 @@ bool Block::begin(const Start& start) {
   descriptor_.memory_of_states(start.states, point_.y.data());
   start_states_ = start.states;
   scale_.note_values(start.states);
+  for (std::size_t i = 0; i < start.states.size(); ++i)
+    if (!descriptor_.states()[i].is_current) ports_.note_voltage(std::abs(start.states[i]));
   return restart(0.0);
 }
 

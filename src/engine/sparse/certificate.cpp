@@ -31,13 +31,14 @@ void CertificateRecorder::add_rows(const Point& point) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
   for (auto* v : {&residual_, &size_}) v->resize(n, 0.0);
   for (auto* v : {&row_, &row_size_}) v->resize(n);
-  descriptor_.matrix(0.0, point.on, 0.0, values_);
+  descriptor_.matrix(0.0, point.on, 0.0, 1.0, values_);
   linalg::multiply(descriptor_.pattern(), values_, point.z.data(), row_.data());
   linalg::multiply_absolute(descriptor_.pattern(), values_, point.z.data(), row_size_.data());
   std::vector<double> input(n);
   descriptor_.input(point.w.data(), point.on, input.data());
+  const std::size_t equations = n - descriptor_.ports().size();  // closing rows come last, and are the diodes' own
   for (std::size_t i = 0; i < n; ++i) {
-    residual_[i] = std::max(residual_[i], std::abs(point.k[i] + row_[i] - input[i]));
+    if (i < equations) residual_[i] = std::max(residual_[i], std::abs(point.k[i] + row_[i] - input[i]));
     size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i] + std::abs(input[i]));
   }
 }

@@ -57,8 +57,13 @@ std::vector<Control> controls_of(const model::Network& network, const Descriptor
   std::vector<Control> controls;
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
     const auto& s = network.switches[i];
-    Control control{static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), {}, false, s.on_level,
-                    s.off_level, s.inverted};
+    Control control{static_cast<std::size_t>(descriptor.first_switch()) + i,
+                    descriptor.form(s.control),
+                    {},
+                    false,
+                    s.on_level,
+                    s.off_level,
+                    s.inverted};
     control.by_sources = by_sources(s.control, held, control.of_sources);
     controls.push_back(std::move(control));
   }

@@ -275,16 +275,28 @@ void Descriptor::compress() {
       port_of_entry_.push_back(pattern_.row[k] - first_port_);
     }
   places_ = {};
+  first_current_ = static_cast<std::size_t>(pattern_.start[static_cast<std::size_t>(nodes())]);
+  for (int j = 0; j < nodes(); ++j)
+    for (int k = pattern_.start[static_cast<std::size_t>(j)]; k < pattern_.start[static_cast<std::size_t>(j) + 1]; ++k)
+      if (pattern_.row[static_cast<std::size_t>(k)] == j) node_diagonal_.push_back(k);
 }
 
-void Descriptor::matrix(double shift, const Position& on, double epsilon, std::vector<double>& values) const {
+void Descriptor::matrix(double shift, const Position& on, double epsilon, double unit, std::vector<double>& values) const {
   values.resize(pattern_.entries());
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = shift * e_[k] + g_[k];
   for (std::size_t i = 0; i < port_entries_.size(); ++i) {
     const auto k = static_cast<std::size_t>(port_entries_[i]);
     const bool is_on = on[static_cast<std::size_t>(port_of_entry_[i])] != 0;
-    values[k] = is_on ? slack_[k] + epsilon * input_[k] : input_[k] + epsilon * slack_[k];
+    values[k] = is_on ? slack_[k] + epsilon / unit * input_[k] : input_[k] + epsilon * slack_[k];
   }
+  if (unit == 1.0) return;
+  for (std::size_t k = first_current_; k < values.size(); ++k) values[k] *= unit;
+}
+
+double Descriptor::mean_admittance(double shift) const {
+  LogMean mean;
+  for (const int k : node_diagonal_) mean.add(std::abs(shift * e_[static_cast<std::size_t>(k)] + g_[static_cast<std::size_t>(k)]));
+  return mean.value();
 }
 
 void Descriptor::input(const double* w, const Position& on, double* b) const {

@@ -40,8 +40,8 @@ struct Form {
 
 struct Port {
   std::string name;
-  int row = 0;      ///< its closing row, and the column of its input
-  Form slack;       ///< volts
+  int row = 0;  ///< its closing row, and the column of its input
+  Form slack;   ///< volts
   bool is_switch = false;
 };
 
@@ -49,7 +49,7 @@ struct Port {
 struct State {
   int plus = -1, minus = -1;
   bool is_current = false;
-  double storage = 0.0;  ///< capacitance, or inductance without its couplings
+  double storage = 0.0;          ///< capacitance, or inductance without its couplings
   std::vector<Form::Part> flux;  ///< of a perfectly coupled inductor: its flux over its inductance
   /// What errors are measured in: the value, but the flux of a perfectly coupled inductor, whose current is no state of its own.
   [[nodiscard]] double measure(const double* z) const {
@@ -78,8 +78,11 @@ class Descriptor {
   /// Capacitors, then inductors, as in the network.
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
 
-  /// Entries of shift·E + G with the closing rows of a position.
-  void matrix(double shift, const Position& on, double epsilon, std::vector<double>& values) const;
+  /// Entries of shift·E + G with the closing rows of a position, for currents in a unit of their own: what is no node voltage is `unit` times the
+  /// unknown of these entries.
+  void matrix(double shift, const Position& on, double epsilon, double unit, std::vector<double>& values) const;
+  /// Geometric mean over the nodes of the diagonal of shift·E + G (times R0: 1 is 1/R0).
+  [[nodiscard]] double mean_admittance(double shift) const;
   /// b = −(H w + g) with the closing rows of a position.
   void input(const double* w, const Position& on, double* b) const;
   /// y = E z.
@@ -125,7 +128,9 @@ class Descriptor {
   std::vector<double> input_scale_, slack_scale_;      ///< of complementarities: SI value of u a volt, one over the largest of the slack
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;
-  std::vector<double> e_, g_, slack_, input_;  ///< one an entry; slack_ and input_ only in closing rows
+  std::vector<double> e_, g_, slack_, input_;      ///< one an entry; slack_ and input_ only in closing rows
+  std::vector<int> node_diagonal_;                 ///< entries on the diagonal of nodes
+  std::size_t first_current_ = 0;                  ///< entries of currents begin here
   std::vector<int> port_entries_, port_of_entry_;  ///< entries of closing rows, and whose they are
   std::vector<SourceEntry> sources_;
   std::vector<double> constant_;

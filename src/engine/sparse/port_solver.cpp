@@ -13,12 +13,12 @@ namespace {
 /// A sign is wrong beyond this fraction of the largest quantity of its kind; where positions repeat, beyond the second: ties of zero with zero.
 constexpr double sign_tolerance = 1e-12;
 constexpr double tie_tolerance = 1e-9;
-/// Where there are only voltages as yet, currents are judged against this part of them over R0, and the other way round.
+/// Where there are only voltages as yet, currents are judged against this part of them over R0.
 constexpr double cross_scale = 1e-3;
 /// What a position forces to zero may be this part of the largest: more, and the ε of its closing rows is all that holds it.
 constexpr double forced_tolerance = 1e-6, forced_cross_scale = 1e-9;
 constexpr int most_iterations = 40;
-constexpr int most_decisions = 8;
+constexpr int most_decisions = 32;
 
 std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({on.data(), on.size()}); }
 
@@ -51,7 +51,6 @@ std::vector<int> PortSolver::violated(const Position& on, const std::vector<doub
   forced_ = std::max(forced_slack > 0.0 ? forced_slack / std::max(scale.slack, forced_cross_scale * scale.input) : 0.0,
                      forced_input > 0.0 ? forced_input / std::max(scale.input, forced_cross_scale * scale.slack) : 0.0);
   scale.input = std::max(scale.input, cross_scale * scale.slack);
-  scale.slack = std::max(scale.slack, cross_scale * scale.input);
   std::vector<int> result;
   for (std::size_t i = 0; i < diodes; ++i) {
     const double largest = on[i] != 0 ? scale.input : scale.slack;
@@ -63,19 +62,19 @@ std::vector<int> PortSolver::violated(const Position& on, const std::vector<doub
 
 Solved PortSolver::solve_at(double shift, const std::vector<double>& memory, const std::vector<double>& w, const Position& on,
                             std::vector<double>& z) {
-  const linalg::KluFactor* factor = factors_.at(shift, on);
+  const Factor* factor = factors_.at(shift, on);
   if (!factor) return Solved::singular;
   z.resize(static_cast<std::size_t>(descriptor_.size()));
   descriptor_.input(w.data(), on, z.data());
   for (std::size_t i = 0; i < z.size(); ++i) z[i] += memory[i];
-  factor->solve(z.data());
+  factor->solve(z);
   return Solved::yes;
 }
 
 Solved PortSolver::respond(double shift, const Position& on, std::vector<double>& r) {
-  const linalg::KluFactor* factor = factors_.at(shift, on);
+  const Factor* factor = factors_.at(shift, on);
   if (!factor) return Solved::singular;
-  factor->solve(r.data());
+  factor->solve(r);
   return Solved::yes;
 }
 
@@ -89,21 +88,25 @@ Solved PortSolver::solve(double shift, const std::vector<double>& memory, const 
                          std::vector<double>& z) {
   disputed_.clear();
   std::unordered_set<std::size_t> visited;
-  double tolerance = sign_tolerance;
-  int decisions = 0;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_iterations && visited.insert(hash_of(on)).second; ++iteration) {
     if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
-    std::vector<int> wrong = violated(on, z, w, tolerance);
+    const std::vector<int> wrong = violated(on, z, w, sign_tolerance);
     if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
     dispute(wrong);
-    if (!visited.insert(hash_of(on)).second) {
-      tolerance = tie_tolerance;
-      wrong = violated(on, z, w, tolerance);
-      if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
-      if (++decisions > most_decisions || !decide(shift, on, z, w)) return Solved::no_position;
-      continue;
-    }
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
+  }
+  return settle_dispute(shift, memory, w, on, z);
+}
+
+/// All that ever changed sides decide together; whoever they push over joins them.
+Solved PortSolver::settle_dispute(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
+                                  std::vector<double>& z) {
+  for (int round = 0; round < most_decisions; ++round) {
+    if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
+    const std::vector<int> wrong = violated(on, z, w, tie_tolerance);
+    if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
+    dispute(wrong);
+    if (!decide(shift, on, z, w)) return Solved::no_position;
   }
   return Solved::no_position;
 }
@@ -113,7 +116,7 @@ Solved PortSolver::solve(double shift, const std::vector<double>& memory, const 
 bool PortSolver::decide(double shift, Position& on, const std::vector<double>& z, const std::vector<double>& w) {
   const std::size_t k = disputed_.size();
   if (k > most_disputed) return false;
-  const linalg::KluFactor* factor = factors_.at(shift, on);
+  const Factor* factor = factors_.at(shift, on);
   if (!factor) return false;
   linalg::Matrix m(k, k);
   linalg::Vector q(k);
@@ -121,7 +124,7 @@ bool PortSolver::decide(double shift, Position& on, const std::vector<double>& z
   for (std::size_t j = 0; j < k; ++j) {
     right_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
     right_[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(disputed_[j])].row)] = 1.0;
-    factor->solve(right_.data());
+    factor->solve(right_);
     for (std::size_t i = 0; i < k; ++i) {
       const auto port = static_cast<std::size_t>(disputed_[i]);
       const double constant = on[port] != 0 ? 0.0 : descriptor_.ports()[port].slack.constant;  // the response has no part of it

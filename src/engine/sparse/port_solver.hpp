@@ -5,6 +5,7 @@
 /// (Aganagić 1984; two or three factorisations for M-matrices). Where it comes back to a position it has left, the ports that changed sides
 /// are in dispute, and lcp::solve decides among them on their dense port matrix, of at most `most_disputed` ports.
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_set>
 #include <vector>
@@ -40,6 +41,7 @@ class PortSolver {
   [[nodiscard]] double free_variable(std::size_t port, bool on, const std::vector<double>& z, const std::vector<double>& w) const;
   /// Takes the port quantities of an accepted step into the scale.
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
+  void note_voltage(double voltage) { scale_.slack = std::max(scale_.slack, voltage); }
   [[nodiscard]] const PortScale& scale() const { return scale_; }
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   /// Ports that no position satisfied, after `no_position`.
@@ -47,6 +49,8 @@ class PortSolver {
 
  private:
   [[nodiscard]] std::vector<int> violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w, double tolerance);
+  [[nodiscard]] Solved settle_dispute(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
+                                      std::vector<double>& z);
   [[nodiscard]] bool decide(double shift, Position& on, const std::vector<double>& z, const std::vector<double>& w);
   void dispute(const std::vector<int>& ports);
 

@@ -51,7 +51,10 @@ double mean_time(const Descriptor& d) {
 class RestFinder {
  public:
   RestFinder(const Network& network, const Descriptor& descriptor)
-      : descriptor_(descriptor), factors_(descriptor), ports_(descriptor, factors_, largest_held_voltage(network)), controls_(controls_of(network, descriptor)) {
+      : descriptor_(descriptor),
+        factors_(descriptor),
+        ports_(descriptor, factors_, largest_held_voltage(network)),
+        controls_(controls_of(network, descriptor)) {
     on = first_position(network, descriptor);
     Sources(network).evaluate(0.0, w_);
   }
@@ -82,7 +85,8 @@ class RestFinder {
         const Solved solved = ports_.solve(1.0 / (size * time), y, w_, on, z);
         if (solved == Solved::singular) {
           const int unknown = factors_.singular_unknown();
-          problem = unknown >= 0 ? fmt::format("the equations leave {} open", descriptor_.unknown_name(unknown)) : "the equations are singular";
+          problem =
+              unknown >= 0 ? fmt::format("the equations leave {} open", descriptor_.unknown_name(unknown)) : "the equations are singular";
           return false;
         }
         if (solved != Solved::yes) {

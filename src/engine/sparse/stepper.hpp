@@ -59,7 +59,7 @@ class Stepper {
     Point end;
     std::vector<double> stage;    ///< Z1
     std::vector<double> stage_k;  ///< K1
-    double error = 0.0;         ///< by StateScale
+    double error = 0.0;           ///< by StateScale
   };
   /// One step from `from`. `frozen`: ports stay in their position whatever their signs.
   void sdirk2(const Point& from, double h, bool frozen, const StateScale& scale, Trial& trial);

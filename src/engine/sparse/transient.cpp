@@ -129,15 +129,16 @@ void Transient::finish() {
   Certificate& c = answer_.certificate;
   c = block_.certificate().check();
   if (std::max(c.complementarity, c.kcl_kvl) > doubtful_tolerances * reltol_)
-    answer_.remarks.push_back({"W-certificate",
-                               fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit "
-                                           "are too fast, or too far apart in size, for double precision",
-                                           std::max(c.complementarity, c.kcl_kvl))});
+    answer_.remarks.push_back(
+        {"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit "
+                                      "are too fast, or too far apart in size, for double precision",
+                                      std::max(c.complementarity, c.kcl_kvl))});
   c.has_passivity = c.passive = block_.descriptor().passive();
   if (!c.passive)
-    answer_.remarks.push_back({"N-not-examined",
-                               "the circuit holds controlled sources or blocks that may feed energy in, so that its solution need not be the only "
-                               "one; the sparse engine takes the one it finds, --engine exact examines it"});
+    answer_.remarks.push_back(
+        {"N-not-examined",
+         "the circuit holds controlled sources or blocks that may feed energy in, so that its solution need not be the only "
+         "one; the sparse engine takes the one it finds, --engine exact examines it"});
   answer_.statistics.seconds_certificate = seconds_since(clock);
 }
 

@@ -1,0 +1,172 @@
+/// The sparse engine's parts on systems with closed forms.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/sparse/sparse.hpp"
+#include "engine/sparse/stepper.hpp"
+#include "support/circuit.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+using namespace pwlsim::engine::sparse;
+
+namespace {
+
+constexpr double rounding = 1e-12;
+
+/// What a step needs, around one network.
+struct Rig {
+  explicit Rig(const model::Network& network)
+      : descriptor(network),
+        factors(descriptor),
+        ports(descriptor, factors, 1.0),
+        sources(network),
+        stepper(descriptor, ports, sources),
+        scale(descriptor, 1.0) {
+    point.on.assign(descriptor.ports().size(), 0);
+    point.z.assign(static_cast<std::size_t>(descriptor.size()), 0.0);
+    point.y = point.k = point.z;
+    sources.evaluate(0.0, point.w);
+  }
+  void set_states(const std::vector<double>& values) { descriptor.memory_of_states(values, point.y.data()); }
+  [[nodiscard]] double state(std::size_t i, const Point& p) const { return descriptor.states()[i].value(p.z.data()); }
+
+  Descriptor descriptor;
+  Factors factors;
+  PortSolver ports;
+  Sources sources;
+  Stepper stepper;
+  StateScale scale;
+  Point point;
+};
+
+}  // namespace
+
+// R(x) = (1 + (1 − 2γ) x)/(1 − γ x)² with x = −h/RC: the method's stability function.
+TEST_CASE("a step of an RC discharge is the method's stability function", "[unit]") {
+  Circuit c;
+  c.c("a", "0", 2.0);
+  c.r("a", "0", 3.0);
+  Rig rig(c.network());
+  rig.set_states({5.0});
+  for (const double h : {1e-3, 1.0, 60.0, 6e4}) {
+    const double x = -h / 6.0;
+    Stepper::Trial trial;
+    rig.stepper.sdirk2(rig.point, h, false, rig.scale, trial);
+    REQUIRE(trial.solved == Solved::yes);
+    const double expected = (1.0 + (1.0 - 2.0 * gamma_sdirk) * x) / std::pow(1.0 - gamma_sdirk * x, 2);
+    CHECK(rig.state(0, trial.end) == Approx(5.0 * expected).epsilon(rounding).margin(rounding));
+  }
+}
+
+// The local error of the second of two steps of e^(−t), from R(x) and e^x; the estimate is right to the leading order.
+TEST_CASE("the error estimate of a small step is its local error", "[unit]") {
+  Circuit c;
+  c.c("a", "0", 1.0);
+  c.r("a", "0", 1.0);
+  Rig rig(c.network());
+  rig.set_states({1.0});
+  Stepper::Trial first, second;
+  const double h = 1e-2;
+  rig.stepper.sdirk2(rig.point, h, false, rig.scale, first);
+  rig.stepper.sdirk2(first.end, h, false, rig.scale, second);
+  const double begun = rig.state(0, first.end);
+  const double local = std::abs(rig.state(0, second.end) - begun * std::exp(-h));
+  CHECK(second.error == Approx(local / begun).epsilon(0.05));
+}
+
+// A source steps onto 1 F in series with 3 F: the upper one takes 3/4 of the step, whatever the step length.
+TEST_CASE("an Euler step takes the jump of a capacitive divider", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Dc{4.0});
+  c.c("s", "m", 1.0);
+  c.c("m", "0", 3.0);
+  Rig rig(c.network());
+  rig.set_states({0.0, 0.0});
+  Point end;
+  REQUIRE(rig.stepper.euler(rig.point, 1e-6, end) == Solved::yes);
+  CHECK(rig.state(0, end) == Approx(3.0).epsilon(rounding));
+  CHECK(rig.state(1, end) == Approx(1.0).epsilon(rounding));
+}
+
+// 1 F at 3 V over a diode onto 2 F: 1 V on both; the diode ends conducting.
+TEST_CASE("charge is shared through a diode in one Euler step", "[unit]") {
+  Circuit c;
+  c.c("a", "0", 1.0);
+  c.d("a", "b");
+  c.c("b", "0", 2.0);
+  Rig rig(c.network());
+  rig.set_states({3.0, 0.0});
+  Point end;
+  REQUIRE(rig.stepper.euler(rig.point, 1e-6, end) == Solved::yes);
+  CHECK(rig.state(0, end) == Approx(1.0).epsilon(rounding));
+  CHECK(rig.state(1, end) == Approx(1.0).epsilon(rounding));
+  CHECK(end.on == Position{1});
+}
+
+// M = [[1,0,2],[2,1,0],[0,2,1]], q = −1 makes Newton's method cycle from {1} (Ben Gharbia and Gilbert, INRIA RR-7160); z = 1/3.
+TEST_CASE("ports in dispute are decided by Lemke's method", "[unit]") {
+  using model::Term;
+  model::Network network;
+  const double m[3][3] = {{1, 0, 2}, {2, 1, 0}, {0, 2, 1}};
+  for (const auto& row : m) {
+    model::Complementarity item;
+    item.slack.push_back({Term::Kind::one, 0, -1.0});
+    for (int j = 0; j < 3; ++j) item.slack.push_back({Term::Kind::slack_input, j, row[j]});
+    network.complementarities.push_back(item);
+  }
+  Rig rig(network);
+  rig.point.on = {1, 0, 0};
+  Point end;
+  REQUIRE(rig.stepper.euler(rig.point, 1.0, end) == Solved::yes);
+  for (int i = 0; i < 3; ++i) {
+    const Form u = rig.descriptor.form({{Term::Kind::slack_input, i, 1.0}});
+    CHECK(u.value(end.z.data(), end.w.data()) == Approx(1.0 / 3.0).epsilon(rounding));
+  }
+  CHECK(rig.ports.pivots() > 0);
+}
+
+// Two ideal diodes side by side carry 2 A: nothing but the closing rows' ε shares it, one half each.
+TEST_CASE("parallel diodes share their current", "[unit]") {
+  Circuit c;
+  c.i("0", "a", model::Dc{2.0});
+  c.d("a", "b");
+  c.d("a", "b");
+  c.r("b", "0", 1.0);
+  Rig rig(c.network());
+  Point end;
+  REQUIRE(rig.stepper.euler(rig.point, 1.0, end) == Solved::yes);
+  for (int i = 0; i < 2; ++i) {
+    const Form current = rig.descriptor.form({{model::Term::Kind::diode_current, i, 1.0}});
+    CHECK(current.value(end.z.data(), end.w.data()) == Approx(1.0).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a network that leaves a node open is refused with its name", "[unit]") {
+  Circuit c;
+  c.v("a", "0", model::Dc{1.0});
+  c.v("a", "0", model::Dc{1.0});
+  c.r("a", "0", 1.0);
+  Diagnostics diagnostics;
+  CHECK(prepare(c.network(), diagnostics) == nullptr);
+  REQUIRE(diagnostics.error_count() == 1);
+  CHECK(diagnostics.all()[0].id == "E-singular");
+}
+
+// 12 V over 1 Ω, a short (the inductor), 2 Ω and 3 Ω: 2 A, and 6 V across the 3 Ω and its capacitor.
+TEST_CASE("the operating point of the sparse engine has capacitors open and inductors short", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Dc{12.0});
+  c.r("s", "a", 1.0);
+  c.l("a", "b", 1e-3);
+  c.r("b", "o", 2.0);
+  c.r("o", "0", 3.0);
+  c.c("o", "0", 1e-6);
+  c.save_v("o");
+  Diagnostics diagnostics;
+  const auto model = prepare(c.network(), diagnostics);
+  REQUIRE(model);
+  const engine::OperatingPoint point = operating_point(*model);
+  REQUIRE(point.answer.outcome == engine::Outcome::completed);
+  CHECK(point.values.at(0) == Approx(6.0).epsilon(1e-8));
+}
