@@ -9,7 +9,7 @@ namespace pwlsim::linalg {
 namespace {
 
 /// Largest entry of a column over the largest of U: below this the kept pivots have let the entries grow.
-constexpr double least_growth = 1e-8;
+constexpr double least_growth = 1e-4;
 /// A pivot ratio below this part of what pivoting reached is looked into; beyond that condition it is factored anew.
 constexpr double suspicious_ratio = 1e-3;
 constexpr double largest_condition = 1e12;

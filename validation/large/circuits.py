@@ -17,15 +17,15 @@ NGSPICE = {"diode": ".model DI sidiode(Ron={ron} Roff=1e9 Vfwd=0)", "switch": ".
 
 
 def cockcroft_walton(stages, frequency=50.0, periods=20, amplitude=100.0):
-    """Columns start at no-load voltages, so that every stage carries the load's current within the first period."""
+    """Columns start at nine tenths of their no-load voltages, so that every stage is charged within the first period and goes on working."""
     yield f"Cockcroft-Walton multiplier, {stages} stages, {2 * stages} diodes"
     yield f"V1 s 0 SIN(0 {amplitude} {frequency})"
     capacitance = 1e-6 * max(stages, 3) ** 2 / 9.0 * 1000.0 / frequency
     for n in range(1, stages + 1):
         below = "s" if n == 1 else f"a{n - 1}"
-        yield f"CA{n} {below} a{n} {capacitance:.6e} ic={amplitude if n == 1 else 2 * amplitude}"
+        yield f"CA{n} a{n} {below} {capacitance:.6e} ic={0.9 * amplitude if n == 1 else 1.8 * amplitude}"
         low = "0" if n == 1 else f"b{n - 1}"
-        yield f"CB{n} {low} b{n} {capacitance:.6e} ic={2 * amplitude}"
+        yield f"CB{n} b{n} {low} {capacitance:.6e} ic={1.8 * amplitude}"
         yield f"DA{n} {low} a{n} DI"
         yield f"DB{n} a{n} b{n} DI"
     yield f"RL b{stages} 0 {stages * 1e5:.6e}"
@@ -47,7 +47,7 @@ def multilevel(submodules, frequency=50.0, periods=1, link=800.0):
             below = bottom if k == n - 1 else f"{arm}{k + 1}"
             level = (2 * k + 1) / n - 1.0
             # in while sign * sin(wt) < -level: the upper arm makes link / 2 * (1 - 0.9 sin), the lower one the rest
-            angle = math.asin(max(-1.0, min(1.0, level / 0.9))) if abs(level) < 0.9 else math.copysign(math.pi / 2, level)
+            angle = math.asin(max(-0.999, min(0.999, level / 0.9)))
             on = 0.25 * frequency ** -1 + angle / (2 * math.pi * frequency)  # half the time in, about the lowest point of sin
             centre = (0.75 if sign > 0 else 0.25) / frequency
             start = (centre - on) % (1.0 / frequency)
@@ -135,6 +135,8 @@ def deck(name, sizes, dialect="ideal", ron=1e-3):
     kinds = {"cockcroft_walton": cockcroft_walton, "multilevel": multilevel, "solar": solar, "grid": grid, "mesh": mesh}
     lines = list(kinds[name](*sizes))
     models = IDEAL if dialect == "ideal" else NGSPICE
+    if dialect == "ngspice":  # its idealised diode is a code model
+        lines = [f"A{line}" if line.startswith("D") else line for line in lines]
     lines.append(models["diode"].replace("{ron}", f"{ron:g}"))
     if name == "multilevel":
         lines.append(models["switch"])

@@ -18,7 +18,8 @@ constexpr double most_for_loops = 3.2;
 constexpr int first_level = 6;
 /// Growth waits until the error of the doubled step is this part of the tolerance.
 constexpr double growth_share = 0.5;
-constexpr double merge_fraction = 1e-14;  ///< of the run: breakpoints closer than this are one
+constexpr double merge_fraction = 1e-14;  ///< of the run: instants closer than this are one
+constexpr double break_fraction = 1e-11;  ///< and breakpoints of sources closer than this
 /// What a change of sides may do to a saved signal, in tolerances, before it is located: as much as the polynomial between steps errs.
 constexpr double signal_tolerances = 20.0;
 constexpr std::size_t most_positions = 1u << 20;
@@ -46,6 +47,7 @@ Block::Block(const model::Network& network, const Request& request, double relto
   h_max_ = std::min(most_steps_of_run * request.stop, of_period * sources_.shortest_period());
   level_ = first_level;
   tolerance_ = merge_fraction * request.stop;
+  break_tolerance_ = break_fraction * request.stop;
   passive_ = descriptor_.passive();
 }
 
@@ -69,12 +71,12 @@ void Block::note_signals() {
 double Block::known() const { return stands_before_instant() || finished_ || history_.size() < 2 ? point_.time : history_.sample(1).time; }
 
 bool Block::stands_before_instant() const {
-  return restart_due_ || sources_.next_break() <= point_.time + tolerance_ || point_.time >= request_.stop - tolerance_;
+  return restart_due_ || sources_.next_break() <= point_.time + break_tolerance_ || point_.time >= request_.stop - tolerance_;
 }
 
 bool Block::advance() {
   instant_.reset();
-  const bool at_break = sources_.next_break() <= point_.time + tolerance_;
+  const bool at_break = sources_.next_break() <= point_.time + break_tolerance_;
   if (restart_due_ || at_break) return restart(point_.time);
   if (point_.time >= request_.stop - tolerance_) {
     finished_ = true;

@@ -76,6 +76,7 @@ class Block {
   };
   [[nodiscard]] double margin(const Crossing& crossing, const Position& on, const std::vector<double>& z,
                               const std::vector<double>& w) const;
+  [[nodiscard]] double sign_tolerance_of(const Crossing& crossing) const;
   [[nodiscard]] double margin_size(const Crossing& crossing) const;
   [[nodiscard]] std::vector<Crossing> crossings(const Position& on, const Point& end, bool ports_too) const;
   /// A crossing on the way to be located.
@@ -115,9 +116,11 @@ class Block {
   std::vector<double> start_states_;  ///< until the first instant is settled
   std::optional<Instant> instant_;
   Answer failure_;
-  double h_max_ = 0.0, tolerance_ = 0.0;
+  double h_max_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
   int level_ = 0;
   bool passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
+  bool located_ = false;
+  Position frozen_position_;  ///< of the step to a located event
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;

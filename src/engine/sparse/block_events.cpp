@@ -11,10 +11,10 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 /// Of the margin at the ends of the step: how near to its zero an event is stepped to, in tolerances.
-constexpr double location_share = 0.01;
+constexpr double location_share = 0.25;
 /// Where a constraint may hold back a state two integrations away, what is left of its margin is divided by the length of the Euler step.
 constexpr double active_location_share = 1e-6;
-constexpr double sign_tolerance = 1e-12;
+constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
 constexpr double shortest_share = 1e-7;  ///< of the step at hand: an event so near is at hand already
 constexpr int most_locations = 24;
 constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
@@ -65,10 +65,14 @@ double Block::margin_size(const Crossing& crossing) const {
   return point_.on[crossing.index] != 0 ? ports_.scale().input : ports_.scale().slack;
 }
 
+double Block::sign_tolerance_of(const Crossing& crossing) const {
+  return crossing.is_control || !passive_ ? sign_tolerance : port_sign_tolerance;
+}
+
 std::vector<Block::Crossing> Block::crossings(const Position& on, const Point& end, bool ports_too) const {
   std::vector<Crossing> result;
   const auto add = [&](const Crossing& crossing) {
-    if (margin(crossing, on, end.z, end.w) < -sign_tolerance * margin_size(crossing)) result.push_back(crossing);
+    if (margin(crossing, on, end.z, end.w) < -sign_tolerance_of(crossing) * margin_size(crossing)) result.push_back(crossing);
   };
   for (std::size_t i = 0; i < controls_.size(); ++i) add({i, true});
   if (ports_too)
@@ -83,7 +87,7 @@ bool Block::take_up(const Crossing& crossing, const Trial& trial, std::vector<Ca
   if (now <= 0.0) return false;
   Candidate candidate{crossing, 0.0, {}};
   const double share = (passive_ ? location_share : active_location_share) * reltol_;
-  candidate.tolerance = std::max(share * std::max(now, -then), 4.0 * sign_tolerance * margin_size(crossing));
+  candidate.tolerance = std::max(share * std::max(now, -then), 4.0 * sign_tolerance_of(crossing) * margin_size(crossing));
   for (std::size_t back = 0; back < std::min<std::size_t>(history_.size(), 3); ++back) {
     const auto& sample = history_.sample(back);
     candidate.points.emplace_back(sample.time, margin(crossing, point_.on, sample.z, sample.w));
@@ -135,6 +139,10 @@ bool Block::locate(double h, Trial& trial) {
   }
   accept(trial, h);
   restart_due_ = true;
+  located_ = true;
+  frozen_position_ = point_.on;
+  for (const Crossing& crossing : crossings(point_.on, point_, true))
+    if (!crossing.is_control) point_.on[crossing.index] ^= 1;  // where the Euler steps begin to look
   return true;
 }
 
@@ -223,22 +231,30 @@ bool Block::restart(double time) {
   instant.time = time;
   if (request_.events)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
-  if (sources_.next_break() <= time + tolerance_) instant.source_edge = sources_.advance(time, tolerance_);
-  const Position before = point_.on;
+  if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
+  const Position before = located_ ? frozen_position_ : point_.on;
+  located_ = false;
   const int levels = restart_levels(reltol_);
   const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
   int level = level_ + levels;
   while (gamma_sdirk * ladder(level) > room_share * room) ++level;
-  const int level_of_room = level;
-  for (;; level += 2) {
-    const double h = gamma_sdirk * ladder(level);
+  int refined = 0, shortened = 0;
+  while (true) {
+    const double h = gamma_sdirk * ladder(level + refined + shortened);
     if (!settle(h, instant, euler_[0])) return false;
     if (!start_rates(h)) return fail_step(trial_);
     scale_.note(euler_[2].z);
-    if (euler_[0].on != euler_[2].on && level < level_of_room + most_refinement && level < last_level) continue;
-    if (level >= last_level || stepper_.euler_error(euler_[1], euler_[2], h, scale_) <= euler_share * reltol_) break;
+    const bool end = level + refined + shortened >= last_level;
+    if (!end && euler_[0].on != euler_[2].on && refined < most_refinement) {
+      refined += 2;
+    } else if (!end && stepper_.euler_error(euler_[1], euler_[2], h, scale_) > euler_share * reltol_) {
+      shortened += 2;
+    } else {
+      break;
+    }
   }
-  level_ += std::max(0, level - level_of_room);
+  level += refined + shortened;
+  level_ += refined + shortened;
   instant.mode_change |= euler_[2].on != before;
   instant.jump = jumped(point_, euler_[0], euler_[1]);
   if (!passive_ && !jump_settles(gamma_sdirk * ladder(level))) return false;

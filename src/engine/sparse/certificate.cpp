@@ -37,6 +37,7 @@ void CertificateRecorder::add_rows(const Point& point) {
   std::vector<double> input(n);
   descriptor_.input(point.w.data(), point.on, input.data());
   const std::size_t equations = n - descriptor_.ports().size();  // closing rows come last, and are the diodes' own
+  for (int node = 0; node < descriptor_.nodes(); ++node) voltage_ = std::max(voltage_, std::abs(point.z[static_cast<std::size_t>(node)]));
   for (std::size_t i = 0; i < n; ++i) {
     if (i < equations) residual_[i] = std::max(residual_[i], std::abs(point.k[i] + row_[i] - input[i]));
     size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i] + std::abs(input[i]));
@@ -67,9 +68,10 @@ void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& tr
 Certificate CertificateRecorder::check() const {
   Certificate certificate;
   certificate.points_checked = points_;
-  if (input_scale_ > 0.0) certificate.complementarity = input_ / input_scale_;
+  const double input_scale = std::max(input_scale_, idle_row * slack_scale_);  // where no current ever flows
+  if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
-  const double largest = size_.empty() ? 0.0 : *std::max_element(size_.begin(), size_.end());
+  const double largest = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
   for (std::size_t i = 0; i < size_.size(); ++i)
     if (size_[i] > 0.0) certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], idle_row * largest));
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;

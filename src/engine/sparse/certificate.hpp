@@ -25,6 +25,7 @@ class CertificateRecorder {
   const Descriptor& descriptor_;
   std::vector<double> residual_, size_, row_, row_size_, values_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
+  double voltage_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
   double energy_ = 0.0, energy_scale_ = 0.0;
   std::uint64_t seen_ = 0, stride_ = 1, points_ = 0;
 };

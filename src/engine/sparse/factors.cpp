@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcp/condition.hpp"
+
 namespace pwlsim::engine::sparse {
 
 namespace {
@@ -11,15 +13,42 @@ constexpr double same_shift = 1e-11;
 constexpr double epsilon_share = 1e-3, least_epsilon = 1e-10, largest_epsilon = 1e-7;
 /// Smallest over largest pivot: below this a pivot may be nothing but rounding.
 constexpr double least_pivot_ratio = 3e-15;
-constexpr std::size_t most_bytes = 256u << 20;  ///< of all factors together
-constexpr std::size_t bytes_of_entry = 12;
-constexpr std::size_t fewest_factors = 3, most_factors = 64;
+constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
+constexpr std::size_t bytes_of_entry = 16;
+constexpr std::size_t fewest_factors = 3, most_factors = 256;
+/// A position so few ports away from one that is factored is reached by their columns; solved for so often, by a factor of its own.
+constexpr std::size_t most_flips = 4;
+constexpr int uses_of_update = 32;
+constexpr double least_condition = 1e-4;  ///< of the small matrix, its diagonal scaled to one
+
+double closing(const Descriptor& descriptor, int port, bool on, const std::vector<double>& z) {
+  const Port& p = descriptor.ports()[static_cast<std::size_t>(port)];
+  if (!on) return z[static_cast<std::size_t>(p.row)];
+  double sum = 0.0;
+  for (const auto& part : p.slack.z) sum += part.coefficient * z[static_cast<std::size_t>(part.index)];
+  return sum;
+}
 
 }  // namespace
 
+void Factor::solve_base(std::vector<double>& r) const {
+  klu_->solve(r.data());
+  for (std::size_t i = static_cast<std::size_t>(descriptor_->nodes()); i < r.size(); ++i) r[i] *= unit_;
+}
+
 void Factor::solve(std::vector<double>& r) const {
-  klu_.solve(r.data());
-  for (std::size_t i = static_cast<std::size_t>(nodes_); i < r.size(); ++i) r[i] *= unit_;
+  solve_base(r);
+  if (flips_.empty()) return;
+  linalg::Vector t(static_cast<Eigen::Index>(flips_.size()));
+  for (std::size_t i = 0; i < flips_.size(); ++i) {
+    const bool on = flipped_on_[i] != 0;
+    t[static_cast<Eigen::Index>(i)] = closing(*descriptor_, flips_[i], on, r) - closing(*descriptor_, flips_[i], !on, r);
+  }
+  const linalg::Vector share = scale_.asDiagonal() * small_.solve(scale_.asDiagonal() * t);
+  for (std::size_t i = 0; i < flips_.size(); ++i) {
+    const double factor = share[static_cast<Eigen::Index>(i)];
+    for (std::size_t k = 0; k < r.size(); ++k) r[k] -= factor * columns_[i][k];
+  }
 }
 
 Factors::Factors(const Descriptor& descriptor, double reltol)
@@ -33,43 +62,106 @@ Factors::Entry* Factors::find(double shift, const Position& on) {
   return nullptr;
 }
 
-Factors::Entry& Factors::slot() {
-  const std::size_t each = entries_.empty() ? 0 : std::max<std::size_t>(entries_.front().factor.klu_.entries(), 1) * bytes_of_entry;
+/// Once there is no room: the oldest of at least two with the same position, whose pivots are good, or the oldest of all.
+Factors::Entry& Factors::slot(const Position& on) {
+  const bool known = !entries_.empty() && entries_.front().factor.klu_;
+  const std::size_t each = known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
+                                       most_flips * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
+                                 : 0;
   const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, most_factors);
-  if (entries_.size() < room) return entries_.emplace_back(Entry{0.0, {}, Factor(ordering_, descriptor_.nodes()), 0});
-  return *std::min_element(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.used < b.used; });
+  if (entries_.size() < room) return entries_.emplace_back(Entry{});
+  Entry* oldest = &entries_.front();
+  Entry* alike = nullptr;
+  int count = 0;
+  for (Entry& entry : entries_) {
+    if (entry.used < oldest->used) oldest = &entry;
+    if (entry.used == 0 || !entry.factor.flips_.empty() || entry.on != on) continue;
+    ++count;
+    if (!alike || entry.used < alike->used) alike = &entry;
+  }
+  return count > 1 ? *alike : *oldest;
 }
 
 linalg::Factored Factors::factor(Entry& entry, bool same_pivots) {
   auto factored = linalg::Factored::singular;
-  linalg::KluFactor& klu = entry.factor.klu_;
-  const double unit = entry.factor.unit_ = descriptor_.mean_admittance(entry.shift);
+  Factor& f = entry.factor;
+  f.descriptor_ = &descriptor_;
+  f.flips_.clear();
+  f.columns_.clear();
+  f.unit_ = descriptor_.mean_admittance(entry.shift);
+  if (!f.klu_ || f.klu_.use_count() > 1) {
+    f.klu_ = std::make_shared<linalg::KluFactor>(ordering_);
+    same_pivots = false;
+  }
   for (const double epsilon : {0.0, epsilon_, 100.0 * epsilon_}) {
-    descriptor_.matrix(entry.shift, entry.on, epsilon, unit, values_);
-    factored = same_pivots ? klu.refactor(values_) : klu.factor(values_);
+    descriptor_.matrix(entry.shift, entry.on, epsilon, f.unit_, values_);
+    factored = same_pivots ? f.klu_->refactor(values_) : f.klu_->factor(values_);
     if (factored == linalg::Factored::no_memory) return factored;
-    if (factored == linalg::Factored::good && klu.pivot_ratio() >= least_pivot_ratio) return factored;
+    f.exact_ = epsilon == 0.0;
+    if (factored == linalg::Factored::good && f.klu_->pivot_ratio() >= least_pivot_ratio) return factored;
     same_pivots = false;
   }
   return factored;
 }
 
+/// From a factor of the same shift that few ports tell from the wanted one.
+bool Factors::update(Entry& entry) {
+  const Entry* base = nullptr;
+  std::vector<int> flips, of_base;
+  for (const Entry& other : entries_) {
+    if (&other == &entry || other.used == 0 || !other.factor.exact_ || !other.factor.flips_.empty()) continue;
+    if (std::abs(other.shift - entry.shift) > same_shift * entry.shift) continue;
+    of_base.clear();
+    for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_flips; ++i)
+      if (entry.on[i] != other.on[i]) of_base.push_back(static_cast<int>(i));
+    if (of_base.size() > most_flips || (base && of_base.size() >= flips.size())) continue;
+    base = &other;
+    flips = of_base;
+  }
+  if (!base) return false;
+  Factor f = base->factor;
+  f.flips_ = flips;
+  const auto k = static_cast<Eigen::Index>(flips.size());
+  linalg::Matrix s(k, k);
+  f.flipped_on_.clear();
+  for (const int port : flips) f.flipped_on_.push_back(entry.on[static_cast<std::size_t>(port)]);
+  for (std::size_t j = 0; j < flips.size(); ++j) {
+    std::vector<double> column(static_cast<std::size_t>(descriptor_.size()), 0.0);
+    column[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(flips[j])].row)] = 1.0;
+    f.solve_base(column);
+    for (std::size_t i = 0; i < flips.size(); ++i)
+      s(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = closing(descriptor_, flips[i], f.flipped_on_[i] != 0, column);
+    f.columns_.push_back(std::move(column));
+  }
+  if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
+  f.scale_ = s.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
+  f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
+  if (!(lcp::reciprocal_condition(f.small_) > least_condition)) return false;
+  entry.factor = std::move(f);
+  return true;
+}
+
 const Factor* Factors::at(double shift, const Position& on) {
   Entry* entry = find(shift, on);
-  if (!entry) {
-    entry = &slot();
-    const bool same_pivots = entry->used > 0 && entry->on == on;
+  const bool worn = entry && !entry->factor.flips_.empty() && entry->uses >= uses_of_update;
+  if (!entry || worn) {
+    if (!entry) entry = &slot(on);
+    const bool same_pivots = entry->used > 0 && !worn && entry->on == on && entry->factor.flips_.empty();
+    entry->used = 0;
+    entry->uses = 0;
     entry->shift = shift;
     entry->on = on;
-    const auto factored = factor(*entry, same_pivots);
-    if (factored != linalg::Factored::good) {
-      singular_unknown_ = entry->factor.klu_.singular_column();
-      out_of_memory_ = factored == linalg::Factored::no_memory;
-      entry->shift = -1.0;
-      entry->used = 0;
-      return nullptr;
+    if (worn || !update(*entry)) {
+      const auto factored = factor(*entry, same_pivots);
+      if (factored != linalg::Factored::good) {
+        singular_unknown_ = entry->factor.klu_->singular_column();
+        out_of_memory_ = factored == linalg::Factored::no_memory;
+        entry->shift = -1.0;
+        return nullptr;
+      }
     }
   }
+  ++entry->uses;
   entry->used = ++clock_;
   return &entry->factor;
 }

@@ -5,10 +5,12 @@
 /// below the tolerance, more where that still drowns: a diode of ε·R0 in place of none, ε/R0 in place of an open circuit. Currents and voltages are
 /// shared by it.
 
-#include <optional>
+#include <Eigen/LU>
+#include <memory>
 #include <vector>
 
 #include "engine/sparse/descriptor.hpp"
+#include "linalg/dense.hpp"
 #include "linalg/klu.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -16,15 +18,24 @@ namespace pwlsim::engine::sparse {
 /// A factor with its unit of currents: the mean admittance of a node at that shift, so that pivots of different kinds compare.
 class Factor {
  public:
-  Factor(const linalg::KluOrdering& ordering, int nodes) : klu_(ordering), nodes_(nodes) {}
   /// r := (shift·E + G)⁻¹ r
   void solve(std::vector<double>& r) const;
 
  private:
   friend class Factors;
-  linalg::KluFactor klu_;
-  int nodes_ = 0;
+  void solve_base(std::vector<double>& r) const;
+
+  const Descriptor* descriptor_ = nullptr;
+  std::shared_ptr<linalg::KluFactor> klu_;
   double unit_ = 1.0;
+  bool exact_ = true;  ///< no ε in the closing rows
+  /// Few ports of another position than that of klu_: A' = A + Σ e_i (a'_i − a_i)ᵀ over their closing rows, by the formula of Sherman, Morrison
+  /// and Woodbury: z = z0 − W S⁻¹ t,  W = A⁻¹ e,  S_ij = a'_i W_j,  t_i = (a'_i − a_i) z0.
+  std::vector<int> flips_;
+  std::vector<char> flipped_on_;  ///< their new sides
+  std::vector<std::vector<double>> columns_;
+  linalg::Vector scale_;  ///< S is factored with this scale on both sides
+  Eigen::PartialPivLU<linalg::Matrix> small_;
 };
 
 class Factors {
@@ -44,11 +55,13 @@ class Factors {
     double shift = 0.0;
     Position on;
     Factor factor;
-    std::uint64_t used = 0;
+    std::uint64_t used = 0;  ///< when last
+    int uses = 0;
   };
   [[nodiscard]] Entry* find(double shift, const Position& on);
-  [[nodiscard]] Entry& slot();
+  [[nodiscard]] Entry& slot(const Position& on);
   [[nodiscard]] linalg::Factored factor(Entry& entry, bool same_pivots);
+  [[nodiscard]] bool update(Entry& entry);
 
   const Descriptor& descriptor_;
   linalg::KluOrdering ordering_;

@@ -10,14 +10,17 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// A sign is wrong beyond this fraction of the largest quantity of its kind; where positions repeat, beyond the second: ties of zero with zero.
-constexpr double sign_tolerance = 1e-12;
-constexpr double tie_tolerance = 1e-9;
+/// A sign is wrong beyond this fraction of the largest quantity of its kind; where positions repeat, beyond the next: ties of zero with zero, and
+/// the rounding of long chains.
+constexpr double sign_tolerance = 1e-10;
+/// In a network that is not passive a port may drive what is integrated twice before it answers: its margin counts to the last digit.
+constexpr double active_sign_tolerance = 1e-12;
+constexpr double tie_tolerance = 1e-8;
 /// Where there are only voltages as yet, currents are judged against this part of them over R0.
 constexpr double cross_scale = 1e-3;
 /// What a position forces to zero may be this part of the largest: more, and the ε of its closing rows is all that holds it.
 constexpr double forced_tolerance = 1e-6, forced_cross_scale = 1e-9;
-constexpr int most_iterations = 40;
+constexpr int most_iterations = 24;
 constexpr int most_decisions = 32;
 
 std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({on.data(), on.size()}); }
@@ -84,16 +87,21 @@ void PortSolver::dispute(const std::vector<int>& ports) {
   disputed_.erase(std::unique(disputed_.begin(), disputed_.end()), disputed_.end());
 }
 
+/// Whether what the position forces to zero is zero. In a passive network nothing else can be.
+bool PortSolver::held() const { return passive_ || forced_ <= forced_tolerance; }
+
 Solved PortSolver::solve(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
                          std::vector<double>& z) {
   disputed_.clear();
-  std::unordered_set<std::size_t> visited;
-  for (int iteration = 0; iteration < most_iterations && visited.insert(hash_of(on)).second; ++iteration) {
-    if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(on, z, w, sign_tolerance);
-    if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
-    dispute(wrong);
-    for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
+  for (const double tolerance : {passive_ ? sign_tolerance : active_sign_tolerance, tie_tolerance}) {
+    std::unordered_set<std::size_t> visited;
+    for (int iteration = 0; iteration < most_iterations && visited.insert(hash_of(on)).second; ++iteration) {
+      if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
+      const std::vector<int> wrong = violated(on, z, w, tolerance);
+      if (wrong.empty()) return held() ? Solved::yes : Solved::no_position;
+      dispute(wrong);
+      for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
+    }
   }
   return settle_dispute(shift, memory, w, on, z);
 }
@@ -104,7 +112,7 @@ Solved PortSolver::settle_dispute(double shift, const std::vector<double>& memor
   for (int round = 0; round < most_decisions; ++round) {
     if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
     const std::vector<int> wrong = violated(on, z, w, tie_tolerance);
-    if (wrong.empty()) return forced_ <= forced_tolerance ? Solved::yes : Solved::no_position;
+    if (wrong.empty()) return held() ? Solved::yes : Solved::no_position;
     dispute(wrong);
     if (!decide(shift, on, z, w)) return Solved::no_position;
   }

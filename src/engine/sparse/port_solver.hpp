@@ -27,7 +27,7 @@ class PortSolver {
  public:
   /// `voltage`: of the sources, a first scale.
   PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
-      : descriptor_(descriptor), factors_(factors), scale_{0.0, voltage} {}
+      : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), scale_{0.0, voltage} {}
 
   /// `on`: position to start from, then the one found. `memory`: r.
   [[nodiscard]] Solved solve(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
@@ -52,10 +52,12 @@ class PortSolver {
   [[nodiscard]] Solved settle_dispute(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
                                       std::vector<double>& z);
   [[nodiscard]] bool decide(double shift, Position& on, const std::vector<double>& z, const std::vector<double>& w);
+  [[nodiscard]] bool held() const;
   void dispute(const std::vector<int>& ports);
 
   const Descriptor& descriptor_;
   Factors& factors_;
+  bool passive_;
   PortScale scale_;
   std::vector<int> disputed_;
   std::vector<double> right_;
