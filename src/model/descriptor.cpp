@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/doubled.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -62,6 +64,7 @@ Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) 
   scale_inputs(input_factor);
   const int m = unknowns_;
   g = WideMatrix::Zero(m, m);
+  g_rest = WideMatrix::Zero(m, m);
   f = WideMatrix::Zero(m, stores());
   ha = WideMatrix::Zero(m, ports());
   hw = WideMatrix::Zero(m, exosystem->size());
@@ -128,8 +131,15 @@ void Assembly::number_unknowns() {
 }
 
 void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, Wide value) {
-  if (p != ground) g(p, column) += value;
-  if (n != ground) g(n, column) -= value;
+  const auto add = [&](NodeIndex row, Wide term) {
+    if (row == ground) return;
+    linalg::Doubled sum{g(row, column), g_rest(row, column)};
+    sum.add(term);
+    g(row, column) = sum.value;
+    g_rest(row, column) = sum.rest;
+  };
+  add(p, value);
+  add(n, -value);
 }
 
 void Assembly::add_voltage(int row, NodeIndex p, NodeIndex n) {

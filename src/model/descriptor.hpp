@@ -51,6 +51,7 @@ struct Assembly {
   WideMatrix inductor_factor;     ///< Λ/√(R0·τ0), inductors × rank
   bool coupling_possible = true;  ///< false where the inductance matrix is indefinite
   WideMatrix g, f, ha, hw, sx;
+  WideMatrix g_rest;  ///< what rounding left of G: beside a large conductance, a sum of small ones is a leak to ground
 
  private:
   void choose_scales();

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/constraint_basis.hpp"
+#include "linalg/doubled.hpp"
+#include "linalg/refined_solution.hpp"
 #include "model/certificate.hpp"
 #include "model/descriptor.hpp"
 
@@ -14,7 +17,6 @@ namespace pwlsim::model {
 namespace {
 
 using linalg::absolute_product;
-using linalg::product;
 using linalg::sparse_absolute_product;
 using linalg::sparse_product;
 using linalg::Wide;
@@ -30,10 +32,6 @@ constexpr double rank_tolerance = 1e-9;
 constexpr double constraint_tolerance = 1e-12;
 /// An entry of D (of order one by construction) below this is rounding.
 constexpr Wide port_noise = 1e-15L;
-/// What the solution of G z = r is off by, against |G⁻¹||G||G⁻¹||r|.
-constexpr Wide solution_rounding = 4e-19L;
-/// Of an entry of an orthonormal basis.
-constexpr Wide basis_rounding = 4e-19L;
 constexpr int largest_index = 6;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
@@ -72,6 +70,7 @@ class Extractor {
         assembly_(assembly),
         diagnostics_(diagnostics),
         g_(assembly.g),
+        g_rest_(assembly.g_rest),
         f_(assembly.f),
         ha_(assembly.ha),
         hw_(assembly.hw) {}
@@ -108,14 +107,14 @@ class Extractor {
   const Network& network_;
   const Assembly& assembly_;
   Diagnostics& diagnostics_;
-  WideMatrix g_, f_, ha_, hw_;
+  WideMatrix g_, g_rest_, f_, ha_, hw_;
   WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
   WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
   WideMatrix z_xi_, z_a_, z_zeta_;  ///< z = …·ξ, …·a, …·ζ
-  WideMatrix z_xi_error_, z_a_error_, z_zeta_error_;
-  WideMatrix a_, b_, e_;  ///< ξ' = a ξ + b a_wave + e ζ
+  WideMatrix a_, b_, e_;            ///< ξ' = a ξ + b a_wave + e ζ
   WideVector theta_;
   WideMatrix c_, d_, f1_;  ///< y = c ξ + d u + f1 ζ
+  WideMatrix one_plus_d_;  ///< exact where D is near −1
   Extraction result_;
 };
 
@@ -123,10 +122,8 @@ void Extractor::equilibrate() {
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
     const Wide largest = g_.row(i).cwiseAbs().maxCoeff();
     if (largest == 0.0) continue;
-    g_.row(i) /= largest;
-    f_.row(i) /= largest;
-    ha_.row(i) /= largest;
-    hw_.row(i) /= largest;
+    const Wide scale = std::ldexp(1.0L, -std::ilogb(largest));  // exact
+    for (WideMatrix* m : {&g_, &g_rest_, &f_, &ha_, &hw_}) m->row(i) *= scale;
   }
 }
 
@@ -187,6 +184,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     const auto row = null.pivot_rows[i];
     const auto k = static_cast<Eigen::Index>(i);
     g_.row(row) = nf.row(k) * assembly_.sx;
+    g_rest_.row(row).setZero();
     f_.row(row).setZero();
     ha_.row(row).setZero();
     hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
@@ -270,20 +268,11 @@ void Extractor::solve_constraints() {
     h_.row(i) /= scale;
     s_zeta_.row(i) /= scale;
   }
-  Eigen::HouseholderQR<WideMatrix> qr(h_.transpose());
-  const WideMatrix q = qr.householderQ();
-  basis_ = q.rightCols(stores - fixed);
-  // x = −H⁺ S ζ with H = Rᵀ Q1ᵀ:  H⁺ = Q1 R⁻ᵀ.
-  const WideMatrix r = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
-  offset_ = -q.leftCols(fixed) * r.transpose().triangularView<Eigen::Lower>().solve(s_zeta_);
+  const linalg::ConstraintBasis free(h_);
+  basis_ = free.null();
+  offset_ = -free.least(s_zeta_);
   basis_ = wide_cleaned(basis_, WideMatrix::Ones(stores, stores - fixed));
   offset_ = wide_cleaned(offset_, WideMatrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
-}
-
-/// Entries within their own error become zero.
-void without_rounding(WideMatrix& m, const WideMatrix& error) {
-  for (Eigen::Index i = 0; i < m.size(); ++i)
-    if (std::abs(m.data()[i]) <= error.data()[i]) m.data()[i] = 0;
 }
 
 void Extractor::solve_unknowns() {
@@ -294,37 +283,29 @@ void Extractor::solve_unknowns() {
   WideMatrix right(m, stores + k + nz);
   right << f_, ha_, hw_;
   WideMatrix solution = WideMatrix::Zero(m, right.cols());
-  WideMatrix error = solution;
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
-    solution = -sparse_product(inverse, right);
-    // One step of refinement: the inverse of a stiff network leaves more than the last digit.
-    solution -= sparse_product(inverse, sparse_product(g_, solution) + right);
     const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, sparse_absolute_product(inverse, right)));
-    solution = wide_cleaned(solution, bound);
-    error = solution_rounding * bound;
+    solution = wide_cleaned(-linalg::refined_solution(g_, g_rest_, inverse, right), bound);
   }
-  const bool fixed_stores = basis_.cols() < basis_.rows();
-  const WideMatrix z_full = solution.leftCols(stores);
-  const WideMatrix z_full_error = error.leftCols(stores);
+  // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
+  const std::vector<Eigen::Index> pivots = linalg::ConstraintBasis(h_).pivots();
+  const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, pivots)).inverse();
+  const WideMatrix h = wide_clean_product(solved, h_);
+  WideMatrix z_full = solution.leftCols(stores);
   z_a_ = solution.middleCols(stores, k);
-  z_a_error_ = error.middleCols(stores, k);
-  z_zeta_ = solution.rightCols(nz);
-  z_zeta_ = wide_cleaned(z_zeta_ + product(z_full, offset_), z_zeta_.cwiseAbs() + absolute_product(z_full, offset_));
-  z_zeta_error_ = error.rightCols(nz) + absolute_product(z_full_error, offset_);
+  const WideMatrix left_out = -z_full(Eigen::all, pivots);
+  z_full = wide_clean_sum(z_full, left_out, h);
+  z_zeta_ = wide_clean_sum(solution.rightCols(nz), left_out, wide_clean_product(solved, s_zeta_));
+  z_zeta_ = wide_clean_sum(z_zeta_, z_full, offset_);
   z_xi_ = wide_clean_product(z_full, basis_);
-  const WideMatrix basis_error = WideMatrix::Constant(basis_.rows(), basis_.cols(), fixed_stores ? basis_rounding : 0.0L);
-  z_xi_error_ = absolute_product(z_full_error, basis_) + absolute_product(z_full, basis_error);
-  without_rounding(z_xi_, z_xi_error_);
-  without_rounding(z_zeta_, z_zeta_error_);
-  const WideMatrix rates = sparse_product(basis_.transpose(), assembly_.sx);
-  const WideMatrix rates_error = sparse_absolute_product(basis_error.transpose(), assembly_.sx);
-  a_ = wide_clean_product(rates, z_xi_);
-  b_ = wide_clean_product(rates, z_a_);
-  e_ = wide_clean_product(rates, z_zeta_);
-  without_rounding(a_, absolute_product(rates, z_xi_error_) + absolute_product(rates_error, z_xi_));
-  without_rounding(b_, absolute_product(rates, z_a_error_) + absolute_product(rates_error, z_a_));
-  without_rounding(e_, absolute_product(rates, z_zeta_error_) + absolute_product(rates_error, z_zeta_));
+  const auto rates = [&](const WideMatrix& z) {
+    const WideMatrix rate = wide_clean_product(assembly_.sx, z);
+    return wide_clean_product(basis_.transpose(), wide_clean_sum(rate, h.transpose(), -rate(pivots, Eigen::all)));
+  };
+  a_ = rates(z_xi_);
+  b_ = rates(z_a_);
+  e_ = rates(z_zeta_);
 }
 
 /// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
@@ -332,9 +313,8 @@ void Extractor::solve_unknowns() {
 void Extractor::choose_causality() {
   const auto k = assembly_.ports();
   const auto first = assembly_.port_column(0);
-  const WideMatrix cw = 2.0 * z_xi_.middleRows(first, k);
-  const WideMatrix s = WideMatrix::Identity(k, k) + 2.0 * z_a_.middleRows(first, k);
-  const WideMatrix fw = 2.0 * z_zeta_.middleRows(first, k);
+  const WideMatrix half = z_a_.middleRows(first, k);
+  const WideMatrix s = WideMatrix::Identity(k, k) + 2.0 * half;
   WideMatrix work = s;
   theta_ = WideVector::Zero(k);
   for (int round = 0; round < k; ++round) {
@@ -350,18 +330,29 @@ void Extractor::choose_causality() {
         if (theta_[j] == 0.0) work(i, j) -= factor * work(best, j);
     }
   }
+  // (S + Θ)/2 (1 + D, D, C, F) = (Θ, (Θ − S)/2, C_w/2, F_w/2), each entry with one rounding.
+  const auto n = z_xi_.cols(), nz = z_zeta_.cols();
   const WideMatrix theta = theta_.asDiagonal();
-  const WideMatrix inverse = k > 0 ? WideMatrix(Eigen::PartialPivLU<WideMatrix>(s + theta).inverse()) : WideMatrix(0, 0);
-  d_ = wide_clean_product(inverse, theta - s);
+  WideMatrix gain = half, gain_rest = WideMatrix::Zero(k, k), right(k, 2 * k + n + nz);
+  right << theta, -half, z_xi_.middleRows(first, k), z_zeta_.middleRows(first, k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    if (theta_[i] > 0.0) {
+      linalg::Doubled sum{half(i, i), 0};
+      sum.add(1.0);
+      gain(i, i) = sum.value;
+      gain_rest(i, i) = sum.rest;
+    } else {
+      right(i, k + i) -= 1.0;
+    }
+  }
+  const WideMatrix inverse = k > 0 ? WideMatrix(Eigen::PartialPivLU<WideMatrix>(gain).inverse()) : WideMatrix(0, 0);
+  const WideMatrix solution = wide_cleaned(linalg::refined_solution(gain, gain_rest, inverse, right), absolute_product(inverse, right));
+  one_plus_d_ = solution.leftCols(k);
+  d_ = solution.middleCols(k, k);
   for (Eigen::Index i = 0; i < d_.size(); ++i)
     if (std::abs(d_.data()[i]) < port_noise) d_.data()[i] = 0.0;
-  c_ = wide_clean_product(inverse, cw);
-  f1_ = wide_clean_product(inverse, fw);
-  // (S + Θ) C = C_w, and the same for D and F.
-  const WideMatrix of_s = 2.0 * z_a_error_.middleRows(first, k);
-  without_rounding(d_, absolute_product(inverse, absolute_product(of_s, WideMatrix::Identity(k, k) + d_.cwiseAbs())));
-  without_rounding(c_, absolute_product(inverse, 2.0 * z_xi_error_.middleRows(first, k) + absolute_product(of_s, c_)));
-  without_rounding(f1_, absolute_product(inverse, 2.0 * z_zeta_error_.middleRows(first, k) + absolute_product(of_s, f1_)));
+  c_ = solution.middleCols(2 * k, n);
+  f1_ = solution.rightCols(nz);
 }
 
 void Extractor::add_ports() {
@@ -392,14 +383,13 @@ void Extractor::finish() {
   system.exosystem = assembly_.exosystem;
   add_ports();
 
-  const WideMatrix one_plus_d = WideMatrix::Identity(k, k) + d_;
   auto unrounded = std::make_shared<Unrounded>();
   unrounded->a = WideMatrix::Zero(size, size);
   unrounded->a.topLeftCorner(n, n) = wide_clean_sum(a_, -b_, c_);
   unrounded->a.topRightCorner(n, nz) = wide_clean_sum(e_, -b_, f1_);
   unrounded->a.bottomRightCorner(nz, nz) = assembly_.exosystem->a().cast<Wide>();
   unrounded->b = WideMatrix::Zero(size, k);
-  unrounded->b.topRows(n) = -wide_clean_product(b_, one_plus_d);
+  unrounded->b.topRows(n) = -wide_clean_product(b_, one_plus_d_);
   unrounded->c.resize(k, size);
   unrounded->c << c_, f1_;
   unrounded->d = d_;
@@ -421,7 +411,7 @@ void Extractor::finish() {
   descriptor.store_sign = assembly_.store_sign();
   descriptor.z_state.resize(m, size);
   descriptor.z_state << wide_clean_sum(z_xi_, -z_a_, c_).cast<double>(), wide_clean_sum(z_zeta_, -z_a_, f1_).cast<double>();
-  descriptor.z_input = -wide_clean_product(z_a_, one_plus_d).cast<double>();
+  descriptor.z_input = -wide_clean_product(z_a_, one_plus_d_).cast<double>();
   descriptor.store_state.resize(assembly_.stores(), size);
   descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
   descriptor.reduce = basis_.transpose().cast<double>();

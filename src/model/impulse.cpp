@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcp/lemke.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -46,14 +48,8 @@ class Impulses {
     decomposition.compute(equations);
     const Vector weights = decomposition.solve(right);
     if (!((equations * weights - right).norm() <= tolerance_ * jump.norm())) return false;
-    u_.assign(at(order), Vector::Zero(s_.ports));
-    size_.assign(at(order), Vector::Zero(s_.ports));
-    for (int j = 1; j <= order; ++j)
-      for (Eigen::Index i = 0; i < q; ++i) {
-        const auto from = (j - 1) * q + i;
-        u_[at(j - 1)][active_[at(i)]] = scale[from] * weights[from];
-        size_[at(j - 1)][active_[at(i)]] = scale[from] * weights.norm();
-      }
+    take(order, scale, weights);
+    if (order == 1 && decomposition.rank() < q) prefer_allowed(equations, scale, weights);
     return true;
   }
 
@@ -82,6 +78,39 @@ class Impulses {
 
  private:
   static std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+  void take(int order, const Vector& scale, const Vector& weights) {
+    const auto q = static_cast<Eigen::Index>(active_.size());
+    u_.assign(at(order), Vector::Zero(s_.ports));
+    size_.assign(at(order), Vector::Zero(s_.ports));
+    for (int j = 1; j <= order; ++j)
+      for (Eigen::Index i = 0; i < q; ++i) {
+        const auto from = (j - 1) * q + i;
+        u_[at(j - 1)][active_[at(i)]] = scale[from] * weights[from];
+        size_[at(j - 1)][active_[at(i)]] = scale[from] * weights.norm();
+      }
+  }
+
+  /// Where ports can share an impulse in several ways, one that every diode allows: with w = G·weights the impulses of the diodes and Y what
+  /// is open, least |t| with w + G Y t ≥ 0, that is t = (G Y)ᵀ λ with 0 ≤ λ ⊥ G Y (G Y)ᵀ λ + w ≥ 0.
+  void prefer_allowed(const Matrix& equations, const Vector& scale, const Vector& weights) {
+    Vector impulse(s_.diodes);
+    Matrix reads = Matrix::Zero(s_.diodes, weights.size());
+    for (int i = 0; i < s_.diodes; ++i) {
+      const auto own = std::find(active_.begin(), active_.end(), i);
+      const int sign = own != active_.end() ? sign_of_input(i) : sign_of_output(i);
+      if (own != active_.end())
+        reads(i, own - active_.begin()) = 1.0;
+      else
+        reads.row(i) = (s_.d(i, active_) * scale.asDiagonal()).rowwise().normalized();
+      impulse[i] = sign == 0 ? 0.0 : reads.row(i).dot(weights);
+    }
+    if ((impulse.array() >= 0.0).all()) return;
+    const Matrix open = linalg::null_space(equations, rank_tolerance);
+    const Matrix moved = linalg::clean_product(reads, open);
+    const lcp::Solution solution = lcp::lemke(moved * moved.transpose(), impulse);
+    if (solution.status == lcp::Status::solved) take(1, scale, weights + open * (moved.transpose() * solution.z));
+  }
 
   const System& s_;
   double tolerance_, root_;

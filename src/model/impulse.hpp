@@ -16,7 +16,7 @@ namespace pwlsim::model {
 
 struct Impulse {
   int order = 0;  ///< L; 0: the jump is not one of the mode
-  Vector weight;  ///< u^{−1}, that is ∫u dt of all ports, in u·s; where it is not unique, the least norm
+  Vector weight;  ///< u^{−1}, that is ∫u dt of all ports, in u·s; where it is not unique, the least norm that the diodes allow
   std::vector<int>
       sign;  ///< of each diode port: of its first impulse that is not zero, highest order first; of u_i in J, of y_i outside; 0: none
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/constraint_basis.hpp"
 #include "linalg/elimination.hpp"
 #include "model/subspaces.hpp"
 
@@ -34,6 +35,8 @@ constexpr double noise_per_condition = 30.0 * 2.220446049250313e-16;
 constexpr Wide solution_noise = 1e-14L;
 constexpr Wide unrounded_solution_noise = 4e-18L;
 constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
+/// Of D_JJ, from which on inputs share their rounding.
+constexpr double bad_condition = 1e2;
 /// Of an entry of D that was not rounded to double: a few of its last places at order one.
 constexpr Wide entry_rounding = 4e-19L;
 /// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
@@ -147,6 +150,7 @@ class Builder {
 
  private:
   bool solve_inputs();
+  void leave_out_rounding(Eigen::Index column, const WideVector& rounding);
   bool solve_with_kernel(const linalg::WideElimination& elimination);
   bool solve_generally();
   void take_least_norm(const WideMatrix& free_directions);
@@ -184,13 +188,27 @@ bool Builder::solve_inputs() {
     // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
     const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
     const Wide level = s_.unrounded ? unrounded_solution_noise : solution_noise;
-    for (Eigen::Index i = 0; i < kj_.size(); ++i)
-      if (std::abs(kj_.data()[i]) <= level * bound.data()[i]) kj_.data()[i] = 0;
     // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
     condition_ = static_cast<double>(absolute_product(inverse, r_.d).rowwise().sum().maxCoeff());
+    for (Eigen::Index j = 0; j < kj_.cols(); ++j) leave_out_rounding(j, level * bound.col(j));
     return true;
   }
   return solve_with_kernel(elimination) || solve_generally();
+}
+
+/// Inputs that are rounding become zero. Where D is badly conditioned the same rounding is in the others: they are solved for without those.
+void Builder::leave_out_rounding(Eigen::Index column, const WideVector& rounding) {
+  auto k = kj_.col(column);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < k.size(); ++i) {
+    if (std::abs(k[i]) > rounding[i])
+      kept.push_back(i);
+    else
+      k[i] = 0;
+  }
+  if (condition_ < bad_condition || kept.empty() || kept.size() == r_.j.size()) return;
+  const WideMatrix columns = r_.d(Eigen::all, kept);
+  k(kept) = -Eigen::ColPivHouseholderQR<WideMatrix>(columns).solve(r_.c.col(column));
 }
 
 /// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
@@ -295,14 +313,11 @@ void Builder::reduce_coordinates() {
   m.n1 = s_.n - fixed;
   m.ny = m.n1 + s_.n_zeta;
   if (!m.constrained) return;
-  Eigen::HouseholderQR<WideMatrix> qr(constraints_.leftCols(s_.n).transpose());
-  const WideMatrix q = qr.householderQ();
-  const WideMatrix basis = wide_cleaned(q.rightCols(m.n1), WideMatrix::Ones(s_.n, m.n1));
-  const WideMatrix upper = qr.matrixQR().topRows(fixed).triangularView<Eigen::Upper>();
-  const WideMatrix on_sources = upper.transpose().triangularView<Eigen::Lower>().solve(constraints_.rightCols(s_.n_zeta));
+  const linalg::ConstraintBasis free(constraints_.leftCols(s_.n));
+  const WideMatrix basis = wide_cleaned(free.null(), WideMatrix::Ones(s_.n, m.n1));
   embedding_ = WideMatrix::Zero(s_.size(), m.ny);
   embedding_.topLeftCorner(s_.n, m.n1) = basis;
-  embedding_.topRightCorner(s_.n, s_.n_zeta) = -product(q.leftCols(fixed), on_sources);
+  embedding_.topRightCorner(s_.n, s_.n_zeta) = -free.least(constraints_.rightCols(s_.n_zeta));
   embedding_.bottomRightCorner(s_.n_zeta, s_.n_zeta).setIdentity();
   m.basis = basis.cast<double>();
   m.lift = embedding_.topRightCorner(s_.n, s_.n_zeta).cast<double>();

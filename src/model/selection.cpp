@@ -182,6 +182,8 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
 const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) {
   jumped = false;
   const Mode* previous = nullptr;
+  const Mode* jump = nullptr;
+  Impulse impulse;
   for (const double factor : s_factors) {
     const Mode* first_jump = nullptr;
     for (const IndexSet& set : rational_.candidates(x, rational_.rate() * factor, wanted)) {
@@ -193,17 +195,29 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
         return &m;
       }
       if (!impulse_allowed(m, x, projected_.data())) continue;
-      if (&m == previous || factor >= trusted_s_factor) {
-        // Once more: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
-        linalg::multiply(m.projector, projected_.data(), x);
-        jumped = true;
-        return &m;
-      }
+      jumped = &m == previous || factor >= trusted_s_factor;
+      if (jumped) return jump_into(m, x);
       if (!first_jump) first_jump = &m;
+      if (!jump && impulse_.order > 0) {
+        jump = &m;
+        impulse = impulse_;
+      }
     }
     previous = first_jump;
   }
-  return system_.passive || system_.diodes > few_ports ? nullptr : from_all_modes(x, wanted, jumped);
+  if (!system_.passive) return system_.diodes > few_ports ? nullptr : from_all_modes(x, wanted, jumped);
+  // At larger s the problem may be too badly scaled to be solved; the impulses that complementarity allows are those of the solution.
+  jumped = jump != nullptr;
+  if (!jumped) return nullptr;
+  impulse_ = impulse;
+  return jump_into(*jump, x);
+}
+
+/// Projects twice: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
+const Mode* Selector::jump_into(const Mode& m, double* x) {
+  linalg::multiply(m.projector, x, projected_.data());
+  linalg::multiply(m.projector, projected_.data(), x);
+  return &m;
 }
 
 /// Lemke's method solves for P-matrices and semidefinite ones; elsewhere it can miss the solution. A mode without jump before one with.
@@ -223,10 +237,8 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
   if (stays) return stays;
   if (!jump) return nullptr;
   impulse_ = impulse;
-  const Vector before = Eigen::Map<const Vector>(x, system_.size());
-  linalg::multiply(jump->projector, before.data(), x);
   jumped = true;
-  return jump;
+  return jump_into(*jump, x);
 }
 
 const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {

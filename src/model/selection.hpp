@@ -75,6 +75,7 @@ class Selector {
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
+  const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);

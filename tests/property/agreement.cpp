@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 
 #include "property/independent.hpp"
 #include "property/program_run.hpp"
@@ -98,12 +99,12 @@ struct Refinement {
   }
 };
 
-Refinement refine(const RandomNetwork& network, const Window& window, const States& initial) {
+Refinement refine(const RandomNetwork& network, const Window& window, const States& initial, int fineness) {
   Refinement result;
   result.initial = initial;
   result.grid = make_grid(network, window.start, window.start + window.length, coarsest_steps);
   for (std::size_t level = 0; level < levels && result.problem.empty(); ++level) {
-    Trajectory trajectory = implicit_euler(network, result.grid, initial, 1 << level, level == 0);
+    Trajectory trajectory = implicit_euler(network, result.grid, initial, 1 << (fineness + level), fineness + level == 0);
     result.problem = trajectory.problem;
     result.rows[level] = std::move(trajectory.states);
   }
@@ -114,20 +115,33 @@ class Comparison {
  public:
   Comparison(const RandomNetwork& network, const RandomNetwork& beside) : network_(network), beside_(beside), norm_{states_of(network)} {}
 
-  Agreement run() {
+  Agreement run(std::initializer_list<int> finenesses) {
     if (norm_.parts.empty()) return result_;
-    Window window{0.0, network_.stop};
-    examine_from(window);
-    result_.whole = result_.windows == 1 && window.length == network_.stop;
-    if (result_.kind == Agreement::Kind::agrees && !result_.whole)
-      for (const double start : later_starts(window.length)) {
-        Window later{start, std::min(window.length, network_.stop - start)};
-        if (result_.kind == Agreement::Kind::agrees) examine_from(later);
-      }
+    for (const int fineness : finenesses) {
+      fineness_ = fineness;
+      undecided_ = false;
+      result_ = {};
+      unexplained_ = moved_ = 0.0;
+      examine_whole();
+      if (!undecided_) break;
+    }
     return result_;
   }
 
  private:
+  void examine_whole() {
+    Window window{0.0, network_.stop};
+    examine_from(window);
+    result_.whole = result_.windows == 1 && window.length == network_.stop;
+    if (result_.kind != Agreement::Kind::agrees || result_.whole) return;
+    for (const double start : later_starts(window.length)) {
+      Window later{start, std::min(window.length, network_.stop - start)};
+      examine_from(later);
+      if (result_.kind != Agreement::Kind::agrees) return;
+    }
+    if (moved_ < least_motion * unexplained_) fail_undecided(fmt::format("\n  nothing moves more than {:.3g}", moved_));
+  }
+
   /// Windows of this length that hold edges of the sources and events of the program's run, a third of the window after their start.
   std::vector<double> later_starts(double length) {
     std::vector<double> instants = some_of(edges_of(network_, network_.stop));
@@ -175,43 +189,61 @@ class Comparison {
     return rows;
   }
 
+  void fail_undecided(const std::string& detail) {
+    undecided_ = true;
+    fail("independent solution", disagreement_ + detail);
+  }
+
   void examine_from(Window& window) {
-    disagreement_.clear();
-    unexplained_ = 0.0;
     States initial = initial_states(network_);
     if (window.start > 0.0) {
       const Rows rows = program({0.0, window.start});
       if (rows.empty()) return;
       initial = rows.back();
     }
+    double longer = 0.0;  // √J: largest disagreement, or change by the last halving, in longer windows from here
+    double agreeing = 0.0;
+    bool disagrees = false;
     for (int k = 0; k <= most_shrinkings; ++k, window.length /= shrinking) {
-      const Refinement refinement = refine(beside_, window, initial);
+      const Refinement refinement = refine(beside_, window, initial, fineness_);
       if (!refinement.problem.empty()) return fail("implicit Euler", refinement.problem);
       if (!refinement.resolves(norm_)) {
-        unexplained_ = std::max(unexplained_, refinement.change(norm_, levels - 1));
+        longer = std::max(longer, refinement.change(norm_, levels - 1));
         disagreement_ += fmt::format("\n  window {} + {}: implicit Euler does not settle", window.start, window.length);
         continue;
       }
-      if (compare(window, refinement)) return;
+      const Rows exact = program_at(refinement.grid);
+      if (exact.empty()) return;
+      if (!compare(window, refinement, exact)) {
+        longer = std::max(longer, norm_.distance(exact, refinement.rows.back()));
+        disagrees = true;
+        continue;
+      }
+      const double moves = motion(exact);
+      moved_ = std::max(moved_, moves);
+      if (moves >= least_motion * longer) return;
+      agreeing = std::max(agreeing, window.length);
+      disagreement_ += fmt::format("\n  window {} + {}: agrees, but nothing moves that could explain these", window.start, window.length);
     }
-    if (result_.kind == Agreement::Kind::agrees) fail("independent solution", disagreement_);
+    if (agreeing == 0.0) return disagrees ? fail("independent solution", disagreement_) : fail_undecided({});
+    // What begins to move later is for the windows around events and edges to explain.
+    unexplained_ = std::max(unexplained_, longer);
+    window.length = agreeing;
+  }
+
+  Rows program_at(const StepGrid& grid) {
+    std::vector<double> times{0.0};
+    for (const std::size_t sample : grid.samples) times.push_back(grid.times[sample]);
+    Rows rows = program(times);
+    if (!rows.empty()) rows.erase(rows.begin());
+    return rows;
   }
 
   /// False where they disagree: the window may be too long still, where a tank rings below the changes of all others.
-  bool compare(const Window& window, const Refinement& refinement) {
-    std::vector<double> times{0.0};
-    for (const std::size_t sample : refinement.grid.samples) times.push_back(refinement.grid.times[sample]);
-    Rows exact = program(times);
-    if (exact.empty()) return true;
-    exact.erase(exact.begin());
+  bool compare(const Window& window, const Refinement& refinement, const Rows& exact) {
     const Measured measured = measure(exact, refinement);
     if (!measured.complaint.empty()) {
       disagreement_ += text_of(window, measured);
-      unexplained_ = std::max(unexplained_, norm_.distance(exact, refinement.rows.back()));
-      return false;
-    }
-    if (motion(exact) < least_motion * unexplained_) {
-      disagreement_ += fmt::format("\n  window {} + {}: agrees, but nothing moves that could explain these", window.start, window.length);
       return false;
     }
     ++result_.windows;
@@ -267,15 +299,21 @@ class Comparison {
   const RandomNetwork& beside_;  ///< what implicit Euler solves
   Norm norm_;
   Agreement result_;
-  double unexplained_ = 0.0;  ///< √J: largest disagreement, or change by the last halving, in longer windows from the same start
+  int fineness_ = 0;
+  bool undecided_ = false;    ///< finer steps may tell
+  double unexplained_ = 0.0;  ///< √J: largest disagreement in windows that were too long, and that no shorter one from there explains
+  double moved_ = 0.0;        ///< √J: most that the states move in a window that agrees
   std::string disagreement_;  ///< of the windows, from the longest on
 };
 
 }  // namespace
 
-Agreement compare_with_independent(const RandomNetwork& network) { return Comparison(network, network).run(); }
+/// The second and third fineness (halvings of all steps before the first) are for what the one before could not decide.
+Agreement compare_with_independent(const RandomNetwork& network) { return Comparison(network, network).run({0, 3, 6}); }
 
-Agreement compare_with_independent(const RandomNetwork& network, const RandomNetwork& beside) { return Comparison(network, beside).run(); }
+Agreement compare_with_independent(const RandomNetwork& network, const RandomNetwork& beside) {
+  return Comparison(network, beside).run({0});
+}
 
 RandomNetwork smallest_disagreement(RandomNetwork network, const Agreement& agreement) {
   for (bool smaller = true; smaller;) {

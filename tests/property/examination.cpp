@@ -16,7 +16,7 @@ using Kind = Part::Kind;
 
 constexpr double certificate_bound = 1e-9;  ///< relative residuals
 constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
-constexpr double nothing = 1e-9;            ///< V or A: less than this is what rounding leaves of sources of volts and milliamperes
+constexpr double nothing = 4e-15;           ///< of 10 V or 10 mA, twenty units of the last place: rounding of a state that is zero
 constexpr double small_share = 1e-3;        ///< see scales()
 constexpr double energy_slack = 1e-11;  ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;
@@ -77,7 +77,7 @@ Finding compare(const RandomNetwork& network, const ProgramRun& a, const Program
   double worst = 0.0;
   std::string detail;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double scale = std::max(scale_of[i], nothing);
+    const double scale = std::max(scale_of[i], nothing / agreement * typical_state(states[i]));
     for (std::size_t k = 0; k < a.rows.size(); ++k) {
       const double error = std::abs(a.rows[k][i + 1] - b.rows[k * stride][i + 1]);
       if (error <= worst * scale) continue;

@@ -247,6 +247,7 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   std::copy_n(segment_.y0.begin(), ny, segment_.y.begin());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;
+  segment_.turns = 0;
   segment_.sampled = false;
   choose_guards(on);
   selector_.mark_visited(*mode);

@@ -20,6 +20,10 @@ constexpr double left_to_polish = 1e-11;
 constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
+/// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
+constexpr double short_step = 0.02;
+constexpr int series_in_turn = 16;
+constexpr int bounds_in_turn = 64;
 /// So many intervals in, a segment is worth looking for slow parts; what they may be off by, in time, against the segment's length.
 constexpr std::uint64_t intervals_before_parts = 6;
 constexpr double parting_error = 1e-9;
@@ -413,14 +417,22 @@ Located Locator::march(Segment& s, double end) {
       s.certified = end;
       return located;
     }
-    if (!s.mode->stiff && !undecided_start && march_by_series(s, end, located)) {
-      ++s.intervals;
-      // A segment that long in the mode's own time means fast parts that do not matter: low orders step over those.
-      if (++series_intervals > most_series_intervals) s.mode->stiff = true;
-      if (located.found) return located;
-      continue;
+    if (!undecided_start && (!s.mode->stiff || s.turns > 0)) {
+      if (s.turns > 0) --s.turns;
+      if (march_by_series(s, end, located)) {
+        ++s.intervals;
+        // A segment that long in the mode's own time means fast parts that do not matter: low orders step over those.
+        if (++series_intervals > most_series_intervals) s.mode->stiff = true;
+        if (located.found) return located;
+        continue;
+      }
+      s.turns = -bounds_in_turn;
     }
     if (march_by_bounds(s, end, shortest, located)) return located;
+    if (s.turns < 0)
+      ++s.turns;
+    else if (s.mode->stiff && s.mode->flow.rate() * s.step < short_step)
+      s.turns = series_in_turn;
   }
   return located;
 }

@@ -34,6 +34,7 @@ struct Segment {
   std::uint64_t intervals = 0;  ///< examined so far
   bool sampled = false;         ///< some of it by signs at the ends only
   double step = 0.0;            ///< length of the last interval decided, 0: none yet
+  int turns = 0;                ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
 };
 
 struct Located {

@@ -223,7 +223,9 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
   }
   if (lower_bound(c) > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
   // What a value of this guard is worth, against which its own rounding counts.
-  rest += noise_of(s, s.rows[i]) * (start > 0 ? 0.0 : 0.1);
+  const double noise = noise_of(s, s.rows[i]);
+  if (start == 0 && std::abs(c[0]) <= noise && lower_bound(c) - rest >= -noise) return {Verdict::excluded, 0.0, 0.0, 0.0};
+  rest += noise * (start > 0 ? 0.0 : 0.1);
   Piece piece = at_a_glance(c, rest, rest_slope);
   if (piece.shape == Shape::unclear) piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
   if (piece.shape == Shape::positive) return {Verdict::excluded, 0.0, 0.0, 0.0};
