@@ -22,8 +22,7 @@ constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
 /// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
 constexpr double short_step = 0.02;
-constexpr int series_in_turn = 16;
-constexpr int bounds_in_turn = 64;
+constexpr int series_in_turn = 16, bounds_in_turn = 64;
 /// So many intervals in, a segment is worth looking for slow parts; what they may be off by, in time, against the segment's length.
 constexpr std::uint64_t intervals_before_parts = 6;
 constexpr double parting_error = 1e-9;
@@ -429,10 +428,7 @@ Located Locator::march(Segment& s, double end) {
       s.turns = -bounds_in_turn;
     }
     if (march_by_bounds(s, end, shortest, located)) return located;
-    if (s.turns < 0)
-      ++s.turns;
-    else if (s.mode->stiff && s.mode->flow.rate() * s.step < short_step)
-      s.turns = series_in_turn;
+    if (++s.turns > 0) s.turns = s.mode->stiff && s.mode->flow.rate() * s.step < short_step ? series_in_turn : 0;
   }
   return located;
 }
