@@ -170,3 +170,22 @@ TEST_CASE("the operating point of the sparse engine has capacitors open and indu
   REQUIRE(point.answer.outcome == engine::Outcome::completed);
   CHECK(point.values.at(0) == Approx(6.0).epsilon(1e-8));
 }
+
+TEST_CASE("many small parts are no large circuit, one large part is", "[unit]") {
+  constexpr int stages = 450;
+  Circuit apart, chain;
+  const auto name = [](int i) { return "n" + std::to_string(i); };
+  for (int i = 0; i < stages; ++i) {
+    apart.c(name(i), "0", 1.0);
+    apart.r(name(i), "0", 1.0);
+    apart.save_v(name(i));
+    chain.c(name(i), "0", 1.0);
+    chain.r(name(i), i == 0 ? "0" : name(i - 1), 1.0);
+  }
+  chain.save_v(name(0));
+  CHECK_FALSE(pays(apart.network()));
+  CHECK(pays(chain.network()));
+  Circuit unread = chain;
+  unread.network().signals.clear();
+  CHECK_FALSE(pays(unread.network()));
+}

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/sparse/transient.hpp"
+#include "model/islands.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -10,6 +13,10 @@ namespace {
 
 /// Stores and ports beyond which the dense modes of the exact engine cost more than steps do.
 constexpr std::size_t dense_limit = 400;
+
+bool is_large(const model::Network& n) {
+  return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size() > dense_limit;
+}
 
 }  // namespace
 
@@ -43,8 +50,10 @@ OperatingPoint operating_point(const SparseModel& model) {
   return result;
 }
 
-bool pays(const model::Network& n) {
-  return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size() > dense_limit;
+bool pays(const model::Network& network) {
+  if (!is_large(network)) return false;
+  const std::vector<model::Island> islands = model::split_islands(network);
+  return std::any_of(islands.begin(), islands.end(), [](const model::Island& island) { return island.needed && is_large(island.network); });
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -28,7 +28,7 @@ class SparseModel;
 /// The DC operating point.
 [[nodiscard]] OperatingPoint operating_point(const SparseModel& model);
 
-/// Whether `auto` takes this engine: more stores and ports than the exact engine's dense modes are made for.
+/// Whether `auto` takes this engine: a part that must run has more stores and ports than the exact engine's dense modes are made for.
 [[nodiscard]] bool pays(const model::Network& network);
 
 }  // namespace pwlsim::engine::sparse
