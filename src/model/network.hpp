@@ -63,7 +63,7 @@ struct Capacitor {
   bool has_initial = false;
   double initial_voltage = 0.0;
   bool starts_there = false;  ///< without uic too, even where that contradicts the network
-  std::string state;          ///< what its voltage stands for where it is none: "x(s,1)"
+  std::string state{};        ///< what its voltage stands for where it is none: "x(s,1)"
 };
 /// v = inductance·i' + Σ mutual·i_other'.
 struct Inductor {
