@@ -17,21 +17,21 @@ WideMatrix constraints() {
 
 }  // namespace
 
-TEST_CASE("a basis of what constraints leave free is orthonormal and meets them", "[linalg]") {
+TEST_CASE("a basis of what constraints leave free is orthonormal and meets them", "[unit]") {
   const WideMatrix h = constraints(), n = ConstraintBasis(h).null();
   REQUIRE(n.cols() == 3);
   CHECK((n.transpose() * n - WideMatrix::Identity(3, 3)).cwiseAbs().maxCoeff() < last_places);
   CHECK((h * n).cwiseAbs().maxCoeff() < 5 * last_places);
 }
 
-TEST_CASE("an unknown that no constraint holds is a vector of the basis", "[linalg]") {
+TEST_CASE("an unknown that no constraint holds is a vector of the basis", "[unit]") {
   const WideMatrix n = ConstraintBasis(constraints()).null();
   CHECK((n.row(1).array() != 0).count() == 1);
   CHECK(n.row(1).cwiseAbs().maxCoeff() == 1);
 }
 
 // One constraint h·x = 0 with a large entry p: the reflection e_j − h_j (h + e_p)/(1 + h_p), for |h| = 1, has entries −h_i h_j/(1 + h_p).
-TEST_CASE("small entries of the basis keep their digits", "[linalg]") {
+TEST_CASE("small entries of the basis keep their digits", "[unit]") {
   WideMatrix h(1, 3);
   h << 1e-9L, 1, 3e-12L;
   h /= h.norm();
@@ -41,7 +41,7 @@ TEST_CASE("small entries of the basis keep their digits", "[linalg]") {
 }
 
 // Of one row h the least x with h·x = b is hᵀ b/|h|².
-TEST_CASE("the least solution of constraints", "[linalg]") {
+TEST_CASE("the least solution of constraints", "[unit]") {
   const WideMatrix h = constraints().row(0);
   WideMatrix b(1, 1);
   b << 7;
@@ -49,6 +49,6 @@ TEST_CASE("the least solution of constraints", "[linalg]") {
   CHECK((x - 7 * h.transpose() / h.squaredNorm()).cwiseAbs().maxCoeff() < 7 * last_places);
 }
 
-TEST_CASE("the pivots are unknowns in which the constraints are large", "[linalg]") {
+TEST_CASE("the pivots are unknowns in which the constraints are large", "[unit]") {
   CHECK(ConstraintBasis(constraints()).pivots() == std::vector<Eigen::Index>{3, 2});
 }

@@ -15,7 +15,7 @@ constexpr Wide last_places = 4e-19L;
 
 // A current of 1 flows through 10¹² and 1/3 in series to ground: by Ohm's law the node between is at 3. The sum 10¹² + 1/3, rounded, is off by
 // 10⁻⁸, a leak of 10⁻⁷ of the small conductance.
-TEST_CASE("what rounding left of a matrix counts in a refined solution", "[linalg]") {
+TEST_CASE("what rounding left of a matrix counts in a refined solution", "[unit]") {
   const Wide large = 1e12L, small = 1.0L / 3.0L;
   Doubled sum{large, 0};
   sum.add(small);
@@ -32,7 +32,7 @@ TEST_CASE("what rounding left of a matrix counts in a refined solution", "[linal
 
 // The inverse of the Hilbert matrix has integer entries: that of order 6 begins with 36, −630 (Choi, Tricks or treats with the Hilbert matrix,
 // American Mathematical Monthly 90, 1983).
-TEST_CASE("a badly conditioned system is solved to the last place", "[linalg]") {
+TEST_CASE("a badly conditioned system is solved to the last place", "[unit]") {
   WideMatrix hilbert(6, 6);
   // Times lcm(1 … 11), so that the entries are integers.
   for (int i = 0; i < 6; ++i)
