@@ -170,7 +170,8 @@ class Builder {
   WideMatrix kj_;           ///< u_J = kj·x
   WideMatrix constraints_;  ///< rows spanning the complement of V
   WideVector input_;        ///< of the active ports into the row at hand
-  WideMatrix embedding_;    ///< x = embedding·y, unrounded: [N R; 0 1]
+  bool sources_constrain_ = false;
+  WideMatrix embedding_;  ///< x = embedding·y, unrounded: [N R; 0 1]
   Wide feedthrough_tolerance_ = 0;
   double noise_per_condition_ = 0.0;
   double condition_ = 1.0;
@@ -213,58 +214,51 @@ void Builder::leave_out_rounding(Eigen::Index column, const WideVector& rounding
 
 /// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
 bool Builder::solve_with_kernel(const linalg::WideElimination& elimination) {
-  const auto q = r_.d.rows();
-  const bool zero = elimination.rank() == 0;
-  WideMatrix right = zero ? WideMatrix(WideMatrix::Identity(q, q)) : elimination.kernel();
-  WideMatrix left;
-  if (!zero) {
-    left = elimination.left_kernel();
+  const bool zero = elimination.rank() == 0;  // D_JJ: its kernel is everything
+  WideMatrix right, constraint, jump;
+  WideVector row_bound, column_bound;
+  if (zero) {
+    constraint = r_.c;
+    jump = r_.b;
+  } else {
+    right = elimination.kernel();
+    const WideMatrix left = elimination.left_kernel();
     kj_ = -elimination.solve(r_.c);
-  }
-  WideMatrix constraint = r_.c;
-  WideMatrix jump = r_.b;
-  WideMatrix constraint_bound = r_.c.cwiseAbs();
-  WideMatrix jump_bound = r_.b.cwiseAbs();
-  if (!zero) {
-    constraint_bound = absolute_product(left.transpose(), r_.c);
-    jump_bound = absolute_product(r_.b, right);
     // An entry of a null vector is exact to the rounding of its largest.
     constraint = product(left.transpose(), r_.c);
     clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
     jump = product(r_.b, right);
     clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
+    row_bound = absolute_product(left.transpose(), r_.c.leftCols(s_.n)).rowwise().norm();
+    column_bound = absolute_product(r_.b, right).colwise().norm().transpose();
   }
-  const auto count = right.cols();
-  WideVector row_norm(count), column_norm(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    row_norm[i] = constraint.row(i).head(s_.n).norm();
-    column_norm[i] = jump.col(i).norm();
-  }
-  const auto is_rounding = [](const WideVector& norm, const WideVector& bound) {
-    return (norm.array() <= cancelled_norm * bound.array()).any();
+  const WideVector row_norm = constraint.leftCols(s_.n).rowwise().norm();
+  const WideVector column_norm = jump.colwise().norm().transpose();
+  const auto is_rounding = [&](const WideVector& norm, const WideVector& bound) {
+    return (norm.array() <= cancelled_norm * (zero ? norm : bound).array()).any();
   };
-  if (s_.n == 0 || is_rounding(row_norm, constraint_bound.leftCols(s_.n).rowwise().norm())) return false;
-  if (is_rounding(column_norm, jump_bound.colwise().norm().transpose())) return false;
+  if (s_.n == 0 || is_rounding(row_norm, row_bound) || is_rounding(column_norm, column_bound)) return false;
   constraint.array().colwise() /= row_norm.array();
   jump.array().rowwise() /= column_norm.transpose().array();
-  right.array().rowwise() /= column_norm.transpose().array();
   const linalg::WideElimination gain(product(constraint, jump), jump_rank_tolerance);
-  if (gain.rank() < count) return false;
+  if (gain.rank() < constraint.rows()) return false;
   condition_ = std::max(condition_, static_cast<double>(gain.largest_pivot() / gain.smallest_pivot()));
-  const auto size = static_cast<Eigen::Index>(s_.size());
   const WideMatrix inverse = gain.inverse();
-  WideMatrix bound = w_->a.cwiseAbs();
-  WideMatrix rate = w_->a;
-  if (!zero) {
-    bound += absolute_product(r_.b, kj_);
-    rate += product(r_.b, kj_);
+  if (zero) {
+    const WideMatrix bound = absolute_product(inverse, absolute_product(constraint, w_->a));
+    kj_ = wide_cleaned(-product(inverse, product(constraint, w_->a)), bound);
+    kj_.array().colwise() /= column_norm.array();
+  } else {
+    right.array().rowwise() /= column_norm.transpose().array();
+    const WideMatrix rate = w_->a + product(r_.b, kj_);
+    WideMatrix bound = w_->a.cwiseAbs() + absolute_product(r_.b, kj_);
+    bound = absolute_product(right, absolute_product(inverse, absolute_product(constraint, bound))) + kj_.cwiseAbs();
+    kj_ = wide_cleaned(kj_ - product(right, product(inverse, product(constraint, rate))), bound);
   }
-  bound = absolute_product(right, absolute_product(inverse, absolute_product(constraint, bound)));
-  bound += kj_.cwiseAbs();
-  kj_ -= product(right, product(inverse, product(constraint, rate)));
-  kj_ = wide_cleaned(std::move(kj_), bound);
-  mode_->projector = (WideMatrix::Identity(size, size) - product(jump, product(inverse, constraint))).cast<double>();
-  constraints_ = constraint;
+  WideMatrix projector = -product(jump, product(inverse, constraint));
+  projector.diagonal().array() += 1;
+  mode_->projector = projector.cast<double>();
+  constraints_ = std::move(constraint);
   return true;
 }
 
@@ -317,7 +311,8 @@ void Builder::reduce_coordinates() {
   const WideMatrix basis = wide_cleaned(free.null(), WideMatrix::Ones(s_.n, m.n1));
   embedding_ = WideMatrix::Zero(s_.size(), m.ny);
   embedding_.topLeftCorner(s_.n, m.n1) = basis;
-  embedding_.topRightCorner(s_.n, s_.n_zeta) = -free.least(constraints_.rightCols(s_.n_zeta));
+  sources_constrain_ = !constraints_.rightCols(s_.n_zeta).isZero(0);
+  if (sources_constrain_) embedding_.topRightCorner(s_.n, s_.n_zeta) = -free.least(constraints_.rightCols(s_.n_zeta));
   embedding_.bottomRightCorner(s_.n_zeta, s_.n_zeta).setIdentity();
   m.basis = basis.cast<double>();
   m.lift = embedding_.topRightCorner(s_.n, s_.n_zeta).cast<double>();
@@ -328,11 +323,11 @@ void Builder::build_flow() {
   WideMatrix rate = wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);
   if (m.constrained) {
     // c' = Nᵀ(ξ' − R ζ').
-    const WideMatrix basis = embedding_.topLeftCorner(s_.n, m.n1);
-    const WideMatrix lift = embedding_.topRightCorner(s_.n, s_.n_zeta);
     rate = wide_clean_product(rate, embedding_);
-    rate.rightCols(s_.n_zeta) = wide_clean_sum(rate.rightCols(s_.n_zeta), -lift, s_.exosystem->a().cast<Wide>());
-    rate = wide_clean_product(basis.transpose(), rate);
+    if (sources_constrain_)
+      rate.rightCols(s_.n_zeta) =
+          wide_clean_sum(rate.rightCols(s_.n_zeta), -embedding_.topRightCorner(s_.n, s_.n_zeta), s_.exosystem->a().cast<Wide>());
+    rate = wide_clean_product(embedding_.topLeftCorner(s_.n, m.n1).transpose(), rate);
   }
   Matrix a = Matrix::Zero(m.ny, m.ny);
   a.topRows(m.n1) = rate.cast<double>();
