@@ -178,6 +178,15 @@ int Session::transient() {
     };
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);
   }
+  if (sparse_ && options_.engine == EngineChoice::automatic)
+    messages_.report(
+        {Severity::note,
+         "N-sparse-engine",
+         {},
+         fmt::format(
+             "a part of this circuit is too large for the exact engine's dense modes: the sparse engine runs it, with local errors up "
+             "to {} of each state's maximum; try a smaller --reltol, or --engine exact",
+             reltol_)});
   take_remarks(run.answer);
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;

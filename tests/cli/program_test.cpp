@@ -210,6 +210,17 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   CHECK(scratch.names() == Names{"divider.net"});
 }
 
+TEST_CASE("a large circuit runs on the sparse engine, which says so", "[unit]") {
+  const Scratch scratch;
+  std::ostringstream deck;
+  deck << "ladder\nV1 n0 0 DC 1\n";
+  for (int i = 0; i < 450; ++i) deck << "R" << i << " n" << i << " n" << i + 1 << " 1\nC" << i << " n" << i + 1 << " 0 1n\n";
+  deck << ".save v(n450)\n.tran 1u 2u\n.end\n";
+  scratch.write("ladder.net", deck.str());
+  CHECK_THAT(run_in(scratch, {"ladder.net"}).err, Contains("note[N-sparse-engine]"));
+  CHECK_THAT(run_in(scratch, {"ladder.net", "--engine", "sparse"}).err, !Contains("N-sparse-engine"));
+}
+
 TEST_CASE("the sparse engine runs a deck, and refuses a tolerance below rounding", "[unit]") {
   const Scratch scratch;
   scratch.write("divider.net", divider);
