@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "analysis/report.hpp"
@@ -65,6 +66,7 @@ class Session {
 
   int prepare();
   void prepare_engine(Diagnostics& diagnostics);
+  void warn_of_sparse_engine();
   int check_tolerance();
   int open_files();
   int open(const std::string& name, std::optional<OutputFile>& file);
@@ -112,6 +114,21 @@ void Session::prepare_engine(Diagnostics& diagnostics) {
     exact_ = engine::prepare(compiled_->network, diagnostics);
     report_.engine = "exact";
   }
+}
+
+/// Known faults of the engine that no residual shows.
+void Session::warn_of_sparse_engine() {
+  const std::string_view reason =
+      options_.engine == EngineChoice::automatic ? "a part of this circuit is too large for the exact engine's dense modes; " : "";
+  messages_.report(
+      {Severity::warning,
+       "W-sparse-engine",
+       {},
+       fmt::format(
+           "{}the sparse engine is not finished: rows beside events and source edges, starts on a discontinuity and circuits without a "
+           "solution can come out wrong beyond its tolerance ({}), and its certificate may not show it; compare a smaller case "
+           "with --engine exact",
+           reason, reltol_)});
 }
 
 int Session::check_tolerance() {
@@ -178,15 +195,7 @@ int Session::transient() {
     };
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);
   }
-  if (sparse_ && options_.engine == EngineChoice::automatic)
-    messages_.report(
-        {Severity::note,
-         "N-sparse-engine",
-         {},
-         fmt::format(
-             "a part of this circuit is too large for the exact engine's dense modes: the sparse engine runs it, with local errors up "
-             "to {} of each state's maximum; try a smaller --reltol, or --engine exact",
-             reltol_)});
+  if (sparse_) warn_of_sparse_engine();
   take_remarks(run.answer);
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;
