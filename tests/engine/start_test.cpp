@@ -189,6 +189,19 @@ TEST_CASE("a source that shorts itself through a diode has no operating point, a
   }
 }
 
+// Closed, the switch takes away the voltage that closes it; open, it lets it come back.
+TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
+  Circuit c;
+  c.v("in", "0", model::Dc{1.0});
+  c.r("in", "a", 1.0);
+  c.s("a", "0", "a", "0", 0.5);
+  c.save_v("a");
+  const Run run = simulate(c.network(), {1.0, 1, false});
+  CHECK(run.answer.id == "E-no-operating-point");
+  CHECK(run.answer.elements == std::vector<std::string>{"SW1"});
+  CHECK(run.answer.message == "no DC operating point: SW1 finds no rest; try uic with initial values");
+}
+
 TEST_CASE("what no signal depends on is left out where it always has a solution", "[unit]") {
   Circuit c;
   c.v("in", "0", sine());

@@ -48,16 +48,21 @@ class OperatingPointSolver {
       on.push_back(s.initially_on);
       names_.push_back(s.name);
     }
+    restless_.resize(names_.size());
   }
 
   bool run(Answer& answer) {
     for (int round = 0; round < most_rounds; ++round) {
+      if (round == simultaneous_rounds) std::fill(restless_.begin(), restless_.end(), 0);
       if (!solve_all(answer)) return false;
       if (!flip_switches(round < simultaneous_rounds)) return true;
     }
     answer.outcome = Outcome::no_solution;
     answer.id = "E-no-operating-point";
-    answer.message = "no DC operating point: the switches find no rest; try uic with initial values";
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (restless_[i] != 0) answer.elements.push_back(names_[i]);
+    answer.message = fmt::format("no DC operating point: {} {} no rest; try uic with initial values", fmt::join(answer.elements, ", "),
+                                 answer.elements.size() == 1 ? "finds" : "find");
     return false;
   }
 
@@ -95,6 +100,7 @@ class OperatingPointSolver {
         // On the threshold itself nothing moves: it is a value at rest.
         const bool flip = is_on != 0 ? value < control.off_level : value > control.on_level;
         if (flip) is_on = is_on == 0;
+        if (flip) restless_[static_cast<std::size_t>(control.driven)] = 1;
         flipped |= flip;
         if (flip && !together) return true;
       }
@@ -105,6 +111,7 @@ class OperatingPointSolver {
   Given given_;
   std::vector<StaticSolution> solutions_;
   std::vector<std::string> names_;
+  std::vector<char> restless_;  ///< switches that have changed sides since they do so one by one
 };
 
 bool has_conditions(const model::Island& island) {
