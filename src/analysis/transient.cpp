@@ -76,19 +76,6 @@ engine::NonUnique non_unique(circuit::NonUniqueChoice choice) {
   return engine::NonUnique::error;
 }
 
-engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control) {
-  engine::Request request;
-  request.stop = analyses.transient->stop.seconds;
-  request.grid = row_grid(*analyses.transient);
-  request.events = control.events;
-  request.jumps = control.jumps;
-  request.use_initial_conditions = analyses.transient->use_initial_conditions;
-  request.non_unique = non_unique(analyses.non_unique);
-  request.progress = control.progress;
-  request.interrupt = control.interrupt;
-  return request;
-}
-
 void judge(TransientRun& run, const CsvSink& sink, const std::vector<std::string>& names) {
   run.id = run.answer.id;
   run.message = run.answer.message;
@@ -124,6 +111,19 @@ void complete(TransientRun& run, CsvSink& sink, waveform::OutputFile& file) {
 }
 
 }  // namespace
+
+engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control) {
+  engine::Request request;
+  request.stop = analyses.transient->stop.seconds;
+  request.grid = row_grid(*analyses.transient);
+  request.events = control.events;
+  request.jumps = control.jumps;
+  request.use_initial_conditions = analyses.transient->use_initial_conditions;
+  request.non_unique = non_unique(analyses.non_unique);
+  request.progress = control.progress;
+  request.interrupt = control.interrupt;
+  return request;
+}
 
 std::vector<std::string> column_names(const model::Network& network) {
   std::vector<std::string> names{"time"};

@@ -40,6 +40,9 @@ struct TransientRun {
   double seconds_write = 0.0;
 };
 
+/// What the deck asks of an engine, on its own grid.
+[[nodiscard]] engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control);
+
 /// The column heads: `time` and the signals.
 [[nodiscard]] std::vector<std::string> column_names(const model::Network& network);
 

@@ -13,7 +13,9 @@ std::optional<Compiled> compile(const netlist::Deck& deck, const SourceStore& so
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
-  return Compiled{std::move(circuit.title), std::move(*network), std::move(circuit.analyses)};
+  Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
+  if (options.keep_circuit) compiled.circuit = std::move(circuit);
+  return compiled;
 }
 
 }  // namespace pwlsim::circuit

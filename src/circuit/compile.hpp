@@ -7,6 +7,7 @@
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
 #include "circuit/analyses.hpp"
+#include "circuit/circuit.hpp"
 #include "model/network.hpp"
 #include "netlist/ast.hpp"
 
@@ -14,6 +15,7 @@ namespace pwlsim::circuit {
 
 struct CompileOptions {
   bool analysis_required = true;  ///< a deck without .tran and .op is an error (not so for `inspect`)
+  bool keep_circuit = false;      ///< for what works on elements, not on the network
 };
 
 /// `network.signals` are the columns of the output after `time`, in order.
@@ -21,6 +23,7 @@ struct Compiled {
   std::string title;
   model::Network network;
   Analyses analyses;
+  std::optional<Circuit> circuit;  ///< where it was to be kept
 };
 
 /// Every error of meaning goes to `diagnostics`, all in one go. The answer is empty exactly when `diagnostics` holds an error on return;

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/names.hpp"
+#include "spice/deck.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -23,15 +24,17 @@ struct Subcommand {
   std::string_view description;
 };
 constexpr std::string_view inspect_usage = "circuit.net [--mode D1=on,D2=off,…] [--json]";
+constexpr std::string_view export_usage = "circuit.net -o out.cir [--smooth X]";
+constexpr std::string_view compare_usage = "circuit.net [--smooth X] [--json] [--plot out.svg]";
 constexpr std::array<Subcommand, 3> subcommands{{
     {"inspect", inspect_usage, "the model: islands, states, ports, (A,B,C,D) per switch position"},
-    {"export", "circuit.net -o out.cir [--smooth X]", "the smoothed equivalent as an ngspice deck"},
-    {"compare", "circuit.net [--json] [--plot out.svg]", "run the deck in ngspice and report the difference and both times"},
+    {"export", export_usage, "the smoothed equivalent as an ngspice deck"},
+    {"compare", compare_usage, "run the deck in ngspice and report the difference and both times"},
 }};
 
 constexpr std::string_view help_footer =
-    "Subcommands: inspect describes the model of a deck (pwlsim inspect --help);\n"
-    "export and compare are not supported yet.\n"
+    "Subcommands: inspect describes the model of a deck, export writes its smoothed equivalent\n"
+    "for ngspice, compare runs that beside it (pwlsim inspect --help, and so on).\n"
     "\n"
     "Exit status: 0 done; 1 the run failed, the rows up to then are kept; 2 the deck or the\n"
     "command line is wrong; 3 a file cannot be read or written; 130, 143 after SIGINT, SIGTERM,\n"
@@ -52,7 +55,7 @@ class HelpText : public CLI::Formatter {
 /// What CLI11 fills in; checked and turned into RunOptions afterwards, so that every complaint has our own form.
 struct Raw {
   std::vector<std::string> files;
-  std::string output, engine, reltol, stats, format, plot, report, mode;
+  std::string output, engine, reltol, stats, format, plot, report, mode, smooth;
   bool events = false, quiet = false, verbose = false, no_progress = false, json = false;
 };
 
@@ -92,6 +95,36 @@ void add_inspect_options(CLI::App& app, Raw& raw) {
   app.add_option("circuit", raw.files, "The deck; it needs no .tran")->type_name("FILE");
   app.add_option("--mode", raw.mode, "Diodes and switches that are on or off, as D1=on,D2=off; those not named are off")->type_name("LIST");
   app.add_flag("--json", raw.json, "As JSON, with all digits");
+  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
+}
+
+void add_export_options(CLI::App& app, Raw& raw) {
+  app.name("pwlsim export");
+  app.formatter(std::make_shared<HelpText>(fmt::format("export {}", export_usage)));
+  app.footer(
+      "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
+      "expanded, ideal diodes and switches with resistances, steps and corners rounded.");
+  app.allow_extras();
+  app.set_help_flag("-h,--help", "Print this text and stop");
+  app.add_option("circuit", raw.files, "The deck")->type_name("FILE");
+  app.add_option("-o,--output", raw.output, "The ngspice deck; '-' is standard output")->type_name("FILE");
+  app.add_option("--smooth", raw.smooth, "How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)")->type_name("X");
+  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
+}
+
+void add_compare_options(CLI::App& app, Raw& raw) {
+  app.name("pwlsim compare");
+  app.formatter(std::make_shared<HelpText>(fmt::format("compare {}", compare_usage)));
+  app.footer(
+      "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
+      "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
+      "own errors explain, how far its switching times are off, and what both took.");
+  app.allow_extras();
+  app.set_help_flag("-h,--help", "Print this text and stop");
+  app.add_option("circuit", raw.files, "The deck")->type_name("FILE");
+  app.add_option("--smooth", raw.smooth, "Where the smoothing starts, 1e-9 to 1 (default: 1e-3)")->type_name("X");
+  app.add_flag("--json", raw.json, "As JSON, with all digits");
+  app.add_option("--plot", raw.plot, "Draw the waveforms of both over each other")->type_name("FILE.svg");
   app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
 }
 
@@ -185,11 +218,17 @@ void check_format(const std::string& format, Complaints& complaints) {
   }
 }
 
-std::optional<double> relative_tolerance(const std::string& text, Complaints& complaints) {
+/// 0 for what is none.
+double positive_number(const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool number = error == std::errc() && end == text.data() + text.size();
-  if (!number || !std::isfinite(value) || value <= 0.0) {
+  return number && std::isfinite(value) && value > 0.0 ? value : 0.0;
+}
+
+std::optional<double> relative_tolerance(const std::string& text, Complaints& complaints) {
+  const double value = positive_number(text);
+  if (value == 0.0) {
     complaints.add("E-option-value", fmt::format("`--reltol {}` is no positive number; try `--reltol 1e-4`", text));
   }
   return value;
@@ -276,6 +315,42 @@ CommandLine checked_inspect(const CLI::App& app, const Raw& raw, Complaints& com
   return options;
 }
 
+double read_sharpness(const CLI::App& app, const std::string& text, Complaints& complaints) {
+  if (app.count("--smooth") == 0) return spice::default_sharpness;
+  const double value = positive_number(text);
+  if (value < spice::least_sharpness || value > spice::largest_sharpness)
+    complaints.add("E-option-value", fmt::format("`--smooth {}` is no number from {} to {}; try `--smooth {}`", text, spice::least_sharpness,
+                                                 spice::largest_sharpness, spice::default_sharpness));
+  return value;
+}
+
+CommandLine checked_export(const CLI::App& app, const Raw& raw, Complaints& complaints) {
+  ExportOptions options;
+  check_files(raw, complaints);
+  check_file_name("--output", app, raw.output, complaints);
+  if (app.count("--output") == 0) complaints.add("E-option-value", "pwlsim export needs a name for the deck it writes; try -o out.cir");
+  options.sharpness = read_sharpness(app, raw.smooth, complaints);
+  if (complaints.any()) return complaints.refused();
+  options.deck = raw.files[0];
+  options.output = raw.output;
+  options.quiet = raw.quiet;
+  return options;
+}
+
+CommandLine checked_compare(const CLI::App& app, const Raw& raw, Complaints& complaints) {
+  CompareOptions options;
+  check_files(raw, complaints);
+  check_file_name("--plot", app, raw.plot, complaints);
+  if (raw.plot == "-") complaints.add("E-option-value", "`--plot -` would mix the picture with the report; try --plot out.svg");
+  options.sharpness = read_sharpness(app, raw.smooth, complaints);
+  if (complaints.any()) return complaints.refused();
+  options.deck = raw.files[0];
+  options.plot = raw.plot;
+  options.json = raw.json;
+  options.quiet = raw.quiet;
+  return options;
+}
+
 /// Parses with `app`; what it filled in is then turned into the answer by `check`.
 template <class Check>
 CommandLine parsed(CLI::App& app, const std::vector<std::string>& arguments, const Check& check) {
@@ -296,26 +371,19 @@ CommandLine parsed(CLI::App& app, const std::vector<std::string>& arguments, con
 }
 
 /// `arguments` without the word itself.
-CommandLine read_inspect(const std::vector<std::string>& arguments) {
+template <class AddOptions, class Check>
+CommandLine read_with(const std::vector<std::string>& arguments, const AddOptions& add_options_of, const Check& check) {
   Raw raw;
   CLI::App app;
-  add_inspect_options(app, raw);
-  return parsed(app, arguments, [&](Complaints& complaints) { return checked_inspect(app, raw, complaints); });
+  add_options_of(app, raw);
+  return parsed(app, arguments, [&](Complaints& complaints) { return check(app, raw, complaints); });
 }
 
 CommandLine read_subcommand(const Subcommand& subcommand, std::vector<std::string> arguments) {
-  if (subcommand.name == "inspect") {
-    arguments.erase(std::find(arguments.begin(), arguments.end(), subcommand.name));
-    return read_inspect(arguments);
-  }
-  const auto asks_for_help = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
-  if (std::any_of(arguments.begin(), arguments.end(), asks_for_help)) {
-    return Information{fmt::format("Usage: pwlsim {} {}\n\n{}.\nThis subcommand is not supported yet.\n", subcommand.name,
-                                   subcommand.arguments, subcommand.description)};
-  }
-  Complaints complaints;
-  complaints.not_yet(fmt::format("pwlsim {}", subcommand.name), fmt::format("`./{}` if a deck of that name is meant", subcommand.name));
-  return complaints.refused();
+  arguments.erase(std::find(arguments.begin(), arguments.end(), subcommand.name));
+  if (subcommand.name == "inspect") return read_with(arguments, add_inspect_options, checked_inspect);
+  if (subcommand.name == "export") return read_with(arguments, add_export_options, checked_export);
+  return read_with(arguments, add_compare_options, checked_compare);
 }
 
 }  // namespace

@@ -34,6 +34,23 @@ struct InspectOptions {
   bool quiet = false;
 };
 
+/// `pwlsim export circuit.net -o out.cir …`: the smoothed equivalent as an ngspice deck.
+struct ExportOptions {
+  std::string deck;
+  std::string output;       ///< never empty; "-" is standard output
+  double sharpness = 1e-3;  ///< --smooth
+  bool quiet = false;
+};
+
+/// `pwlsim compare circuit.net …`: run that deck in ngspice and report the difference.
+struct CompareOptions {
+  std::string deck;
+  std::string plot;         ///< empty: none
+  double sharpness = 1e-3;  ///< --smooth
+  bool json = false;
+  bool quiet = false;
+};
+
 /// Text asked for by --help or --version.
 struct Information {
   std::string text;
@@ -44,7 +61,7 @@ struct Refused {
   Diagnostics diagnostics;
 };
 
-using CommandLine = std::variant<RunOptions, InspectOptions, Information, Refused>;
+using CommandLine = std::variant<RunOptions, InspectOptions, ExportOptions, CompareOptions, Information, Refused>;
 
 /// `arguments` without the program's name. Flags may stand before or after the file; what follows `--` is no flag. The first word that is no
 /// flag and names a subcommand is one; a file of that name is reached as `./inspect` or behind `--`.

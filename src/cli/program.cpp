@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "cli/command_line.hpp"
+#include "cli/compare_session.hpp"
+#include "cli/export_session.hpp"
 #include "cli/inspect_session.hpp"
 #include "cli/messages.hpp"
 #include "cli/session.hpp"
@@ -44,6 +46,8 @@ int dispatch(const std::vector<std::string>& arguments, const char* version) {
   if (const auto* information = std::get_if<Information>(&command)) return print(*information);
   if (const auto* refused = std::get_if<Refused>(&command)) return refuse(*refused);
   if (const auto* inspect = std::get_if<InspectOptions>(&command)) return run_inspect_session(*inspect);
+  if (const auto* exported = std::get_if<ExportOptions>(&command)) return run_export_session(*exported);
+  if (const auto* compared = std::get_if<CompareOptions>(&command)) return run_compare_session(*compared);
   return run_session(std::get<RunOptions>(command));
 }
 

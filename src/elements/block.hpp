@@ -1,9 +1,11 @@
 #pragma once
 /// Blocks of A elements: from inputs to one output.
 
+#include <string>
 #include <vector>
 
 #include "elements/emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 
@@ -13,7 +15,20 @@ struct Block {
   AffineSum (*law)(FormulaBuilder& builder, const Values& values, const std::vector<AffineSum>& inputs) = nullptr;
   /// A block with states: adds them and gives its output.
   model::LinearForm (*dynamics)(Emission& emission, const model::LinearForm& input) = nullptr;
+  /// The same for ngspice: its output as an expression.
+  std::string (*smooth_dynamics)(Twin& twin, const std::string& input) = nullptr;
 };
+
+/// gain·(Σ num_k p^k)/(Σ den_k p^k) with p = s/rate, powers ascending, both of length order + 1.
+struct CanonicalForm {
+  double rate = 1.0;  ///< 1/s in units of denormalized_freq: makes the largest coefficient of the monic denominator one
+  std::vector<double> num, den;
+};
+[[nodiscard]] CanonicalForm canonical_form(const Values& values);
+
+[[nodiscard]] std::string smooth_integrator(Twin& twin, const std::string& input);
+[[nodiscard]] std::string smooth_derivative(Twin& twin, const std::string& input);
+[[nodiscard]] std::string smooth_transfer(Twin& twin, const std::string& input);
 
 extern const ModelKind gain_model, summer_model, limit_model, hyst_model, pwl_model, relay_model, deadzone_model, friction_model;
 extern const ModelKind integrator_model, transfer_model, derivative_model;

@@ -99,12 +99,8 @@ double rate_of(const std::vector<double>& descending) {
 LinearForm transfer(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
   const double unit = v.get("denormalized_freq");
-  const std::vector<double> written = v.list("den_coeff");
-  const double rate = rate_of(written);
-  const std::vector<double> den = ascending(written, rate);
-  std::vector<double> num = ascending(v.list("num_coeff"), rate);
+  const auto [rate, num, den] = canonical_form(v);
   const std::size_t order = den.size() - 1;
-  num.resize(order + 1, 0.0);
   LinearForm highest = scaled(input, v.get("gain") / den[order]);
   highest.push_back(model::constant(v.get("gain") * v.get("in_offset") / den[order]));
   std::vector<LinearForm> state;
@@ -178,10 +174,18 @@ constexpr Parameter transfer_parameters[] = {
     {"int_ic", "", 0.0, Range::any, false, "Start of the states; only zero.", Use::honoured, true},
 };
 
-constexpr Block integrator_block{false, nullptr, integrate}, derivative_block{false, nullptr, differentiate},
-    transfer_block{false, nullptr, transfer};
+constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
+    derivative_block{false, nullptr, differentiate, smooth_derivative}, transfer_block{false, nullptr, transfer, smooth_transfer};
 
 }  // namespace
+
+CanonicalForm canonical_form(const Values& values) {
+  const std::vector<double> written = values.list("den_coeff");
+  const double rate = rate_of(written);
+  CanonicalForm form{rate, ascending(values.list("num_coeff"), rate), ascending(written, rate)};
+  form.num.resize(form.den.size(), 0.0);
+  return form;
+}
 
 const ModelKind integrator_model{"int", "integrator", integrator_parameters, check_limits, &integrator_block};
 const ModelKind derivative_model{"d_dt", "derivative", derivative_parameters, check_limits, &derivative_block};

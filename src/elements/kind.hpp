@@ -18,6 +18,7 @@
 namespace pwlsim::elements {
 
 class Emission;
+class Twin;
 struct Block;
 struct Instance;
 struct RawSystem;
@@ -82,6 +83,8 @@ struct Kind {
   void (*emit)(Emission&) = nullptr;
   /// Second pass, when every element has been emitted: forms that need the current of another. May be null.
   void (*connect)(Emission&) = nullptr;
+  /// Writes its cards for ngspice, with rounded corners.
+  void (*smooth_twin)(Twin&) = nullptr;
 };
 
 struct NodePair {

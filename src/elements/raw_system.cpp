@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "elements/emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -49,6 +50,43 @@ void emit(Emission& emission) {
   }
 }
 
+/// Σ rows[index][k]·texts[k]
+std::string row_text(const Rows& rows, std::size_t index, const std::vector<std::string>& texts) {
+  std::string text;
+  if (rows.empty()) return text;
+  for (std::size_t k = 0; k < texts.size(); ++k) text += term_text(rows[index][k], texts[k]);
+  return text;
+}
+
+/// A diode between −y and ground: its current is u. With sharpness X, −y may reach X·u.
+void smooth_twin(Twin& twin) {
+  const RawSystem& raw = *twin.instance().raw_system;
+  std::vector<std::string> x, u, w;
+  for (int i = 0; i < raw.states; ++i) {
+    const std::string part = fmt::format("x{}", i + 1);
+    twin.capacitor(part, {twin.inner(part), "0"}, 1.0);
+    twin.start_voltage(twin.inner(part), raw.start[static_cast<std::size_t>(i)]);
+    x.push_back(fmt::format("v({})", twin.inner(part)));
+  }
+  for (int i = 0; i < raw.ports; ++i) u.push_back(current_text(twin.device('V', fmt::format("u{}", i + 1))));
+  for (std::size_t i = 0; i < raw.inputs.size(); ++i) {
+    const std::string part = fmt::format("w{}", i + 1);
+    twin.source(part, {twin.inner(part), "0"}, false, raw.inputs[i]);
+    w.push_back(fmt::format("v({})", twin.inner(part)));
+  }
+  const auto row = [&](const Rows& of_x, const Rows& of_u, const Rows& of_w, std::size_t i) {
+    return row_text(of_x, i, x) + row_text(of_u, i, u) + row_text(of_w, i, w);
+  };
+  for (std::size_t i = 0; i < x.size(); ++i)
+    twin.behaviour(fmt::format("dx{}", i + 1), {"0", twin.inner(fmt::format("x{}", i + 1))}, true, row(raw.a, raw.b, raw.e, i));
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const std::string y = fmt::format("y{}", i + 1), port = fmt::format("u{}", i + 1);
+    twin.behaviour(y, {"0", twin.inner(y)}, false, row(raw.c, raw.d, raw.f, i));
+    twin.short_circuit(port, {twin.inner(y), twin.inner(port)});
+    twin.diode(port, {twin.inner(port), "0"}, {});
+  }
+}
+
 Kind make_kind() {
   Kind kind;
   kind.name = "raw system";
@@ -59,6 +97,7 @@ Kind make_kind() {
   kind.has_current = false;
   kind.controls_others = false;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "elements/conduction.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -83,6 +84,50 @@ void set_control(Emission& emission, const model::LinearForm& control) {
   model::accumulate(item.control, control, levels.scale);
   item.on_level = levels.on;
   item.off_level = levels.off;
+}
+
+/// ngspice follows the control of a switch to 0.05 V only: where no source holds it, it is amplified.
+double twin_control_gain(const Twin& twin) {
+  const Instance& instance = twin.instance();
+  const bool held = !instance.control_nodes.empty() && twin.is_held(instance.control_nodes[0]);
+  return held ? 1.0 : 1.0 / twin.sharpness();
+}
+
+std::optional<TwinEvent> twin_event(const Twin& twin) {
+  const char letter = twin.instance().kind->letter;
+  if (letter == 'D') {
+    const double drop = twin.model().values.get("Vfwd");
+    return TwinEvent{twin.ends(), drop, drop};
+  }
+  if (letter != 'S' && letter != 'W') return std::nullopt;
+  Thresholds levels = thresholds(twin.model());
+  if (closed_when_off(twin.model())) levels = inverted(levels);
+  const double gain = twin_control_gain(twin);
+  return TwinEvent{{twin.inner("control"), "0"}, gain * levels.on, gain * levels.off};
+}
+
+void twin_of_switch(Twin& twin, const std::string& control) {
+  const Values& v = twin.model().values;
+  Thresholds levels = thresholds(twin.model());
+  const bool swapped = closed_when_off(twin.model());
+  if (swapped) levels = inverted(levels);
+  TwinEnds ends = twin.ends();
+  if (const double l = v.get("Lser"); l != 0.0) {
+    const std::string inner = twin.inner("Lser");
+    twin.inductor("Lser", {inner, ends.n}, l);
+    ends.n = inner;
+  }
+  if (const double drop = v.get("Vser"); drop != 0.0) {
+    const std::string inner = twin.inner("Vser");
+    twin.source("Vser", {inner, ends.n}, false, model::Dc{drop});
+    ends.n = inner;
+  }
+  const double gain = twin_control_gain(twin);
+  const std::string node = twin.inner("control");
+  twin.behaviour("control", {node, "0"}, false, fmt::format("{}*({})", gain * levels.scale, control));
+  twin.contact({}, ends, {node, "0"},
+               {std::min(v.get("Ron"), v.get("Roff")), std::max(v.get("Ron"), v.get("Roff")), gain * levels.on, gain * levels.off,
+                twin.instance().flag.value_or(false) != swapped});
 }
 
 }  // namespace pwlsim::elements

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "elements/twin.hpp"
+
 namespace pwlsim::elements {
 namespace {
 
@@ -35,6 +37,28 @@ void add_parallel_parts(Emission& emission) {
     const int index = emission.builder().add(model::Capacitor{emission.label("Cpar"), emission.p(), emission.n(), c * m, false, 0.0});
     add_current(emission, Quantity::capacitor_current, index);
   }
+}
+
+TwinEnds twin_of_series_parts(Twin& twin) {
+  TwinEnds core = twin.ends();
+  const double m = twin.value("m");
+  if (const double r = twin.value("Rser"); r != 0.0) {
+    const std::string inner = twin.inner("Rser");
+    twin.resistor("Rser", {inner, core.n}, r / m);
+    core.n = inner;
+  }
+  if (const double l = twin.value("Lser"); l != 0.0) {
+    const std::string inner = twin.inner("Lser");
+    twin.inductor("Lser", {inner, core.n}, l / m);
+    core.n = inner;
+  }
+  return core;
+}
+
+void twin_of_parallel_parts(Twin& twin) {
+  const double m = twin.value("m");
+  if (const double r = twin.value("Rpar"); !std::isinf(r)) twin.resistor("Rpar", twin.ends(), r / m);
+  if (const double c = twin.value("Cpar"); c != 0.0) twin.capacitor("Cpar", twin.ends(), c * m);
 }
 
 }  // namespace pwlsim::elements

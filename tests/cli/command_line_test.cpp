@@ -79,13 +79,41 @@ TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
 }
 
 TEST_CASE("what comes later is refused by its name", "[unit]") {
-  CHECK(refused({"export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is not supported yet") == 0);
-  CHECK(refused({"--quiet", "export", "c.net"}).find("error[E-not-supported-yet]: `pwlsim export` is") == 0);
-  CHECK(refused({"compare"}).find("error[E-not-supported-yet]: `pwlsim compare` is") == 0);
   CHECK(refused({"c.net", "--format", "raw"}).find("error[E-not-supported-yet]: `--format raw` is") == 0);
   CHECK(refused({"c.net", "--plot", "p.svg"}).find("error[E-not-supported-yet]: `--plot` is") == 0);
   CHECK(refused({"c.net", "--report", "r.html"}).find("error[E-not-supported-yet]: `--report` is") == 0);
   CHECK(refused({"c.net", "--json"}).find("error[E-not-supported-yet]: `--json` is") == 0);
+}
+
+TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
+  const auto exported = [](const Words& arguments) {
+    const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+    REQUIRE(std::holds_alternative<cli::ExportOptions>(command));
+    return std::get<cli::ExportOptions>(command);
+  };
+  CHECK(exported({"export", "c.net", "-o", "c.cir"}).deck == "c.net");
+  CHECK(exported({"export", "c.net", "-o", "c.cir"}).output == "c.cir");
+  CHECK(exported({"export", "c.net", "-o", "c.cir"}).sharpness == 1e-3);
+  CHECK(exported({"export", "-o", "-", "--smooth", "1e-4", "c.net"}).sharpness == 1e-4);
+  CHECK(exported({"--quiet", "export", "c.net", "-o", "c.cir"}).quiet);
+  CHECK(refused({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") == 0);
+  CHECK(refused({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
+  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"}).find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
+}
+
+TEST_CASE("compare takes a deck, a picture, a sharpness and --json", "[unit]") {
+  const auto compared = [](const Words& arguments) {
+    const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
+    REQUIRE(std::holds_alternative<cli::CompareOptions>(command));
+    return std::get<cli::CompareOptions>(command);
+  };
+  CHECK(compared({"compare", "c.net"}).deck == "c.net");
+  CHECK(compared({"compare", "c.net"}).plot.empty());
+  CHECK(compared({"compare", "c.net", "--plot", "p.svg"}).plot == "p.svg");
+  CHECK(compared({"compare", "c.net", "--json", "--smooth", "1e-2"}).json);
+  CHECK(compared({"compare", "c.net", "--smooth", "1e-2"}).sharpness == 1e-2);
+  CHECK(refused({"compare"}).find("error[E-no-deck]") == 0);
+  CHECK(refused({"compare", "c.net", "--plot", "-"}).find("error[E-option-value]: `--plot -`") == 0);
 }
 
 TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {

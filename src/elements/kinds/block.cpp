@@ -1,5 +1,6 @@
 #include "elements/block.hpp"
 #include "elements/formula_emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -48,6 +49,7 @@ Kind block() {
   kind.joins_terminals = is_voltage_formula;
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = twin_of_block;
   return kind;
 }
 

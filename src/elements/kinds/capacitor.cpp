@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
 namespace pwlsim::elements {
@@ -45,6 +46,12 @@ bool joins_terminals(const Instance& instance) {
   return v.get("C") != 0.0 || v.get("Cpar") != 0.0 || !std::isinf(v.get("Rpar"));
 }
 
+void smooth_twin(Twin& twin) {
+  const double initial = twin.value("ic"), capacitance = twin.value("C") * twin.value("m");
+  if (capacitance != 0.0) twin.capacitor({}, twin_of_series_parts(twin), capacitance, twin.has("ic") ? &initial : nullptr);
+  twin_of_parallel_parts(twin);
+}
+
 }  // namespace
 
 Kind capacitor() {
@@ -56,6 +63,7 @@ Kind capacitor() {
   kind.parameters = parameters;
   kind.joins_terminals = joins_terminals;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

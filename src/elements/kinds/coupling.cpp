@@ -1,4 +1,5 @@
 #include "elements/emission.hpp"
+#include "elements/twin.hpp"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,14 @@ void connect(Emission& emission) {
   }
 }
 
+void smooth_twin(Twin& twin) {
+  const auto& coupled = twin.instance().references;
+  for (std::size_t a = 0; a < coupled.size(); ++a)
+    for (std::size_t b = a + 1; b < coupled.size(); ++b)
+      twin.line(fmt::format("{} {} {} {}", twin.device('K', coupled.size() == 2 ? "" : fmt::format("{}_{}", a + 1, b + 1)),
+                            twin.device_of('L', coupled[a]), twin.device_of('L', coupled[b]), twin.value("k")));
+}
+
 }  // namespace
 
 Kind coupling() {
@@ -60,6 +69,7 @@ Kind coupling() {
   kind.joins_terminals = [](const Instance&) { return false; };
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -1,4 +1,5 @@
 #include "elements/formula_emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -15,6 +16,8 @@ void connect(Emission& emission) {
   emission.result().current = current;
 }
 
+void smooth_twin(Twin& twin) { twin_of_controlled(twin, true); }
+
 }  // namespace
 
 Kind current_controlled_current() {
@@ -29,6 +32,7 @@ Kind current_controlled_current() {
   kind.joins_terminals = [](const Instance&) { return false; };
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

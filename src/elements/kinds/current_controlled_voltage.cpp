@@ -1,4 +1,5 @@
 #include "elements/formula_emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -15,6 +16,8 @@ void connect(Emission& emission) {
   emission.builder().network().branches[static_cast<std::size_t>(emission.result().item)].voltage = current_control(emission);
 }
 
+void smooth_twin(Twin& twin) { twin_of_controlled(twin, false); }
+
 }  // namespace
 
 Kind current_controlled_voltage() {
@@ -28,6 +31,7 @@ Kind current_controlled_voltage() {
   kind.saved_by_default = true;
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -1,4 +1,5 @@
 #include "elements/emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -8,6 +9,8 @@ void emit(Emission& emission) {
   emission.builder().add(model::Injection{emission.label(), emission.p(), emission.n(), current});
   emission.result().current = current;
 }
+
+void smooth_twin(Twin& twin) { twin.source({}, twin.ends(), true, twin.instance().waveform.value_or(model::Dc{})); }
 
 }  // namespace
 
@@ -20,6 +23,7 @@ Kind current_source() {
   kind.tail = Tail::waveform;
   kind.joins_terminals = [](const Instance&) { return false; };
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "elements/switching.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -51,6 +52,8 @@ constexpr const ModelKind* models[] = {&hysteresis_model, &level_model};
 
 void connect(Emission& emission) { set_control(emission, emission.referenced_result(0).current); }
 
+void smooth_twin(Twin& twin) { twin_of_switch(twin, current_text(twin.meter_of(twin.instance().references[0]))); }
+
 }  // namespace
 
 Kind current_switch() {
@@ -66,6 +69,7 @@ Kind current_switch() {
   kind.saved_by_default = true;
   kind.emit = add_switch;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "elements/conduction.hpp"
+#include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
 namespace pwlsim::elements {
@@ -165,6 +166,12 @@ void emit(Emission& emission) {
   add_leakage(emission, off / m, ends);
 }
 
+void smooth_twin(Twin& twin) {
+  const Values& v = twin.model().values;
+  const double m = twin.value("m");
+  twin.diode({}, twin.ends(), {v.get("Ron") / m, v.get("Roff") / m, v.get("Vfwd"), v.get("Rrev") / m, v.get("Vrev")});
+}
+
 }  // namespace
 
 Kind diode() {
@@ -178,6 +185,7 @@ Kind diode() {
   kind.models = models;
   kind.saved_by_default = true;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

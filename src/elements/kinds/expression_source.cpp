@@ -1,4 +1,5 @@
 #include "elements/formula_emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -32,6 +33,7 @@ Kind expression_source() {
   kind.joins_terminals = is_voltage_formula;
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = [](Twin& twin) { twin_of_formula(twin, twin.instance().formula_is_current); };
   return kind;
 }
 

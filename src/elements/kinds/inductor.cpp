@@ -1,3 +1,4 @@
+#include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
 namespace pwlsim::elements {
@@ -48,6 +49,17 @@ void emit(Emission& emission) {
   add_parallel_parts(emission);
 }
 
+void smooth_twin(Twin& twin) {
+  const double initial = twin.initial_current().value_or(twin.value("ic")), inductance = twin.value("L") / twin.value("m");
+  const TwinEnds core = twin_of_series_parts(twin);
+  if (inductance == 0.0) {
+    twin.short_circuit("short", core);
+  } else {
+    twin.inductor({}, core, inductance, twin.has("ic") || twin.initial_current() ? &initial : nullptr);
+  }
+  twin_of_parallel_parts(twin);
+}
+
 }  // namespace
 
 Kind inductor() {
@@ -59,6 +71,7 @@ Kind inductor() {
   kind.parameters = parameters;
   kind.saved_by_default = true;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

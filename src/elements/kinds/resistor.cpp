@@ -1,3 +1,4 @@
+#include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
 namespace pwlsim::elements {
@@ -29,6 +30,11 @@ void emit(Emission& emission) {
   add_parallel_parts(emission);
 }
 
+void smooth_twin(Twin& twin) {
+  twin.resistor({}, twin_of_series_parts(twin), twin.value("R") / twin.value("m"));
+  twin_of_parallel_parts(twin);
+}
+
 }  // namespace
 
 Kind resistor() {
@@ -39,6 +45,7 @@ Kind resistor() {
   kind.text = "Linear resistor, v = R i.";
   kind.parameters = parameters;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

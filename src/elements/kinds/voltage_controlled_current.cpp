@@ -1,4 +1,5 @@
 #include "elements/formula_emission.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -14,6 +15,8 @@ void connect(Emission& emission) {
   if (const auto& formula = emission.instance().formula) set_source_value(emission, emit_formula(emission, *formula), true);
 }
 
+void smooth_twin(Twin& twin) { twin_of_controlled(twin, true); }
+
 }  // namespace
 
 Kind voltage_controlled_current() {
@@ -27,6 +30,7 @@ Kind voltage_controlled_current() {
   kind.joins_terminals = [](const Instance&) { return false; };
   kind.emit = emit;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -1,3 +1,4 @@
+#include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
 namespace pwlsim::elements {
@@ -20,6 +21,17 @@ void emit(Emission& emission) {
   }
 }
 
+void smooth_twin(Twin& twin) {
+  const TwinEnds whole = twin.ends();
+  TwinEnds core = whole;
+  if (const double r = twin.value("Rser"); r != 0.0) {
+    core.n = twin.inner("Rser");
+    twin.resistor("Rser", {core.n, whole.n}, r);
+  }
+  twin.source({}, core, false, twin.instance().waveform.value_or(model::Dc{}));
+  if (const double c = twin.value("Cpar"); c != 0.0) twin.capacitor("Cpar", whole, c);
+}
+
 }  // namespace
 
 Kind voltage_source() {
@@ -32,6 +44,7 @@ Kind voltage_source() {
   kind.parameters = parameters;
   kind.saved_by_default = true;
   kind.emit = emit;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

@@ -1,4 +1,5 @@
 #include "elements/switching.hpp"
+#include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -36,6 +37,11 @@ void connect(Emission& emission) {
   set_control(emission, model::voltage_between(control.p, control.n));
 }
 
+void smooth_twin(Twin& twin) {
+  const NodePair& control = twin.instance().control_nodes[0];
+  twin_of_switch(twin, voltage_text({twin.node(control.p), twin.node(control.n)}));
+}
+
 }  // namespace
 
 Kind voltage_switch() {
@@ -51,6 +57,7 @@ Kind voltage_switch() {
   kind.saved_by_default = true;
   kind.emit = add_switch;
   kind.connect = connect;
+  kind.smooth_twin = smooth_twin;
   return kind;
 }
 

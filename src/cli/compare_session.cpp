@@ -1,0 +1,250 @@
+#include "cli/compare_session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <span>
+
+#include "analysis/json.hpp"
+#include "cli/compare_report.hpp"
+#include "cli/deck_reader.hpp"
+#include "cli/messages.hpp"
+#include "cli/signals.hpp"
+#include "cli/status.hpp"
+#include "engine/exact/exact.hpp"
+#include "engine/sparse/sparse.hpp"
+#include "waveform/output_file.hpp"
+
+namespace pwlsim::cli {
+namespace {
+
+constexpr std::size_t sample_count = 200;
+constexpr std::size_t most_events = 20'000;
+
+/// The engine that `pwlsim circuit.net` takes, prepared.
+struct Engine {
+  std::string name;
+  analysis::Simulate simulate;  ///< empty where the network cannot be prepared
+};
+
+Engine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
+  if (engine::sparse::pays(network)) {
+    const auto model = engine::sparse::prepare(network, diagnostics);
+    if (!model) return {"sparse", {}};
+    const double reltol = analyses.relative_tolerance.value_or(engine::sparse::default_tolerance);
+    return {"sparse",
+            [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); }};
+  }
+  const auto model = engine::prepare(network, diagnostics);
+  if (!model) return {"exact", {}};
+  return {"exact", [=](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model, request, sink); }};
+}
+
+/// Equally spaced within (start, stop), moved off the events: there a signal may jump.
+std::vector<double> sample_times(const circuit::Transient& transient, const std::vector<double>& events) {
+  const double start = transient.start.seconds, length = transient.stop.seconds - start, apart = length / (100.0 * sample_count);
+  std::vector<double> times;
+  for (std::size_t k = 1; k <= sample_count; ++k) {
+    double time = start + length * (static_cast<double>(k) - 0.5) / sample_count;
+    const auto next = std::lower_bound(events.begin(), events.end(), time - apart);
+    if (next != events.end() && *next < time + apart) {
+      const double end = next + 1 == events.end() ? transient.stop.seconds : *(next + 1);
+      time = std::min(*next + apart, 0.5 * (*next + end));
+    }
+    if (times.empty() || time > times.back()) times.push_back(time);
+  }
+  return times;
+}
+
+/// The network with the currents of its diodes and switches as further signals.
+struct Watched {
+  model::Network network;
+  std::vector<std::string> names;
+};
+
+Watched watched(const model::Network& network) {
+  Watched result{network, {}};
+  const auto watch = [&](const model::Label& label, model::Term::Kind kind, std::size_t index) {
+    result.names.push_back(label.name);
+    result.network.signals.push_back({label.name, {{kind, static_cast<int>(index), 1.0}}});
+  };
+  for (std::size_t k = 0; k < network.diodes.size(); ++k) watch(network.diodes[k].label, model::Term::Kind::diode_current, k);
+  for (std::size_t k = 0; k < network.switches.size(); ++k) watch(network.switches[k].label, model::Term::Kind::switch_current, k);
+  return result;
+}
+
+/// A part conducts in an interval where its current at the middle is not zero to rounding.
+std::vector<spice::SwitchingTimes> changes_of(const std::vector<double>& events, const analysis::SampledRun& middles,
+                                              const std::vector<std::string>& names, std::size_t first) {
+  constexpr double rounding = 1e-9;
+  std::vector<spice::SwitchingTimes> list;
+  for (std::size_t part = 0; part < names.size(); ++part) {
+    const std::vector<double>& current = middles.columns[first + part];
+    double largest = 0.0;
+    for (double i : current) largest = std::max(largest, std::abs(i));
+    const auto on = [&](std::size_t k) { return std::abs(current[k]) > rounding * largest; };
+    list.push_back({names[part], {}});
+    for (std::size_t k = 1; k < current.size(); ++k)
+      if (on(k) != on(k - 1)) list.back().times.push_back(events[k - 1]);
+  }
+  return list;
+}
+
+class CompareSession {
+ public:
+  explicit CompareSession(const CompareOptions& options) : options_(options), messages_(options.quiet) {}
+
+  int run() {
+    const DeckReading reading = read_deck(options_.deck, {.keep_circuit = true}, sources_, messages_);
+    if (!reading.compiled) return static_cast<int>(reading.status);
+    compiled_ = &*reading.compiled;
+    report_.deck = options_.deck;
+    if (!compiled_->analyses.transient)
+      return fail(Status::wrong_input, "E-no-transient",
+                  "the deck has no .tran: there are no waveforms to compare; try pwlsim " + options_.deck);
+    if (const int status = open_plot(); status != 0) return status;
+    const auto program = spice::find_ngspice();
+    if (!program) return skip();
+    int status = run_exact();
+    if (status == 0) status = run_ngspice(*program);
+    if (status == 0) status = write_plot();
+    return status != 0 ? status : print(options_.json ? compare_json(report_) : compare_text(report_));
+  }
+
+ private:
+  int fail(Status status, std::string id, std::string text) {
+    messages_.report({Severity::error, std::move(id), {}, std::move(text)});
+    return static_cast<int>(status);
+  }
+
+  int skip() {
+    const std::string reason = "ngspice is not installed: no program of that name is in PATH; try apt install ngspice";
+    messages_.report({Severity::note, "N-no-ngspice", {}, reason});
+    if (!options_.json) return 0;
+    return print(analysis::json_line({{"deck", analysis::json_string(report_.deck)}, {"skipped", analysis::json_string(reason)}}) + '\n');
+  }
+
+  int open_plot() {
+    if (options_.plot.empty()) return 0;
+    if (waveform::same_file(options_.plot, options_.deck))
+      return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", options_.plot));
+    std::string problem;
+    auto opened = waveform::OutputFile::open(options_.plot, problem);
+    if (!opened) return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", options_.plot, problem));
+    plot_.emplace(std::move(*opened));
+    return 0;
+  }
+
+  analysis::RunControl control() const { return {false, false, {}, &caught_signal()}; }
+
+  int conclude(const engine::Answer& answer) {
+    if (caught_signal() != 0) {
+      fail(Status::run_failed, "E-interrupted", "interrupted before the comparison was complete");
+      return status_of_signal(caught_signal());
+    }
+    if (answer.outcome == engine::Outcome::completed) return 0;
+    return fail(Status::run_failed, answer.id, answer.message);
+  }
+
+  int run_exact() {
+    Diagnostics diagnostics;
+    const Engine engine = prepare(compiled_->network, compiled_->analyses, diagnostics);
+    const Watched watch = watched(compiled_->network);
+    Diagnostics known;
+    const Engine watching = prepare(watch.network, compiled_->analyses, known);
+    messages_.report(diagnostics, sources_);
+    if (!engine.simulate || !watching.simulate) return static_cast<int>(Status::wrong_input);
+    const std::size_t signals = compiled_->network.signals.size();
+    report_.engine = engine.name;
+    report_.grid = analysis::sample_grid(compiled_->analyses, signals, engine.simulate, control());
+    report_.exact = report_.grid.answer;
+    for (const engine::Remark& remark : report_.exact.remarks)
+      messages_.report({remark.id.starts_with("W-") ? Severity::warning : Severity::note, remark.id, {}, remark.text});
+    if (const int status = conclude(report_.exact); status != 0) return status;
+    return sample(watching, watch, signals);
+  }
+
+  int sample(const Engine& engine, const Watched& watch, std::size_t signals) {
+    const circuit::Transient& transient = *compiled_->analyses.transient;
+    const std::size_t columns = watch.network.signals.size();
+    analysis::RunControl with_events = control();
+    with_events.events = true;
+    const std::vector<double> ends{transient.start.seconds, transient.stop.seconds};
+    const auto all = analysis::sample(compiled_->analyses, columns, engine.simulate, ends, with_events);
+    if (const int status = conclude(all.answer); status != 0) return status;
+    const std::vector<double> events = analysis::repeated_times(all);
+    times_ = sample_times(transient, events);
+    auto sampled = analysis::sample(compiled_->analyses, columns, engine.simulate, times_, control());
+    if (const int status = conclude(sampled.answer); status != 0) return status;
+    sampled.columns.resize(signals);
+    exact_.values = std::move(sampled.columns);
+    report_.events_skipped = events.size() > most_events;
+    return report_.events_skipped ? 0 : watch_events(engine, watch, signals, events);
+  }
+
+  int watch_events(const Engine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
+    const circuit::Transient& transient = *compiled_->analyses.transient;
+    std::vector<double> inner, middles;
+    for (double event : events)
+      if (event > transient.start.seconds && event < transient.stop.seconds) inner.push_back(event);
+    for (std::size_t k = 0; k <= inner.size(); ++k)
+      middles.push_back(0.5 *
+                        ((k == 0 ? transient.start.seconds : inner[k - 1]) + (k == inner.size() ? transient.stop.seconds : inner[k])));
+    const auto run = analysis::sample(compiled_->analyses, watch.network.signals.size(), engine.simulate, middles, control());
+    if (const int status = conclude(run.answer); status != 0) return status;
+    exact_.switching = changes_of(inner, run, watch.names, signals);
+    return 0;
+  }
+
+  int run_ngspice(const std::string& program) {
+    Diagnostics diagnostics;
+    spice::StudySettings settings;
+    settings.sharpness = options_.sharpness;
+    settings.sample_times = times_;
+    settings.interrupt = &caught_signal();
+    report_.study = spice::refine(*compiled_->circuit, program, settings, diagnostics);
+    messages_.report(diagnostics, sources_);
+    if (diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+    if (caught_signal() != 0) return conclude({});
+    report_.samples = times_.size();
+    if (!report_.study.signals.empty()) report_.comparison = spice::compare(report_.study, times_, exact_);
+    return 0;
+  }
+
+  int write_plot() {
+    if (!plot_) return 0;
+    std::vector<std::string> names;
+    for (const model::Signal& signal : compiled_->network.signals) names.push_back(signal.name);
+    if (plot_->write(compare_svg(report_, names)) && plot_->commit()) return 0;
+    if (plot_->closed_pipe()) return static_cast<int>(Status::closed_pipe);
+    return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}", plot_->name(), plot_->problem()));
+  }
+
+  int print(const std::string& text) {
+    std::size_t written = 0;
+    const int error_number = waveform::write_all(STDOUT_FILENO, text, written);
+    if (error_number == 0) return static_cast<int>(Status::done);
+    if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
+    return fail(Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
+  }
+
+  const CompareOptions& options_;
+  Messages messages_;
+  SourceStore sources_;
+  const circuit::Compiled* compiled_ = nullptr;
+  std::optional<waveform::OutputFile> plot_;
+  std::vector<double> times_;
+  spice::ExactRun exact_;
+  CompareReport report_;
+};
+
+}  // namespace
+
+int run_compare_session(const CompareOptions& options) { return CompareSession(options).run(); }
+
+}  // namespace pwlsim::cli

@@ -1,0 +1,48 @@
+#pragma once
+/// A circuit as a deck for stock ngspice in batch mode: every element its smoothed twin, numbers expanded, no dialect needed.
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+#include "circuit/circuit.hpp"
+
+namespace pwlsim::spice {
+
+inline constexpr double default_sharpness = 1e-3;
+inline constexpr double least_sharpness = 1e-9, largest_sharpness = 1.0;
+
+struct DeckSettings {
+  double sharpness = default_sharpness;  ///< elements/twin.hpp
+  double reltol = 1e-4;
+  double largest_step = 0.0;         ///< s; 0: Tstep, or a thousandth of the run where that is smaller
+  bool gear = false;                 ///< instead of the trapezoidal rule
+  bool switching = false;            ///< save also what diodes and switches follow
+  std::vector<double> sample_times;  ///< s, ascending, above 0: ngspice is made to step on them
+};
+
+/// A signal as what ngspice saves: Σ sign·vector.
+struct SignalVectors {
+  std::string name;  ///< as in the CSV header
+  std::vector<std::pair<std::string, double>> terms;
+};
+
+/// A diode or a switch: on from when `control` passes on_level until it falls below off_level.
+struct SwitchingPart {
+  SignalVectors control;  ///< named after the element
+  double on_level = 0.0, off_level = 0.0;
+};
+
+struct SmoothDeck {
+  std::string text;
+  std::vector<SignalVectors> signals;    ///< in the order of the columns
+  std::vector<SwitchingPart> switching;  ///< where settings.switching asks for them
+};
+
+/// `circuit` must have passed circuit::assemble. What ngspice cannot have is an error E-no-twin; then the answer is empty.
+[[nodiscard]] std::optional<SmoothDeck> smooth_deck(const circuit::Circuit& circuit, const DeckSettings& settings,
+                                                    Diagnostics& diagnostics);
+
+}  // namespace pwlsim::spice

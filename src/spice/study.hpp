@@ -1,0 +1,79 @@
+#pragma once
+/// How far ngspice's answer to a smoothed deck is from its own limit: refinement of its step and of the smoothing until the answer stands still.
+///
+/// Both ladders divide what makes the error by a constant: level k of the first has the largest step h/2^k and reltol/4^k at a fixed sharpness X,
+/// level k of the second X/4^k at the finest of these steps. With d_k the largest change from level k − 1 to k at the sample times and
+/// r = d_{m−1}/d_m, at most 4 (the trapezoidal rule is of second order in h, smoothing of first in X), Richardson's estimate of what is left
+/// at the last level is d_m/(r − 1). Where r is below 1.5 the ladder is no geometric one yet: the estimate is then twice the larger of the two
+/// changes, and the signal counts as not settled unless that is below the target.
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "circuit/circuit.hpp"
+#include "spice/deck.hpp"
+#include "spice/ngspice.hpp"
+
+namespace pwlsim::spice {
+
+struct StudySettings {
+  double sharpness = default_sharpness;  ///< of the first ladder
+  double target = 1e-4;                  ///< change between levels, relative to a signal's maximum, that counts as standing still
+  double seconds = 30.0;                 ///< of wall time, in all
+  std::vector<double> sample_times;      ///< s, ascending, within (0, Tstop]
+  const std::atomic<int>* interrupt = nullptr;
+};
+
+struct Level {
+  bool smoothing = false;  ///< of the second ladder
+  DeckSettings deck;
+  double seconds = 0.0;    ///< CPU time of the process
+  std::size_t points = 0;  ///< that ngspice computed
+  double change = -1.0;    ///< worst of all signals from the level before, relative; negative where there is none
+  std::string failure;     ///< what went wrong, in ngspice's words where it has some; "" where the run reached its end
+};
+
+struct SignalStudy {
+  std::string name;
+  std::vector<double> values;   ///< at the sample times, of the finest level
+  double scale = 0.0;           ///< largest of them
+  double discretisation = 0.0;  ///< what is left of it in `values`, absolute
+  double smoothing = 0.0;
+  bool settled = false;  ///< both ladders are geometric, or stand still
+};
+
+struct Study {
+  std::vector<Level> levels;         ///< in the order they ran
+  std::vector<SignalStudy> signals;  ///< none where no level reached the end
+  std::size_t finest_level = 0;      ///< within `levels`
+  SmoothDeck finest;                 ///< its deck
+  waveform::RawFile waveforms;       ///< and what it gave
+};
+
+/// `circuit` must have passed circuit::assemble and have a `.tran`. What has no twin goes to `diagnostics`.
+[[nodiscard]] Study refine(const circuit::Circuit& circuit, const std::string& program, const StudySettings& settings,
+                           Diagnostics& diagnostics);
+
+/// Σ sign·vector at `time`, by straight lines between ngspice's points.
+class SignalReader {
+ public:
+  SignalReader(const waveform::RawFile& file, const SignalVectors& signal);
+  [[nodiscard]] bool known() const { return known_; }
+  [[nodiscard]] double at_row(std::size_t row) const;
+  [[nodiscard]] double at(double time) const;
+
+ private:
+  const waveform::RawFile& file_;
+  std::vector<std::pair<std::size_t, double>> terms_;
+  bool known_ = true;
+};
+
+/// Richardson's estimate of what is left after the last of these changes, each the largest from one level to the next.
+struct Remainder {
+  double size = 0.0;
+  bool geometric = false;
+};
+[[nodiscard]] Remainder remainder_after(const std::vector<double>& changes);
+
+}  // namespace pwlsim::spice

@@ -1,0 +1,199 @@
+#include "waveform/svg_plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace pwlsim::waveform {
+namespace {
+
+constexpr double width = 900.0, left = 80.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
+constexpr double plot_width = width - left - right;
+constexpr std::array<std::string_view, 6> colours{"#1f5fbf", "#d1480a", "#1b7f3b", "#7a3fa0", "#8a6d00", "#b0154f"};
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (char c : text) {
+    if (c == '<') {
+      result += "&lt;";
+    } else if (c == '>') {
+      result += "&gt;";
+    } else if (c == '&') {
+      result += "&amp;";
+    } else if (static_cast<unsigned char>(c) >= ' ') {
+      result += c;
+    }
+  }
+  return result;
+}
+
+struct Span {
+  double from = std::numeric_limits<double>::infinity(), to = -std::numeric_limits<double>::infinity();
+
+  void take(double value) {
+    if (!std::isfinite(value)) return;
+    from = std::min(from, value);
+    to = std::max(to, value);
+  }
+  /// Not empty, with `margin` of its length on either side.
+  [[nodiscard]] Span opened(double margin) const {
+    if (from > to) return {0.0, 1.0};
+    const double length = to > from ? to - from : std::max(std::abs(from), 1.0);
+    return {from - margin * length, to + margin * length};
+  }
+};
+
+struct Scale {
+  Span span;
+  double start = 0.0, length = 1.0;  ///< in the picture
+
+  [[nodiscard]] double at(double value) const { return start + length * (value - span.from) / (span.to - span.from); }
+};
+
+/// A power of 1000 and its prefix, such that the largest of the span reads as 1 to 999.
+struct Prefix {
+  double factor = 1.0;
+  std::string_view text;
+};
+
+Prefix prefix_for(const Span& span) {
+  constexpr std::array<std::string_view, 11> names{"f", "p", "n", "µ", "m", "", "k", "M", "G", "T", "P"};
+  constexpr int without = 5;
+  const double size = std::max(std::abs(span.from), std::abs(span.to));
+  if (size == 0.0) return {};
+  const int power = std::clamp(static_cast<int>(std::floor(std::log10(size * (1.0 + 1e-9)) / 3.0)), -without, without);
+  return {std::pow(1000.0, power), names[static_cast<std::size_t>(power + without)]};
+}
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+class Picture {
+ public:
+  explicit Picture(const Figure& figure) : figure_(figure) {
+    Span times;
+    for (const Panel& panel : figure.panels)
+      for (const Curve& curve : panel.curves)
+        for (double x : curve.x) times.take(x);
+    across_ = {times.opened(0.0), left, plot_width};
+  }
+
+  std::string draw() {
+    const double height = top + static_cast<double>(figure_.panels.size()) * (panel_height + gap) - gap + bottom;
+    text_ = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" "
+        "font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        width, height);
+    label(left, 20.0, figure_.title, "font-size=\"14\" font-weight=\"bold\"");
+    for (std::size_t k = 0; k < figure_.panels.size(); ++k)
+      draw_panel(figure_.panels[k], top + static_cast<double>(k) * (panel_height + gap), k + 1 == figure_.panels.size());
+    return std::move(text_) + "</svg>\n";
+  }
+
+ private:
+  void label(double x, double y, std::string_view text, std::string_view attributes) {
+    text_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, attributes, escaped(text));
+  }
+
+  void line(double x1, double y1, double x2, double y2, std::string_view colour) {
+    text_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x1, y1, x2, y2, colour);
+  }
+
+  void draw_panel(const Panel& panel, double y, bool last) {
+    Span values;
+    for (const Curve& curve : panel.curves)
+      for (double value : curve.y) values.take(value);
+    const Scale up{values.opened(0.05), y + panel_height, -panel_height};
+    draw_grid(up, y, last);
+    label(left, y - 6.0, panel.title, "fill=\"#333\"");
+    draw_legend(panel, y);
+    for (std::size_t k = 0; k < panel.curves.size(); ++k) draw_curve(panel.curves[k], up, colour_of(panel, k));
+  }
+
+  static std::string_view colour_of(const Panel& panel, std::size_t k) {
+    const auto first =
+        std::find_if(panel.curves.begin(), panel.curves.end(), [&](const Curve& c) { return c.name == panel.curves[k].name; });
+    return colours[static_cast<std::size_t>(first - panel.curves.begin()) % colours.size()];
+  }
+
+  void draw_grid(const Scale& up, double y, bool last) {
+    constexpr std::string_view pale = "#dddddd", dark = "#666666";
+    const Prefix in_x = prefix_for(across_.span), in_y = prefix_for(up.span);
+    for (double tick : round_ticks(across_.span.from, across_.span.to, 10)) {
+      line(across_.at(tick), y, across_.at(tick), y + panel_height, pale);
+      if (last) label(across_.at(tick), y + panel_height + 16.0, number(tick / in_x.factor), "text-anchor=\"middle\"");
+    }
+    for (double tick : round_ticks(up.span.from, up.span.to, 5)) {
+      line(left, up.at(tick), left + plot_width, up.at(tick), tick == 0.0 ? dark : pale);
+      label(left - 6.0, up.at(tick) + 4.0,
+            fmt::format("{}{}{}", number(tick / in_y.factor), tick == 0.0 || in_y.text.empty() ? "" : " ", tick == 0.0 ? "" : in_y.text),
+            "text-anchor=\"end\"");
+    }
+    text_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"{}\"/>\n", left, y, plot_width,
+                         panel_height, dark);
+    if (last)
+      label(left + 0.5 * plot_width, y + panel_height + 36.0, fmt::format("{} ({}{})", figure_.x_name, in_x.text, figure_.x_unit),
+            "text-anchor=\"middle\"");
+  }
+
+  void draw_legend(const Panel& panel, double y) {
+    double x = left + plot_width;
+    for (std::size_t k = panel.curves.size(); k-- > 0;) {
+      const Curve& curve = panel.curves[k];
+      if (curve.name.empty()) continue;
+      label(x, y - 6.0, curve.name, "text-anchor=\"end\" fill=\"#333\"");
+      x -= 7.0 * static_cast<double>(curve.name.size()) + 6.0;
+      text_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", x - 24.0,
+                           y - 10.0, x, y - 10.0, colour_of(panel, k), dash(curve));
+      x -= 36.0;
+    }
+  }
+
+  static std::string_view dash(const Curve& curve) { return curve.dashed ? " stroke-dasharray=\"6 4\"" : ""; }
+
+  void draw_curve(const Curve& curve, const Scale& up, std::string_view colour) {
+    std::string points;
+    const auto add = [&](std::size_t k) { points += fmt::format("{:.2f},{:.2f} ", across_.at(curve.x[k]), up.at(curve.y[k])); };
+    for (std::size_t k = 0; k < curve.x.size();) {
+      const double column = std::floor(across_.at(curve.x[k]));
+      std::size_t low = curve.x.size(), high = curve.x.size(), first = k, last = k;
+      for (; k < curve.x.size() && std::floor(across_.at(curve.x[k])) == column; ++k) {
+        if (!std::isfinite(curve.y[k])) continue;
+        if (low == curve.x.size() || curve.y[k] < curve.y[low]) low = k;
+        if (high == curve.x.size() || curve.y[k] > curve.y[high]) high = k;
+        last = k;
+      }
+      if (low == curve.x.size()) continue;
+      std::array<std::size_t, 4> chosen{first, low, high, last};
+      std::sort(chosen.begin(), chosen.end());
+      const auto end = std::unique(chosen.begin(), chosen.end());
+      for (auto at = chosen.begin(); at != end; ++at)
+        if (std::isfinite(curve.y[*at])) add(*at);
+    }
+    text_ += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"{}/>\n", points, colour, dash(curve));
+  }
+
+  const Figure& figure_;
+  Scale across_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string svg(const Figure& figure) { return Picture(figure).draw(); }
+
+std::vector<double> round_ticks(double from, double to, int wanted) {
+  const double rough = (to - from) / wanted;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  const double share = rough / power;
+  const double step = power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
+  std::vector<double> ticks;
+  const double slack = 1e-9 * step;
+  for (double k = std::ceil((from - slack) / step); k * step <= to + slack; k += 1.0) ticks.push_back(k == 0.0 ? 0.0 : k * step);
+  return ticks;
+}
+
+}  // namespace pwlsim::waveform

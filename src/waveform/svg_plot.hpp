@@ -1,0 +1,33 @@
+#pragma once
+/// Curves as a self-contained SVG picture: panels one above the other with a common horizontal axis.
+
+#include <string>
+#include <vector>
+
+namespace pwlsim::waveform {
+
+struct Curve {
+  std::string name;       ///< for the legend; curves of one name share a colour and one entry
+  std::vector<double> x;  ///< ascending; equal values are a vertical piece
+  std::vector<double> y;  ///< as many; what is not finite is left out
+  bool dashed = false;
+};
+
+struct Panel {
+  std::string title;
+  std::vector<Curve> curves;
+};
+
+struct Figure {
+  std::string title;
+  std::string x_name, x_unit;  ///< "time", "s": the axis takes a prefix for the unit
+  std::vector<Panel> panels;
+};
+
+/// Curves of more points than the picture has columns are drawn by their extremes in each column: nothing that stands out is lost.
+[[nodiscard]] std::string svg(const Figure& figure);
+
+/// Round numbers (1, 2, 5 times a power of ten apart) within [from, to], about `wanted` of them; from < to.
+[[nodiscard]] std::vector<double> round_ticks(double from, double to, int wanted);
+
+}  // namespace pwlsim::waveform

@@ -1,0 +1,177 @@
+// pwlsim export and pwlsim compare as a user meets them.
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "spice/comparison.hpp"
+#include "support/json.hpp"
+#include "support/scratch.hpp"
+#include "support/spawn.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+using Names = std::vector<std::string>;
+
+namespace {
+
+const std::string rectifier =
+    "half wave\n"
+    "V1 a 0 SIN(0 1 50)\n"
+    "D1 a b D\n"
+    "R1 b 0 1\n"
+    ".model D D\n"
+    ".save v(b) i(D1)\n"
+    ".tran 1m 40m\n"
+    ".end\n";
+
+Finished run_in(const Scratch& scratch, const Names& arguments) {
+  SpawnOptions options;
+  options.folder = scratch.path().string();
+  options.limit_memory = false;  // ngspice is its child
+  options.seconds = 110.0;
+  Finished finished = run_program(arguments, options);
+  UNSCOPED_INFO("status " << finished.status << ", standard error: " << finished.err);
+  return finished;
+}
+
+/// PATH for the programs started meanwhile.
+class Path {
+ public:
+  explicit Path(const std::string& value) : before_(std::getenv("PATH")) { ::setenv("PATH", value.c_str(), 1); }
+  Path(const Path&) = delete;
+  Path& operator=(const Path&) = delete;
+  ~Path() { ::setenv("PATH", before_.c_str(), 1); }
+
+ private:
+  std::string before_;
+};
+
+bool has_ngspice() {
+  if (spice::find_ngspice()) return true;
+  WARN("ngspice is not installed: this test is skipped");
+  return false;
+}
+
+std::string netlist(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR) + "/netlists/" + name + ".net"; }
+
+}  // namespace
+
+TEST_CASE("export writes the deck it is told to, and nothing else", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  const Finished finished = run_in(scratch, {"export", "c.net", "-o", "c.cir"});
+  CHECK(finished.status == 0);
+  CHECK(finished.out.empty());
+  CHECK(scratch.names() == Names{"c.cir", "c.net"});
+  CHECK(read_file(scratch / "c.cir") ==
+        "* half wave\n"
+        "V1 a 0 SIN(0 1 50 0 0 0)\n"
+        "V.D1.i a D1.i 0\n"
+        "A.D1 D1.i b A.D1.model\n"
+        ".model A.D1.model sidiode(Ron=0.001 Roff=100000000 Vfwd=0)\n"
+        "R1 b 0 1\n"
+        ".save v(b)\n"
+        ".save i(v.d1.i)\n"
+        ".options reltol=0.0001 abstol=1e-9 vntol=1e-6 rshunt=1000000000000 method=trap\n"
+        ".tran 0.001 0.04 0 4e-05\n"
+        ".end\n");
+  CHECK(run_in(scratch, {"export", "-o", "-", "c.net"}).out == read_file(scratch / "c.cir"));
+  CHECK_THAT(run_in(scratch, {"export", "c.net", "-o", "-", "--smooth", "0.01"}).out, Contains("Ron=0.01 Roff=10000000 "));
+}
+
+TEST_CASE("export leaves nothing behind where the deck or the command line is wrong", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  scratch.write("bad.net", "t\nR1 a 0 1\nX1 a 0 nothing\n.tran 1 2\n");
+  const Names words =
+      GENERATE(Names{"export", "c.net"}, Names{"export", "-o", "c.cir"}, Names{"export", "c.net", "-o", "c.net"},
+               Names{"export", "bad.net", "-o", "c.cir"}, Names{"export", "c.net", "-o", "c.cir", "--smooth", "0"},
+               Names{"export", "c.net", "-o", "c.cir", "--smooth", "2"}, Names{"export", "c.net", "-o", "c.cir", "--events"});
+  const Finished finished = run_in(scratch, words);
+  CHECK(finished.status == 2);
+  CHECK_THAT(finished.err, Contains("error[E-"));
+  CHECK(scratch.names() == Names{"bad.net", "c.net"});
+  CHECK(read_file(scratch / "c.net") == rectifier);
+}
+
+TEST_CASE("export has status 3 where a file cannot be read or written", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  CHECK(run_in(scratch, {"export", "missing.net", "-o", "c.cir"}).status == 3);
+  CHECK(run_in(scratch, {"export", "c.net", "-o", "no/folder/c.cir"}).status == 3);
+}
+
+TEST_CASE("compare without ngspice says so and is done", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  const Path path(scratch.path().string());
+  const Finished text = run_in(scratch, {"compare", "c.net", "--plot", "c.svg"});
+  CHECK(text.status == 0);
+  CHECK(text.out.empty());
+  CHECK_THAT(text.err, Contains("note[N-no-ngspice]") && Contains("apt install ngspice"));
+  CHECK(scratch.names() == Names{"c.net"});
+  const Finished json = run_in(scratch, {"compare", "c.net", "--json"});
+  CHECK(json.status == 0);
+  CHECK_THAT(json.out, Contains("\"skipped\": \"ngspice is not installed"));
+}
+
+TEST_CASE("compare refuses a deck without waveforms, and a wrong one", "[unit]") {
+  const Scratch scratch;
+  scratch.write("op.net", "t\nV1 a 0 1\nR1 a 0 1\n.op\n");
+  const Finished finished = run_in(scratch, {"compare", "op.net"});
+  CHECK(finished.status == 2);
+  CHECK_THAT(finished.err, Contains("error[E-no-transient]"));
+  CHECK(run_in(scratch, {"compare", "missing.net"}).status == 3);
+  CHECK(run_in(scratch, {"compare", "op.net", "--mode", "x"}).status == 2);
+}
+
+TEST_CASE("a run that has no solution ends a comparison with status 1", "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {"compare", netlist("paper/relay_wrong")});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-not-unique]"));
+}
+
+TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[unit]") {
+  if (!has_ngspice()) return;
+  const std::string name = GENERATE("halfwave", "buck", "buck_dcm", "boost", "six_pulse", "diode_bridge", "fullwave_centre_tap",
+                                    "flyback_ideal", "freewheel", "rlcd", "paper/saturation", "paper/optimal_control");
+  INFO(name);
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {"compare", netlist(name), "--json", "--quiet"});
+  REQUIRE(finished.status == 0);
+  const Json report = JsonReader(finished.out).read();
+  REQUIRE(report["signals"].array.size() != 0);
+  for (std::size_t k = 0; k < report["signals"].array.size(); ++k) {
+    const Json& signal = report["signals"][k];
+    INFO(signal["name"].string);
+    CHECK(signal["settled"].truth);
+    CHECK(signal["explained"].truth);
+    CHECK(signal["difference"].number <= spice::safety * (signal["discretisation"].number + signal["smoothing"].number) + 1e-9);
+    CHECK(signal["difference"].number < 1e-3);
+  }
+}
+
+TEST_CASE("an inelastic stop, which a smoothed diode turns into a spring, is not explained", "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {"compare", netlist("carts")});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.out, Contains("NOT explained"));
+}
+
+TEST_CASE("compare reports in words, with the levels and the switching times, and draws both waveforms", "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  const Finished finished = run_in(scratch, {"compare", "c.net", "--plot", "c.svg"});
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.out,
+             Contains("signal") && Contains("discretisation") && Contains("smoothing") && Contains("v(b)") && Contains("i(D1)"));
+  CHECK_THAT(finished.out, Contains("ngspice solves a smoothed circuit") && Contains("changes ngspice") && Contains("CPU"));
+  CHECK(scratch.names() == Names{"c.net", "c.svg"});
+  const std::string picture = read_file(scratch / "c.svg");
+  CHECK_THAT(picture, Contains(">pwlsim<") && Contains(">ngspice<") && Contains(">v(b)<") && Contains("time (ms)"));
+}

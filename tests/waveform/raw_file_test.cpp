@@ -1,0 +1,44 @@
+#include "waveform/raw_file.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <string>
+
+using namespace pwlsim::waveform;
+
+namespace {
+
+const std::string head =
+    "Title: t\nDate: today\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: 2\nNo. Points: 2     \nVariables:\n"
+    "\t0\ttime\ttime\n\t1\tV(Out)\tvoltage\nBinary:\n";
+
+std::string bytes_of(std::initializer_list<double> values) {
+  std::string bytes;
+  for (double value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("a binary raw file is read by its names, which have no case", "[unit]") {
+  const auto file = read_raw(head + bytes_of({0.0, 1.0, 0.5, 2.0}));
+  REQUIRE(file);
+  REQUIRE(file->rows() == 2);
+  REQUIRE(file->find("v(OUT)") == 1);
+  CHECK_FALSE(file->find("v(in)"));
+  CHECK(file->at(1, 0) == 0.5);
+  CHECK(file->at(1, 1) == 2.0);
+}
+
+TEST_CASE("a raw file that was cut short holds its whole rows", "[unit]") {
+  const auto file = read_raw(head + bytes_of({0.0, 1.0, 0.5}));
+  REQUIRE(file);
+  CHECK(file->rows() == 1);
+  CHECK(read_raw(head)->rows() == 0);
+}
+
+TEST_CASE("what is no binary raw file is not read", "[unit]") {
+  CHECK_FALSE(read_raw(""));
+  CHECK_FALSE(read_raw("time,v(a)\n0,1\n"));
+  CHECK_FALSE(read_raw("Binary:\n"));
+}

@@ -1,0 +1,63 @@
+#include "waveform/svg_plot.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <string>
+
+using namespace pwlsim::waveform;
+using Catch::Matchers::Contains;
+using Numbers = std::vector<double>;
+
+namespace {
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t number = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++number;
+  return number;
+}
+
+Figure figure_of(Curve curve) { return {"title", "time", "s", {{"v(a)", {std::move(curve)}}}}; }
+
+}  // namespace
+
+TEST_CASE("ticks are round and lie within the span", "[unit]") {
+  CHECK(round_ticks(0.0, 10.0, 5) == Numbers{0.0, 2.0, 4.0, 6.0, 8.0, 10.0});
+  CHECK(round_ticks(-1.0, 1.0, 4) == Numbers{-1.0, -0.5, 0.0, 0.5, 1.0});
+  const Numbers small = round_ticks(0.0, 5e-3, 5);
+  REQUIRE(small.size() == 6);
+  CHECK(small[5] == Approx(5e-3).epsilon(1e-14));
+}
+
+TEST_CASE("a figure is one self-contained SVG with a panel and its curves", "[unit]") {
+  const std::string text =
+      svg({"a < b & c", "time", "s", {{"v(a)", {{"one", {0, 1e-3}, {0, 5}, false}, {"two", {0, 1e-3}, {5, 0}, true}}}, {"i", {}}}});
+  CHECK(text.find("<svg xmlns=\"http://www.w3.org/2000/svg\"") == 0);
+  CHECK_THAT(text, Catch::Matchers::EndsWith("</svg>\n"));
+  CHECK_THAT(text, Contains("a &lt; b &amp; c") && Contains("time (ms)") && Contains(">one<") && Contains(">two<"));
+  CHECK(count(text, "<polyline") == 2);
+  CHECK(count(text, "href") == 0);
+}
+
+TEST_CASE("a curve runs from corner to corner of the panel", "[unit]") {
+  // 900 wide, margins 80 and 20: from x = 80 to x = 880; the panel is 180 high with 5 % of the span above and below.
+  const std::string text = svg(figure_of({"", {0, 1}, {0, 1}, false}));
+  CHECK_THAT(text, Contains("points=\"80.00,211.82 880.00,48.18 \""));
+}
+
+TEST_CASE("a long curve is drawn by its extremes: a spike of one point stays", "[unit]") {
+  Curve curve{"", {}, {}, false};
+  for (int k = 0; k <= 100'000; ++k) {
+    curve.x.push_back(k);
+    curve.y.push_back(k == 54'321 ? 1.0 : 0.0);
+  }
+  const std::string text = svg(figure_of(std::move(curve)));
+  CHECK(text.size() < 100'000);
+  CHECK(count(text, ",48.18 ") == 1);
+}
+
+TEST_CASE("what is not finite is left out", "[unit]") {
+  const std::string text = svg(figure_of({"", {0, 1, 2}, {0, std::numeric_limits<double>::quiet_NaN(), 1}, false}));
+  CHECK_THAT(text, Contains("points=\"80.00,211.82 880.00,48.18 \"") && !Contains("nan"));
+}
