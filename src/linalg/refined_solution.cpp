@@ -8,7 +8,8 @@ namespace pwlsim::linalg {
 
 namespace {
 
-constexpr int refinements = 3;  ///< each multiplies the error by ε·cond(G)
+constexpr int refinements = 3;     ///< each multiplies the error by ε·cond(G)
+constexpr Wide unsettled = 1e-3L;  ///< an entry of which the last refinement may have changed more is zero in exact arithmetic
 struct Entry {
   Eigen::Index column = 0;
   Wide value = 0, rest = 0;
@@ -40,7 +41,8 @@ WideMatrix refined_solution(const WideMatrix& g, const WideMatrix& g_rest, const
       }
     x += product(inverse, residual);
   }
-  return x;
+  const WideMatrix unsure = absolute_product(inverse, residual);
+  return (unsure.array() > unsettled * x.array().abs()).select(WideMatrix::Zero(x.rows(), x.cols()), x);
 }
 
 }  // namespace pwlsim::linalg

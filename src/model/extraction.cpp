@@ -285,8 +285,10 @@ void Extractor::solve_unknowns() {
   WideMatrix solution = WideMatrix::Zero(m, right.cols());
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
-    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, sparse_absolute_product(inverse, right)));
-    solution = wide_cleaned(-linalg::refined_solution(g_, g_rest_, inverse, right), bound);
+    solution = -linalg::refined_solution(g_, g_rest_, inverse, right);
+    // What a rounding of each entry of G and of the right-hand sides does to the solution (Higham 2002, §7.2).
+    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, solution) + right.cwiseAbs());
+    solution = wide_cleaned(solution, bound);
   }
   // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
   const std::vector<Eigen::Index> pivots = linalg::ConstraintBasis(h_).pivots();

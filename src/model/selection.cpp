@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pwlsim::model {
 
@@ -179,10 +180,27 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
   return true;
 }
 
+/// Whether some mode goes on without another jump from where the jump into m leads. A passive system jumps once: to the state nearest in energy
+/// of those from which no impulse is due (Heemels, Çamlıbel, Schumacher 2003), and allowed impulses that end in such a state lead to that one.
+bool Selector::settles(const Mode& m, const double* x) {
+  const int trigger = std::exchange(trigger_, -1);
+  const Impulse impulse = impulse_;
+  settled_.assign(x, x + system_.size());
+  jump_into(m, settled_.data());
+  may_jump_ = false;
+  bool ignored = false;
+  const bool found = search(settled_.data(), m.active, -1, ignored, ignored) != nullptr;
+  may_jump_ = true;
+  trigger_ = trigger;
+  impulse_ = impulse;
+  return found;
+}
+
 const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) {
   jumped = false;
   const Mode* previous = nullptr;
   const Mode* jump = nullptr;
+  bool jump_repeats = false;
   Impulse impulse;
   for (const double factor : s_factors) {
     const Mode* first_jump = nullptr;
@@ -194,12 +212,14 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
         std::copy(projected_.begin(), projected_.end(), x);
         return &m;
       }
-      if (!impulse_allowed(m, x, projected_.data())) continue;
-      jumped = &m == previous || factor >= trusted_s_factor;
+      if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
+      const bool repeats = &m == previous || factor >= trusted_s_factor;
+      jumped = system_.passive ? settles(m, x) : repeats;
       if (jumped) return jump_into(m, x);
       if (!first_jump) first_jump = &m;
-      if (!jump && impulse_.order > 0) {
+      if (impulse_.order > 0 && (!jump || (repeats && !jump_repeats))) {
         jump = &m;
+        jump_repeats = repeats;
         impulse = impulse_;
       }
     }

@@ -74,6 +74,7 @@ class Selector {
   const Mode* try_without_jump(double* x, const IndexSet& set);
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
   const Mode* remembered(double* x, const IndexSet& wanted);
+  bool settles(const Mode& mode, const double* x);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
@@ -99,7 +100,8 @@ class Selector {
   const Mode* departures_of_ = nullptr;
   int trigger_ = -1;  ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
-  std::vector<double> y_, projected_;
+  std::vector<double> y_, projected_, settled_;
+  bool may_jump_ = true;  ///< false while it is asked whether the state after a jump goes on without another
   Details details_;
   Impulse impulse_;  ///< of the jump last examined
   std::uint64_t visited_ = 0;

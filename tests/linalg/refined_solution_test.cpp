@@ -42,3 +42,16 @@ TEST_CASE("a badly conditioned system is solved to the last place", "[unit]") {
   CHECK(std::abs(x(0, 0) - 36) < 36 * last_places);
   CHECK(std::abs(x(1, 0) + 630) < 630 * last_places);
 }
+
+// Two parts that share no current: a chain of three resistors and one of two. No current of one part moves a node of the other.
+TEST_CASE("what refinements leave of a zero is zero", "[unit]") {
+  WideMatrix g = WideMatrix::Zero(5, 5), right = WideMatrix::Zero(5, 1);
+  g.topLeftCorner(3, 3) << 1.1L, -1, 0, -1, 1.3L, -0.3L, 0, -0.3L, 0.7L;
+  g.bottomRightCorner(2, 2) << 2.1L, -0.1L, -0.1L, 0.2L;
+  right(4, 0) = 1;
+  WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g).inverse();
+  inverse(0, 4) = 1e-20L;  // rounding
+  const WideMatrix x = refined_solution(g, WideMatrix::Zero(5, 5), inverse, right);
+  CHECK(x.topRows(3).isZero(0));
+  CHECK(std::abs(x(4, 0) * (2.1L * 0.2L - 0.01L) - 2.1L) < last_places);
+}

@@ -68,6 +68,10 @@ Rows extrapolated(const Rows& fine, const Rows& coarse) {
   return result;
 }
 
+void raise(States& values, const States& others) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::max(values[i], others[i]);
+}
+
 /// Largest difference of one state.
 double distance_of(std::size_t state, const Rows& a, const Rows& b) {
   double result = 0.0;
@@ -121,7 +125,7 @@ class Comparison {
       fineness_ = fineness;
       undecided_ = false;
       result_ = {};
-      unexplained_ = moved_ = 0.0;
+      unexplained_ = moved_ = States(norm_.parts.size(), 0.0);
       examine_whole();
       if (!undecided_) break;
     }
@@ -130,28 +134,32 @@ class Comparison {
 
  private:
   void examine_whole() {
-    Window window{0.0, network_.stop};
-    examine_from(window);
-    result_.whole = result_.windows == 1 && window.length == network_.stop;
+    const double length = examine_about(0.0, network_.stop);
+    result_.whole = result_.windows == 1 && length == network_.stop;
     if (result_.kind != Agreement::Kind::agrees || result_.whole) return;
-    for (const double start : later_starts(window.length)) {
-      Window later{start, std::min(window.length, network_.stop - start)};
-      examine_from(later);
+    for (const double instant : later_instants(length)) {
+      examine_about(instant, length);
       if (result_.kind != Agreement::Kind::agrees) return;
     }
-    if (moved_ < least_motion * unexplained_) fail_undecided(fmt::format("\n  nothing moves more than {:.3g}", moved_));
+    for (std::size_t i = 0; i < moved_.size(); ++i)
+      if (moved_[i] < least_motion * unexplained_[i])
+        return fail_undecided(fmt::format("\n  {} does not move more than {:.3g}", norm_.parts[i].name, moved_[i]));
   }
 
-  /// Windows of this length that hold edges of the sources and events of the program's run, a third of the window after their start.
-  std::vector<double> later_starts(double length) {
+  /// Edges of the sources, events of the program's run, and an instant in the middle, that no window of this length at the start holds.
+  std::vector<double> later_instants(double length) {
     std::vector<double> instants = some_of(edges_of(network_, network_.stop));
     const auto events = some_of(program_events());
     instants.insert(instants.end(), events.begin(), events.end());
     instants.push_back(network_.stop * in_the_middle);
-    std::vector<double> starts;
-    for (const double t : instants)
-      if (t > length) starts.push_back(t - length / 3.0);
-    return starts;
+    std::erase_if(instants, [length](double t) { return t <= length; });
+    return instants;
+  }
+
+  /// The instant lies a third of the window after its start, however short the window.
+  Window window_about(double instant, double length) const {
+    const double start = std::max(0.0, instant - length / 3.0);
+    return {start, std::min(length, network_.stop - start)};
   }
 
   static std::vector<double> some_of(const std::vector<double>& times) {
@@ -194,41 +202,52 @@ class Comparison {
     fail("independent solution", disagreement_ + detail);
   }
 
-  void examine_from(Window& window) {
-    States initial = initial_states(network_);
-    if (window.start > 0.0) {
-      const Rows rows = program({0.0, window.start});
-      if (rows.empty()) return;
-      initial = rows.back();
-    }
-    double longer = 0.0;  // √J: largest disagreement, or change by the last halving, in longer windows from here
+  /// Empty where the program fails.
+  States states_at(double time) {
+    if (time == 0.0) return initial_states(network_);
+    const Rows rows = program({0.0, time});
+    return rows.empty() ? States{} : rows.back();
+  }
+
+  /// Windows about this instant, shorter and shorter. The longest length that agrees, or the last that was looked at.
+  double examine_about(double instant, double length) {
+    States longer(norm_.parts.size(), 0.0);  // largest disagreements, or changes by the last halving, in longer windows about it
     double agreeing = 0.0;
     bool disagrees = false;
-    for (int k = 0; k <= most_shrinkings; ++k, window.length /= shrinking) {
+    for (int k = 0; k <= most_shrinkings; ++k, length /= shrinking) {
+      const Window window = window_about(instant, length);
+      const States initial = states_at(window.start);
+      if (initial.empty()) return length;
       const Refinement refinement = refine(beside_, window, initial, fineness_);
-      if (!refinement.problem.empty()) return fail("implicit Euler", refinement.problem);
+      if (!refinement.problem.empty()) {
+        fail("implicit Euler", refinement.problem);
+        return length;
+      }
       if (!refinement.resolves(norm_)) {
-        longer = std::max(longer, refinement.change(norm_, levels - 1));
+        raise(longer, differences(refinement, refinement.rows[levels - 1], refinement.rows[levels - 2]));
         disagreement_ += fmt::format("\n  window {} + {}: implicit Euler does not settle", window.start, window.length);
         continue;
       }
       const Rows exact = program_at(refinement.grid);
-      if (exact.empty()) return;
+      if (exact.empty()) return length;
       if (!compare(window, refinement, exact)) {
-        longer = std::max(longer, norm_.distance(exact, refinement.rows.back()));
+        raise(longer, differences(refinement, exact, refinement.rows.back()));
         disagrees = true;
         continue;
       }
-      const double moves = motion(exact);
-      moved_ = std::max(moved_, moves);
-      if (moves >= least_motion * longer) return;
-      agreeing = std::max(agreeing, window.length);
+      const States moves = motion(exact);
+      raise(moved_, moves);
+      if (explains(moves, longer)) return length;
+      agreeing = std::max(agreeing, length);
       disagreement_ += fmt::format("\n  window {} + {}: agrees, but nothing moves that could explain these", window.start, window.length);
     }
-    if (agreeing == 0.0) return disagrees ? fail("independent solution", disagreement_) : fail_undecided({});
+    if (agreeing == 0.0) {
+      disagrees ? fail("independent solution", disagreement_) : fail_undecided({});
+      return length;
+    }
     // What begins to move later is for the windows around events and edges to explain.
-    unexplained_ = std::max(unexplained_, longer);
-    window.length = agreeing;
+    raise(unexplained_, longer);
+    return agreeing;
   }
 
   Rows program_at(const StepGrid& grid) {
@@ -256,7 +275,28 @@ class Comparison {
     return true;
   }
 
-  double motion(const Rows& rows) const { return norm_.distance(rows, Rows(rows.size(), rows.front())); }
+  /// Of each state, the largest difference that is more than rounding.
+  States differences(const Refinement& refinement, const Rows& a, const Rows& b) const {
+    const double noise = norm_.noise(refinement.scale(norm_));
+    States result;
+    for (std::size_t i = 0; i < norm_.parts.size(); ++i) {
+      const double difference = distance_of(i, a, b);
+      result.push_back(difference * std::sqrt(norm_.parts[i].value) > noise ? difference : 0.0);
+    }
+    return result;
+  }
+
+  static States motion(const Rows& rows) {
+    States result;
+    for (std::size_t i = 0; i < rows.front().size(); ++i) result.push_back(distance_of(i, rows, Rows(rows.size(), rows.front())));
+    return result;
+  }
+
+  static bool explains(const States& moves, const States& differences) {
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      if (moves[i] < least_motion * differences[i]) return false;
+    return true;
+  }
 
   struct Measured {
     std::array<double, levels> error{};  ///< relative
@@ -300,9 +340,9 @@ class Comparison {
   Norm norm_;
   Agreement result_;
   int fineness_ = 0;
-  bool undecided_ = false;    ///< finer steps may tell
-  double unexplained_ = 0.0;  ///< √J: largest disagreement in windows that were too long, and that no shorter one from there explains
-  double moved_ = 0.0;        ///< √J: most that the states move in a window that agrees
+  bool undecided_ = false;  ///< finer steps may tell
+  States unexplained_;  ///< largest disagreements in windows that were too long, and that no shorter one about the same instant explains
+  States moved_;        ///< most that each state moves in a window that agrees
   std::string disagreement_;  ///< of the windows, from the longest on
 };
 

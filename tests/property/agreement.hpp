@@ -8,11 +8,11 @@
 namespace pwlsim::test {
 
 /// Implicit Euler with steps h, h/2, h/4, h/8 must come towards the program's states. Where a network is too fast for these steps over the
-/// whole run (undamped tanks, most of all), windows that are short enough are compared instead: one at the start, and others around
-/// edges of the sources and in the middle, from the program's states at their beginning; since a passive network never increases the
-/// distance of two solutions, every window is a test of its own. What a window that was too long leaves unexplained must be seen to move in
-/// one of those that agree. Where none of this decides, all steps are made 8 times, then 64 times shorter. Distances are in the norm of the stored energy, √Σ(C v² + L i²),
-/// relative to its largest value in the window.
+/// whole run (undamped tanks, most of all), windows that are short enough are compared instead: one at the start, and others about
+/// edges of the sources, events and an instant in the middle, from the program's states at their beginning; since a passive network never
+/// increases the distance of two solutions, every window is a test of its own. Of every state, what a window that was too long leaves unexplained
+/// must be seen to move in a shorter one that agrees. Where none of this decides, all steps are made 8 times, then 64 times shorter. Distances
+/// are in the norm of the stored energy, √Σ(C v² + L i²), relative to its largest value in the window.
 struct Agreement {
   enum class Kind { agrees, refused, wrong };
   Kind kind = Kind::agrees;

@@ -17,14 +17,14 @@ using Real = ResistiveNetwork::Real;
 constexpr Real one = 1;
 
 constexpr double clock_threshold = 0.5;
-constexpr double slack = 1e-15;        ///< of a diode's voltage or current, relative to the terms it is the sum of
+constexpr double slack = 1e-18;        ///< of a diode's voltage or current, relative to the terms it is the sum of
 constexpr double widest_slack = 1e-6;  ///< where no position solves a step with less: potentials of floating parts while a current jumps
 /// Two positions within the slack σ lead to states whose distance has an energy below h·σ·v·i: relative to all energy, √σ in the states.
 constexpr double same_states = 1e-5;
 constexpr double typical_voltage = 10.0, typical_current = 0.01;  ///< of the sources and initial states of random networks
 constexpr int most_diodes_examined = 8;
 constexpr int examined_every = 16;
-constexpr int doublings = 5;  ///< of the steps after an edge until they are as long as all others
+constexpr int doublings = 8;  ///< of the steps after an edge until they are as long as all others
 constexpr int samples_in_segment = 3;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
