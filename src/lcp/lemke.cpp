@@ -12,12 +12,14 @@ using linalg::Vector;
 
 constexpr double pivot_tolerance = 1e-11;
 constexpr double tie_tolerance = 1e-12;
+/// What pivots leave of an entry that is a difference, in units of the largest entry of M: small entries of a column make large ratios of it.
+constexpr double entry_rounding = 1e-15;
 
 /// Tableau of  w − M z − 1·z0 = q.  Columns: w (k), z (k), z0, right-hand side. The w columns hold the basis inverse,
 /// which is what the lexicographic rule compares.
 class Tableau {
  public:
-  Tableau(const Matrix& m, const Vector& q, double scale) : k_(static_cast<int>(q.size())), t_(k_, 2 * k_ + 2), basic_(k_) {
+  Tableau(const Matrix& m, const Vector& q, double scale) : k_(static_cast<int>(q.size())), t_(k_, 2 * k_ + 2), rounding_(entry_rounding * (1.0 + m.cwiseAbs().maxCoeff())), basic_(k_) {
     t_.leftCols(k_).setIdentity();
     t_.middleCols(k_, k_) = -m;
     t_.col(2 * k_).setConstant(-1.0);
@@ -64,11 +66,12 @@ class Tableau {
     double smallest = INFINITY;
     for (const int row : rows) smallest = std::min(smallest, t_(row, numerator) / t_(row, column));
     const double limit = smallest + tie_tolerance * (1.0 + std::abs(smallest));
-    std::erase_if(rows, [&](int row) { return t_(row, numerator) / t_(row, column) > limit; });
+    std::erase_if(rows, [&](int row) { return t_(row, numerator) > limit * t_(row, column) + rounding_ * std::abs(smallest); });
   }
 
   int k_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> t_;
+  double rounding_;
   std::vector<int> basic_;
 };
 

@@ -180,6 +180,14 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
   return true;
 }
 
+/// Where a mode leaves ports open and the least norm gives some of them the wrong sign: the mode that holds those at zero.
+const Mode* Selector::with_open_ports_held(double* x, const Mode& m) {
+  IndexSet set = m.active;
+  for (int i = 0; i < system_.diodes; ++i)
+    if (m.input_unique[static_cast<std::size_t>(i)] == 0 && departures_[static_cast<std::size_t>(i)].value < 0.0) set.flip(i);
+  return set == m.active ? nullptr : try_without_jump(x, set);
+}
+
 /// Whether some mode goes on without another jump from where the jump into m leads. A passive system jumps once: to the state nearest in energy
 /// of those from which no impulse is due (Heemels, Çamlıbel, Schumacher 2003), and allowed impulses that end in such a state lead to that one.
 bool Selector::settles(const Mode& m, const double* x) {
@@ -208,7 +216,10 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       const Mode& m = mode(set);
       if (!m.regular) continue;
       if (consistent(m, x, projected_.data())) {
-        if (!accepts(m, projected_.data())) continue;
+        if (!accepts(m, projected_.data())) {
+          if (const Mode* held = with_open_ports_held(x, m); held) return held;
+          continue;
+        }
         std::copy(projected_.begin(), projected_.end(), x);
         return &m;
       }

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "lcp/enumeration.hpp"
 
@@ -155,4 +156,21 @@ TEST_CASE("the residual measures what is wrong", "[unit]") {
   CHECK(lcp::residual(m, q, z) == Approx(1.0 / 3.0));
   z << 2, -1;
   CHECK(lcp::residual(m, q, z) == Approx(1.0 / 3.0));
+}
+
+// Three currents into one node that is otherwise held by a large inductance (ε): w3 = −w4, so that both are zero, then z3 − z4 = 1/(3ε), the others
+// zero. Ratios of 10⁷ are equal there, but not as rounded.
+TEST_CASE("equal ratios of a small entry are a tie", "[unit]") {
+  for (const double epsilon : {1e-4, 1e-6, 1e-8}) {
+    Matrix m(6, 6);
+    m << 0.1 * epsilon, 0, 64, -64, 0, 0.1 * epsilon, 0, 0, 0, 0, 0, -64, -64, 0, epsilon, -epsilon, 0, -64, 64, 0, -epsilon, epsilon, 0,
+        64, 0, 0, 0, 0, 0, 64, 0.1 * epsilon, 64, 64, -64, -64, 0.1 * epsilon;
+    Vector q(6);
+    q << -8, 0, -1.0 / 3.0, 1.0 / 3.0, 0, -8;
+    const lcp::Solution solution = lcp::lemke(m, q);
+    REQUIRE(solution.status == Status::solved);
+    const double rounding = 64.0 / epsilon * std::numeric_limits<double>::epsilon();
+    CHECK(solution.z[2] * epsilon == Approx(1.0 / 3.0).epsilon(rounding));
+    CHECK(solution.z.sum() == Approx(solution.z[2]).epsilon(rounding));
+  }
 }

@@ -26,8 +26,10 @@ constexpr double settling = 0.8;           ///< most by which a halving may shri
 constexpr double least_motion = 0.5;
 constexpr double safety = 3.0;              ///< between an error and its estimate by the last halvings
 constexpr double rounding = 1e-8;           ///< of thousands of steps, each solved to 1e-12
+constexpr double worth_explaining = 1e-6;   ///< of the norm: a disagreement in one state of a window that was too long
 constexpr double nothing = 1e-12;           ///< of 10 V or 10 mA: rounding of a state that is zero
 constexpr int most_events = 6;              ///< around which windows are laid
+constexpr int first_edges = 3;              ///< of each source and switch, around which too
 constexpr double in_the_middle = 0.381966;  ///< of the run, and one more window there
 
 /// Norm of the stored energy.
@@ -143,16 +145,23 @@ class Comparison {
     }
     for (std::size_t i = 0; i < moved_.size(); ++i)
       if (moved_[i] < least_motion * unexplained_[i])
-        return fail_undecided(fmt::format("\n  {} does not move more than {:.3g}", norm_.parts[i].name, moved_[i]));
+        return fail_undecided(
+            fmt::format("\n  {} does not move more than {:.3g}; unexplained {:.3g}", norm_.parts[i].name, moved_[i], unexplained_[i]));
   }
 
   /// Edges of the sources, events of the program's run, and an instant in the middle, that no window of this length at the start holds.
   std::vector<double> later_instants(double length) {
     std::vector<double> instants = some_of(edges_of(network_, network_.stop));
+    for (const Part& part : network_.parts) {
+      const auto own = edges_of({network_.nodes, {part}, network_.stop}, network_.stop);
+      instants.insert(instants.end(), own.begin(), own.begin() + std::min<std::ptrdiff_t>(std::ssize(own), first_edges));
+    }
     const auto events = some_of(program_events());
     instants.insert(instants.end(), events.begin(), events.end());
     instants.push_back(network_.stop * in_the_middle);
     std::erase_if(instants, [length](double t) { return t <= length; });
+    std::sort(instants.begin(), instants.end());
+    instants.erase(std::unique(instants.begin(), instants.end()), instants.end());
     return instants;
   }
 
@@ -275,13 +284,13 @@ class Comparison {
     return true;
   }
 
-  /// Of each state, the largest difference that is more than rounding.
+  /// Of each state, the largest difference, where it needs an explanation.
   States differences(const Refinement& refinement, const Rows& a, const Rows& b) const {
-    const double noise = norm_.noise(refinement.scale(norm_));
+    const double scale = refinement.scale(norm_), least = norm_.noise(scale) + worth_explaining * scale;
     States result;
     for (std::size_t i = 0; i < norm_.parts.size(); ++i) {
       const double difference = distance_of(i, a, b);
-      result.push_back(difference * std::sqrt(norm_.parts[i].value) > noise ? difference : 0.0);
+      result.push_back(difference * std::sqrt(norm_.parts[i].value) > least ? difference : 0.0);
     }
     return result;
   }

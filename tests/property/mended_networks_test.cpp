@@ -41,8 +41,17 @@ TEST_CASE("what refinement leaves of a zero drove the mode that follows", "[prop
 // The rational problem at the smaller s answered with D1 alone, whose jump makes another one necessary: two projections in place of one.
 TEST_CASE("a jump that makes a second one necessary was not the right one", "[property]") { check("floating", {41'087}); }
 
+// w3 = −w4 in Lemke's tableau: four equal ratios of 10⁷, of which z0 must leave.
+TEST_CASE("equal ratios in Lemke's method that rounding makes unequal", "[property]") { check("up to twelve ports", {78'250}); }
+
+// A switch without a current of its own to determine: the least norm of the open inputs makes a blocking diode forward.
+TEST_CASE("least norm of open inputs against the sign of a diode", "[property]") { check("up to twelve ports", {73'647}); }
+
 // Windows of the comparison that lost the event as they were shortened; steps after the start too long for a decay of nanoseconds.
-TEST_CASE("what rings or decays only after an event is seen to move", "[property]") { check("no sources", {10'330, 11'107}); }
+TEST_CASE("what rings or decays only after an event is seen to move", "[property]") {
+  check("no sources", {10'330, 11'107});
+  check("little resistance", {21'521, 21'911});
+}
 
 // Steps of picoseconds: the current of a diode is a difference of 10¹³ A, and positions were called solutions that were none.
 TEST_CASE("implicit Euler tells positions apart in the shortest steps", "[property]") { check("no sources", {10'341}); }
