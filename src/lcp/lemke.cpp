@@ -19,11 +19,13 @@ constexpr double entry_rounding = 1e-15;
 /// which is what the lexicographic rule compares.
 class Tableau {
  public:
-  Tableau(const Matrix& m, const Vector& q, double scale) : k_(static_cast<int>(q.size())), t_(k_, 2 * k_ + 2), rounding_(entry_rounding * (1.0 + m.cwiseAbs().maxCoeff())), basic_(k_) {
+  Tableau(const Matrix& m, const Vector& q, double scale)
+      : k_(static_cast<int>(q.size())), t_(k_, 2 * k_ + 2), rounding_(entry_rounding * (1.0 + m.cwiseAbs().maxCoeff())), basic_(k_) {
     t_.leftCols(k_).setIdentity();
     t_.middleCols(k_, k_) = -m;
     t_.col(2 * k_).setConstant(-1.0);
     t_.col(2 * k_ + 1) = q / scale;
+    size_ = t_.col(2 * k_ + 1).cwiseAbs();
     for (int i = 0; i < k_; ++i) basic_[i] = i;
   }
 
@@ -55,9 +57,13 @@ class Tableau {
   }
 
   void pivot(int row, int column) {
+    size_[row] /= std::abs(t_(row, column));
     t_.row(row) /= t_(row, column);
-    for (int i = 0; i < k_; ++i)
-      if (i != row && t_(i, column) != 0.0) t_.row(i) -= t_(i, column) * t_.row(row);
+    for (int i = 0; i < k_; ++i) {
+      if (i == row || t_(i, column) == 0.0) continue;
+      size_[i] += std::abs(t_(i, column)) * size_[row];
+      t_.row(i) -= t_(i, column) * t_.row(row);
+    }
     basic_[row] = column;
   }
 
@@ -65,13 +71,18 @@ class Tableau {
   void keep_smallest(std::vector<int>& rows, int numerator, int column) const {
     double smallest = INFINITY;
     for (const int row : rows) smallest = std::min(smallest, t_(row, numerator) / t_(row, column));
-    const double limit = smallest + tie_tolerance * (1.0 + std::abs(smallest));
-    std::erase_if(rows, [&](int row) { return t_(row, numerator) > limit * t_(row, column) + rounding_ * std::abs(smallest); });
+    std::erase_if(rows, [&](int row) {
+      const double entry = t_(row, column);
+      const double size = numerator == right() ? std::min(size_[row], entry) : entry;
+      const double tie = tie_tolerance * (size + std::abs(smallest) * entry) + rounding_ * std::abs(smallest);
+      return t_(row, numerator) > smallest * entry + tie;
+    });
   }
 
   int k_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> t_;
-  double rounding_;
+  Vector size_;      ///< of what each right-hand side is a sum of, at most
+  double rounding_;  ///< of an entry
   std::vector<int> basic_;
 };
 

@@ -102,7 +102,7 @@ class Impulses {
       if (own != active_.end())
         reads(i, own - active_.begin()) = 1.0;
       else
-        reads.row(i) = (s_.d(i, active_) * scale.asDiagonal()).rowwise().normalized();
+        reads.row(i) = Matrix(s_.d(i, active_) * scale.asDiagonal()).row(0).normalized();  // as it is where it is zero
       impulse[i] = sign == 0 ? 0.0 : reads.row(i).dot(weights);
     }
     if ((impulse.array() >= 0.0).all()) return;

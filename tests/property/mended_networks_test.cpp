@@ -47,6 +47,12 @@ TEST_CASE("equal ratios in Lemke's method that rounding makes unequal", "[proper
 // A switch without a current of its own to determine: the least norm of the open inputs makes a blocking diode forward.
 TEST_CASE("least norm of open inputs against the sign of a diode", "[property]") { check("up to twelve ports", {73'647}); }
 
+// The rational problem at s holds a drop of 1.8 V beside 10⁻⁷ V that decides: ties were judged by the largest.
+TEST_CASE("small entries of a complementarity problem decide beside large ones", "[property]") { check("little resistance", {28'308}); }
+
+// The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
+TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
+
 // Windows of the comparison that lost the event as they were shortened; steps after the start too long for a decay of nanoseconds.
 TEST_CASE("what rings or decays only after an event is seen to move", "[property]") {
   check("no sources", {10'330, 11'107});
