@@ -47,36 +47,31 @@ WideMatrix WideElimination::solve(const WideMatrix& right) const {
   return x;
 }
 
-WideMatrix WideElimination::kernel() const {
+/// With t(i, k) for i ≤ k < rank the entries of a triangle and t(i, f) those of the rows or columns behind it: vectors v with v_f = 1 and
+/// Σ t(i, k) v_k = 0, each entry at its place.
+template <class Triangle>
+WideMatrix WideElimination::null_vectors(const std::vector<Eigen::Index>& place, const Triangle& t) const {
   const Eigen::Index q = lu_.rows();
   WideMatrix result = WideMatrix::Zero(q, q - rank_);
   WideVector v(rank_);
   for (Eigen::Index f = rank_; f < q; ++f) {
-    result(column_[static_cast<std::size_t>(f)], f - rank_) = 1;
+    result(place[static_cast<std::size_t>(f)], f - rank_) = 1;
     for (Eigen::Index i = rank_; i-- > 0;) {
-      Wide value = -lu_(i, f);
-      for (Eigen::Index k = i + 1; k < rank_; ++k) value -= lu_(i, k) * v[k];
-      v[i] = value / lu_(i, i);
-      result(column_[static_cast<std::size_t>(i)], f - rank_) = v[i];
+      Wide value = -t(i, f);
+      for (Eigen::Index k = i + 1; k < rank_; ++k) value -= t(i, k) * v[k];
+      v[i] = value / t(i, i);
+      result(place[static_cast<std::size_t>(i)], f - rank_) = v[i];
     }
   }
   return result;
 }
 
+WideMatrix WideElimination::kernel() const {
+  return null_vectors(column_, [this](Eigen::Index i, Eigen::Index k) { return lu_(i, k); });
+}
+
 WideMatrix WideElimination::left_kernel() const {
-  const Eigen::Index q = lu_.rows();
-  WideMatrix result = WideMatrix::Zero(q, q - rank_);
-  WideVector v(rank_);
-  for (Eigen::Index f = rank_; f < q; ++f) {
-    result(row_[static_cast<std::size_t>(f)], f - rank_) = 1;
-    for (Eigen::Index i = rank_; i-- > 0;) {
-      Wide value = -lu_(f, i);
-      for (Eigen::Index k = i + 1; k < rank_; ++k) value -= lu_(k, i) * v[k];
-      v[i] = value;
-      result(row_[static_cast<std::size_t>(i)], f - rank_) = value;
-    }
-  }
-  return result;
+  return null_vectors(row_, [this](Eigen::Index i, Eigen::Index k) { return i == k ? Wide{1} : lu_(k, i); });
 }
 
 }  // namespace pwlsim::linalg

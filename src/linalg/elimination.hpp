@@ -26,6 +26,9 @@ class WideElimination {
   [[nodiscard]] WideMatrix left_kernel() const;
 
  private:
+  template <class Triangle>
+  [[nodiscard]] WideMatrix null_vectors(const std::vector<Eigen::Index>& place, const Triangle& t) const;
+
   WideMatrix lu_;
   std::vector<Eigen::Index> row_, column_;  ///< of M, at each place of L U
   int rank_ = 0;

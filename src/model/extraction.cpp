@@ -109,6 +109,7 @@ class Extractor {
   Diagnostics& diagnostics_;
   WideMatrix g_, g_rest_, f_, ha_, hw_;
   WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
+  std::vector<Eigen::Index> held_;  ///< stores in which H is regular
   WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
   WideMatrix z_xi_, z_a_, z_zeta_;  ///< z = …·ξ, …·a, …·ζ
   WideMatrix a_, b_, e_;            ///< ξ' = a ξ + b a_wave + e ζ
@@ -269,6 +270,7 @@ void Extractor::solve_constraints() {
     s_zeta_.row(i) /= scale;
   }
   const linalg::ConstraintBasis free(h_);
+  held_ = free.pivots();
   basis_ = free.null();
   offset_ = -free.least(s_zeta_);
   basis_ = wide_cleaned(basis_, WideMatrix::Ones(stores, stores - fixed));
@@ -291,19 +293,18 @@ void Extractor::solve_unknowns() {
     solution = wide_cleaned(solution, bound);
   }
   // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
-  const std::vector<Eigen::Index> pivots = linalg::ConstraintBasis(h_).pivots();
-  const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, pivots)).inverse();
+  const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();
   const WideMatrix h = wide_clean_product(solved, h_);
   WideMatrix z_full = solution.leftCols(stores);
   z_a_ = solution.middleCols(stores, k);
-  const WideMatrix left_out = -z_full(Eigen::all, pivots);
+  const WideMatrix left_out = -z_full(Eigen::all, held_);
   z_full = wide_clean_sum(z_full, left_out, h);
   z_zeta_ = wide_clean_sum(solution.rightCols(nz), left_out, wide_clean_product(solved, s_zeta_));
   z_zeta_ = wide_clean_sum(z_zeta_, z_full, offset_);
   z_xi_ = wide_clean_product(z_full, basis_);
   const auto rates = [&](const WideMatrix& z) {
     const WideMatrix rate = wide_clean_product(assembly_.sx, z);
-    return wide_clean_product(basis_.transpose(), wide_clean_sum(rate, h.transpose(), -rate(pivots, Eigen::all)));
+    return wide_clean_product(basis_.transpose(), wide_clean_sum(rate, h.transpose(), -rate(held_, Eigen::all)));
   };
   a_ = rates(z_xi_);
   b_ = rates(z_a_);

@@ -364,21 +364,11 @@ Agreement compare_with_independent(const RandomNetwork& network, const RandomNet
   return Comparison(network, beside).run({0});
 }
 
-RandomNetwork smallest_disagreement(RandomNetwork network, const Agreement& agreement) {
-  for (bool smaller = true; smaller;) {
-    smaller = false;
-    for (std::size_t i = 0; i < network.parts.size(); ++i) {
-      RandomNetwork without = network;
-      without.parts.erase(without.parts.begin() + static_cast<long>(i));
-      if (without.parts.empty() || !sources_can_be_met(without)) continue;
-      const Agreement again = compare_with_independent(without);
-      if (again.kind != agreement.kind || again.what != agreement.what) continue;
-      network = std::move(without);
-      smaller = true;
-      --i;
-    }
-  }
-  return network;
+RandomNetwork smallest_disagreement(const RandomNetwork& network, const Agreement& agreement) {
+  return smallest(network, [&](const RandomNetwork& without) {
+    const Agreement again = compare_with_independent(without);
+    return again.kind == agreement.kind && again.what == agreement.what;
+  });
 }
 
 }  // namespace pwlsim::test

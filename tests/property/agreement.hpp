@@ -31,6 +31,6 @@ struct Agreement {
 [[nodiscard]] Agreement compare_with_independent(const RandomNetwork& network, const RandomNetwork& beside);
 
 /// The network with every part removed that the disagreement does not need.
-[[nodiscard]] RandomNetwork smallest_disagreement(RandomNetwork network, const Agreement& agreement);
+[[nodiscard]] RandomNetwork smallest_disagreement(const RandomNetwork& network, const Agreement& agreement);
 
 }  // namespace pwlsim::test

@@ -134,21 +134,11 @@ Finding examine(const RandomNetwork& network, std::uint64_t seed) {
   return check_certificate(run.answer.certificate);
 }
 
-RandomNetwork minimised(RandomNetwork network, std::uint64_t seed, const Finding& finding) {
-  for (bool smaller = true; smaller;) {
-    smaller = false;
-    for (std::size_t i = 0; i < network.parts.size(); ++i) {
-      RandomNetwork without = network;
-      without.parts.erase(without.parts.begin() + static_cast<long>(i));
-      if (without.parts.empty() || !sources_can_be_met(without)) continue;
-      const Finding again = examine(without, seed);
-      if (again.kind != finding.kind || again.what != finding.what) continue;
-      network = std::move(without);
-      smaller = true;
-      --i;
-    }
-  }
-  return network;
+RandomNetwork minimised(const RandomNetwork& network, std::uint64_t seed, const Finding& finding) {
+  return smallest(network, [&](const RandomNetwork& without) {
+    const Finding again = examine(without, seed);
+    return again.kind == finding.kind && again.what == finding.what;
+  });
 }
 
 }  // namespace pwlsim::test

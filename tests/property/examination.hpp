@@ -11,6 +11,6 @@ namespace pwlsim::test {
 [[nodiscard]] Finding examine(const RandomNetwork& network, std::uint64_t seed);
 
 /// The network with every part removed that the finding does not need.
-[[nodiscard]] RandomNetwork minimised(RandomNetwork network, std::uint64_t seed, const Finding& finding);
+[[nodiscard]] RandomNetwork minimised(const RandomNetwork& network, std::uint64_t seed, const Finding& finding);
 
 }  // namespace pwlsim::test

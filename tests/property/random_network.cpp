@@ -347,4 +347,19 @@ std::string to_deck(const RandomNetwork& network) {
                             network.stop / 100, network.stop);
 }
 
+RandomNetwork smallest(RandomNetwork network, const std::function<bool(const RandomNetwork&)>& fails) {
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (std::size_t i = 0; i < network.parts.size(); ++i) {
+      RandomNetwork without = network;
+      without.parts.erase(without.parts.begin() + static_cast<long>(i));
+      if (without.parts.empty() || !sources_can_be_met(without) || !fails(without)) continue;
+      network = std::move(without);
+      smaller = true;
+      --i;
+    }
+  }
+  return network;
+}
+
 }  // namespace pwlsim::test

@@ -8,6 +8,7 @@
 /// round that is open to both directions. What is left are networks whose linear equations are singular; the program must refuse those.
 
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -67,6 +68,9 @@ struct Recipe {
 
 /// Whether the sources leave Kirchhoff's laws a solution in every position of diodes and switches (see above).
 [[nodiscard]] bool sources_can_be_met(const RandomNetwork& network);
+
+/// The network with every part removed that `fails` does not need; what is left can be met by its sources.
+[[nodiscard]] RandomNetwork smallest(RandomNetwork network, const std::function<bool(const RandomNetwork&)>& fails);
 
 /// The network of the model; its signals are the voltages of capacitors and currents of inductors, in the order of `parts`. `part_order`
 /// and `node_order` (a permutation of 0 … nodes−1) number elements and nodes otherwise, without any effect on what is computed.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "regression/deck_run.hpp"
+#include "regression/twisting.hpp"
 
 using namespace pwlsim;
 using namespace pwlsim::test;
@@ -11,35 +12,10 @@ namespace {
 
 constexpr double exact = 1e-12;  ///< of values and times of order one
 
-std::string twisting(const std::string& friction, const std::string& tran) {
-  return "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))" + friction +
-         "}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran " + tran + " uic\n.end\n";
-}
-
-struct Place {
-  double x, v;
-};
-
-/// From (0, 1): v' = -3 until v = 0 after v/3, then v' = -1 until x = 0 again, with the speed -v/sqrt 3; and so on, mirrored.
-Place twisted(double time) {
-  double speed = 1.0, side = 1.0, start = 0.0;
-  for (int i = 0; i < 100; ++i) {
-    const double out = speed / 3.0, top = speed * speed / 6.0, back = std::sqrt(2.0 * top);
-    double t = time - start;
-    if (t <= out) return {side * (speed * t - 1.5 * t * t), side * (speed - 3.0 * t)};
-    t -= out;
-    if (t <= back) return {side * (top - 0.5 * t * t), -side * t};
-    start += out + back;
-    speed = back;
-    side = -side;
-  }
-  return {0.0, 0.0};
-}
-
 }  // namespace
 
 TEST_CASE("case 13: twisting comes to rest at t = 1 + 2/sqrt 3, through infinitely many events", "[hard]") {
-  const DeckRun run = run_text(twisting("", "0.01 3"));
+  const DeckRun run = run_text(twisting_deck("", "0.01 3"));
   INFO(run.messages << run.answer.message);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   CHECK(run.answer.statistics.accumulations == 1);
@@ -56,7 +32,7 @@ TEST_CASE("case 13: twisting comes to rest at t = 1 + 2/sqrt 3, through infinite
 }
 
 TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]") {
-  const DeckRun run = run_text(twisting("", "0.25 3"), true);
+  const DeckRun run = run_text(twisting_deck("", "0.25 3"), true);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   const double limit = 1.0 + 2.0 / std::sqrt(3.0);
   int found = 0;
@@ -72,7 +48,7 @@ TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]"
 // With a term -0.3 v the times between events shrink by a ratio that only tends to 1/3. The limit is from 200 turns of the closed form
 // v = f/k + (v0 - f/k) e^(-k t) between events, with 60 digits (mpmath).
 TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
-  const DeckRun run = run_text(twisting(" - 0.3*V(v)", "0.25 3"), true);
+  const DeckRun run = run_text(twisting_deck(" - 0.3*V(v)", "0.25 3"), true);
   INFO(run.messages << run.answer.message);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   double last = 0.0;
@@ -121,7 +97,7 @@ TEST_CASE("a jump at the start tells what was before the source stepped", "[unit
 }
 
 TEST_CASE("a run that ends, or a source that moves, before the limit follows the events", "[unit]") {
-  const DeckRun run = run_text(twisting("", "0.01 2.1"));
+  const DeckRun run = run_text(twisting_deck("", "0.01 2.1"));
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   CHECK(run.answer.statistics.accumulations == 0);
   const Place expected = twisted(2.1);

@@ -9,6 +9,7 @@
 
 #include "regression/deck_run.hpp"
 #include "regression/reference.hpp"
+#include "regression/twisting.hpp"
 #include "support/scratch.hpp"
 
 namespace pwlsim::test {
@@ -161,28 +162,9 @@ Measured dead_zone() {
   return result;
 }
 
-/// v' = −3, −1, −3, … between the switchings, whose speeds shrink by √3.
-std::pair<double, double> twisted(double time) {
-  double speed = 1.0, side = 1.0, start = 0.0;
-  for (int i = 0; i < 100; ++i) {
-    const double out = speed / 3.0, top = speed * speed / 6.0, back = std::sqrt(2.0 * top);
-    double t = time - start;
-    if (t <= out) return {side * (speed * t - 1.5 * t * t), side * (speed - 3.0 * t)};
-    t -= out;
-    if (t <= back) return {side * (top - 0.5 * t * t), -side * t};
-    start += out + back;
-    speed = back;
-    side = -side;
-  }
-  return {0.0, 0.0};
-}
-
 Measured twisting() {
-  const DeckRun run = run_text(
-      "twisting\nB1 0 x I={V(v)}\nC1 x 0 1 ic=0\nB2 0 v I={-2*sgn(V(x)) - sgn(V(v))}\nC2 v 0 1 ic=1\n.save v(x) v(v)\n.tran 0.25 3 "
-      "uic\n.end\n",
-      true);
-  Measured result = against(run, {[](double t) { return twisted(t).first; }, [](double t) { return twisted(t).second; }});
+  const DeckRun run = run_text(twisting_deck("", "0.25 3"), true);
+  Measured result = against(run, {[](double t) { return twisted(t).x; }, [](double t) { return twisted(t).v; }});
   measure_event(run, 1.0 + 2.0 / std::sqrt(3.0), result);
   return result;
 }

@@ -99,10 +99,11 @@ class OperatingPointSolver {
         char& is_on = on[static_cast<std::size_t>(control.driven)];
         // On the threshold itself nothing moves: it is a value at rest.
         const bool flip = is_on != 0 ? value < control.off_level : value > control.on_level;
-        if (flip) is_on = is_on == 0;
-        if (flip) restless_[static_cast<std::size_t>(control.driven)] = 1;
-        flipped |= flip;
-        if (flip && !together) return true;
+        if (!flip) continue;
+        is_on = is_on == 0;
+        restless_[static_cast<std::size_t>(control.driven)] = 1;
+        flipped = true;
+        if (!together) return true;
       }
     return flipped;
   }
