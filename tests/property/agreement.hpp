@@ -11,7 +11,8 @@ namespace pwlsim::test {
 /// whole run (undamped tanks, most of all), windows that are short enough are compared instead: one at the start, and others about
 /// edges of the sources, events and an instant in the middle, from the program's states at their beginning; since a passive network never
 /// increases the distance of two solutions, every window is a test of its own. Of every state, what a window that was too long leaves unexplained
-/// must be seen to move in a shorter one that agrees. Where none of this decides, all steps are made 8 times, then 64 times shorter. Distances
+/// must be seen to move in a shorter one that agrees. Where none of this decides, all steps are made 8 times shorter; at last
+/// windows one after the other cover the whole run (a tank that pumps a little each period moves a state far, and in no window). Distances
 /// are in the norm of the stored energy, √Σ(C v² + L i²), relative to its largest value in the window.
 struct Agreement {
   enum class Kind { agrees, refused, wrong };

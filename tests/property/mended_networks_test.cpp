@@ -59,5 +59,9 @@ TEST_CASE("what rings or decays only after an event is seen to move", "[property
   check("little resistance", {21'521, 21'911});
 }
 
+TEST_CASE("a tank that pumps a little each period moves a state far, and in no window", "[property][long]") {
+  check("little resistance", {21'935});
+}
+
 // Steps of picoseconds: the current of a diode is a difference of 10¹³ A, and positions were called solutions that were none.
 TEST_CASE("implicit Euler tells positions apart in the shortest steps", "[property]") { check("no sources", {10'341}); }
