@@ -11,12 +11,14 @@ namespace pwlsim::model {
 namespace {
 
 constexpr double rank_tolerance = 1e-9;
+/// Of an impulse, beside the largest.
+constexpr double impulse_tolerance = 1e-8;
 
 /// Orders 1 … L tried in turn. Time in units of 1/‖A‖ and u, y in units of √‖A‖, in which B, C and D are of one size.
 class Impulses {
  public:
-  Impulses(const System& system, double rate, const IndexSet& active, double tolerance)
-      : s_(system), tolerance_(tolerance), root_(std::sqrt(rate)) {
+  Impulses(const System& system, double rate, const IndexSet& active, double noise)
+      : s_(system), noise_(noise), root_(std::sqrt(rate)) {
     a_ = system.a / rate;
     c_ = system.c / root_;
     for (int i = 0; i < system.ports; ++i)
@@ -47,7 +49,9 @@ class Impulses {
     decomposition.setThreshold(rank_tolerance);  // before compute(), which leaves undone what its rank does not call for
     decomposition.compute(equations);
     const Vector weights = decomposition.solve(right);
-    if (!((equations * weights - right).norm() <= tolerance_ * jump.norm())) return false;
+    if (!((equations * weights - right).norm() <= impulse_tolerance * jump.norm() + noise_)) return false;
+    // Of each weight, what an error of the jump makes of it: where ports can nearly replace one another, far more than its share.
+    error_ = noise_ * decomposition.pseudoInverse().rowwise().norm();
     take(order, scale, weights);
     if (order == 1 && decomposition.rank() < q) prefer_allowed(equations, scale, weights);
     return true;
@@ -58,7 +62,7 @@ class Impulses {
 
   [[nodiscard]] int sign_of_input(int port) const {
     for (std::size_t j = u_.size(); j-- > 0;)
-      if (std::abs(u_[j][port]) > tolerance_ * size_[j][port]) return u_[j][port] > 0.0 ? 1 : -1;
+      if (std::abs(u_[j][port]) > size_[j][port]) return u_[j][port] > 0.0 ? 1 : -1;
     return 0;
   }
 
@@ -71,7 +75,7 @@ class Impulses {
         sum += row.dot(u_[at(j - 1)]);
         size += row.cwiseAbs().dot(size_[at(j - 1)]);
       }
-      if (std::abs(sum) > tolerance_ * size) return sum > 0.0 ? 1 : -1;
+      if (std::abs(sum) > size) return sum > 0.0 ? 1 : -1;
     }
     return 0;
   }
@@ -87,7 +91,7 @@ class Impulses {
       for (Eigen::Index i = 0; i < q; ++i) {
         const auto from = (j - 1) * q + i;
         u_[at(j - 1)][active_[at(i)]] = scale[from] * weights[from];
-        size_[at(j - 1)][active_[at(i)]] = scale[from] * weights.norm();
+        size_[at(j - 1)][active_[at(i)]] = scale[from] * (impulse_tolerance * weights.norm() + error_[from]);
       }
   }
 
@@ -113,18 +117,19 @@ class Impulses {
   }
 
   const System& s_;
-  double tolerance_, root_;
+  double noise_, root_;
   std::vector<int> active_;
   Matrix a_, c_;
   std::vector<Matrix> effect_;  ///< A^j B
   std::vector<Matrix> markov_;
-  std::vector<Vector> u_, size_;  ///< u^{−j−1} and what counts as its size
+  Vector error_;                  ///< of the weights
+  std::vector<Vector> u_, size_;  ///< u^{−j−1} and what counts as zero of it
 };
 
 }  // namespace
 
-Impulse find_impulse(const System& system, double rate, const IndexSet& active, const Vector& jump, double tolerance) {
-  Impulses impulses(system, rate, active, tolerance);
+Impulse find_impulse(const System& system, double rate, const IndexSet& active, const Vector& jump, double noise) {
+  Impulses impulses(system, rate, active, noise);
   Impulse result;
   result.weight = Vector::Zero(system.ports);
   for (int order = 1; order <= std::max(system.n, 1); ++order) {

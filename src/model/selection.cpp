@@ -18,7 +18,6 @@ constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 /// Rounding levels of the verification, tried in turn.
 constexpr double relaxations[] = {1.0, 1e2, 1e4};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
-constexpr double impulse_tolerance = 1e-8;
 constexpr std::size_t most_remembered = 6;
 /// A signal moves along an open direction of u when its terms do not cancel there.
 constexpr double open_tolerance = 1e-9;
@@ -170,8 +169,7 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
   const auto size = static_cast<Eigen::Index>(system_.size());
   const Vector jump = Eigen::Map<const Vector>(after, size) - Eigen::Map<const Vector>(x, size);
   // A small jump is the difference of large states.
-  const double tolerance = impulse_tolerance + m.noise * linalg::norm(x, size) / jump.norm();
-  impulse_ = find_impulse(system_, rational_.rate(), m.active, jump, tolerance);
+  impulse_ = find_impulse(system_, rational_.rate(), m.active, jump, m.noise * linalg::norm(x, size));
   if (impulse_.order == 0) return system_.passive;
   if (std::any_of(impulse_.sign.begin(), impulse_.sign.end(), [](int sign) { return sign < 0; })) return false;
   if (system_.passive || accepts(m, after)) return true;

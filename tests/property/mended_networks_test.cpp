@@ -50,6 +50,9 @@ TEST_CASE("least norm of open inputs against the sign of a diode", "[property]")
 // The rational problem at s holds a drop of 1.8 V beside 10⁻⁷ V that decides: ties were judged by the largest.
 TEST_CASE("small entries of a complementarity problem decide beside large ones", "[property]") { check("little resistance", {28'308}); }
 
+// Its jump of 10⁻⁷ of the state leaves the impulses of diodes that hardly differ in what they move open by far more than its own rounding.
+TEST_CASE("rounding of a small jump is no impulse against a diode", "[property]") { check("floating", {45'137}); }
+
 // The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
 TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
 
