@@ -22,7 +22,7 @@ constexpr std::size_t most_remembered = 6;
 /// A signal moves along an open direction of u when its terms do not cancel there.
 constexpr double open_tolerance = 1e-9;
 constexpr int near_radius = 2;  ///< ports that further continuations may have otherwise, where there are more
-constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
+constexpr int few_ports = 6;    ///< with so many all modes are tried where nothing else helps, and for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
 /// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
@@ -178,24 +178,30 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
   return true;
 }
 
-/// Where a mode leaves ports open and the least norm gives some of them the wrong sign: the mode that holds those at zero.
-const Mode* Selector::with_open_ports_held(double* x, const Mode& m) {
+/// What follows where x lies in m to rounding and m is not accepted. Ports that m leaves open may have the wrong sign in the least norm: then the
+/// mode that holds those at zero goes on. Or what x is moved by into m was in the guards: then a mode goes on from there.
+const Mode* Selector::beside(double* x, const Mode& m) {
   IndexSet set = m.active;
   for (int i = 0; i < system_.diodes; ++i)
-    if (m.input_unique[static_cast<std::size_t>(i)] == 0 && departures_[static_cast<std::size_t>(i)].value < 0.0) set.flip(i);
-  return set == m.active ? nullptr : try_without_jump(x, set);
+    if (departures_[static_cast<std::size_t>(i)].value < 0.0) set.flip(i);
+  if (const Mode* found = try_without_jump(x, set); found) return found;
+  if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
+  const Mode* found = settled(m, x);
+  if (found) std::copy(settled_.begin(), settled_.end(), x);
+  return found;
 }
 
-/// Whether some mode goes on without another jump from where the jump into m leads. A passive system jumps once: to the state nearest in energy
-/// of those from which no impulse is due (Heemels, Çamlıbel, Schumacher 2003), and allowed impulses that end in such a state lead to that one.
-bool Selector::settles(const Mode& m, const double* x) {
+/// The mode that goes on without another jump from where the jump into m leads, if there is one. A passive system jumps once: to the state nearest
+/// in energy of those from which no impulse is due (Heemels, Çamlıbel, Schumacher 2003), and allowed impulses that end in such a state lead to that
+/// one.
+const Mode* Selector::settled(const Mode& m, const double* x) {
   const int trigger = std::exchange(trigger_, -1);
   const Impulse impulse = impulse_;
   settled_.assign(x, x + system_.size());
   jump_into(m, settled_.data());
   may_jump_ = false;
   bool ignored = false;
-  const bool found = search(settled_.data(), m.active, -1, ignored, ignored) != nullptr;
+  const Mode* found = search(settled_.data(), m.active, -1, ignored, ignored);
   may_jump_ = true;
   trigger_ = trigger;
   impulse_ = impulse;
@@ -215,7 +221,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       if (!m.regular) continue;
       if (consistent(m, x, projected_.data())) {
         if (!accepts(m, projected_.data())) {
-          if (const Mode* held = with_open_ports_held(x, m); held) return held;
+          if (const Mode* other = beside(x, m); other) return other;
           continue;
         }
         std::copy(projected_.begin(), projected_.end(), x);
@@ -223,7 +229,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       }
       if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
       const bool repeats = &m == previous || factor >= trusted_s_factor;
-      jumped = system_.passive ? settles(m, x) : repeats;
+      jumped = system_.passive ? settled(m, x) != nullptr : repeats;
       if (jumped) return jump_into(m, x);
       if (!first_jump) first_jump = &m;
       if (impulse_.order > 0 && (!jump || (repeats && !jump_repeats))) {

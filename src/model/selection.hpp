@@ -74,8 +74,8 @@ class Selector {
   const Mode* try_without_jump(double* x, const IndexSet& set);
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
   const Mode* remembered(double* x, const IndexSet& wanted);
-  const Mode* with_open_ports_held(double* x, const Mode& mode);
-  bool settles(const Mode& mode, const double* x);
+  const Mode* beside(double* x, const Mode& mode);
+  const Mode* settled(const Mode& mode, const double* x);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);

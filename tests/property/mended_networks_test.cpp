@@ -53,6 +53,9 @@ TEST_CASE("small entries of a complementarity problem decide beside large ones",
 // Its jump of 10⁻⁷ of the state leaves the impulses of diodes that hardly differ in what they move open by far more than its own rounding.
 TEST_CASE("rounding of a small jump is no impulse against a diode", "[property]") { check("floating", {45'137}); }
 
+// A switch opens a current of 10⁻¹⁵ A: blocking, the diode has −10⁻¹² V, conducting a negative current; from the state without that current it conducts.
+TEST_CASE("a jump of rounding decides between two modes that both fail by it", "[property]") { check("floating", {46'021}); }
+
 // The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
 TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
 
