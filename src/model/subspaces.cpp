@@ -132,7 +132,7 @@ Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideM
   result.constraints = complement_rows(v, size);
   WideMatrix effect(size + d.rows(), b.cols());
   effect << b, d;
-  result.free_inputs = wide_null_space(effect, rank_tolerance);
+  result.free_inputs = wide_null_space(equilibrated(effect), rank_tolerance);
   result.free_inputs = linalg::wide_cleaned(result.free_inputs, WideMatrix::Ones(b.cols(), result.free_inputs.cols()));
   result.regular = true;
   return result;

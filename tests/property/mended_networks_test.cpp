@@ -56,6 +56,12 @@ TEST_CASE("rounding of a small jump is no impulse against a diode", "[property]"
 // A switch opens a current of 10⁻¹⁵ A: blocking, the diode has −10⁻¹² V, conducting a negative current; from the state without that current it conducts.
 TEST_CASE("a jump of rounding decides between two modes that both fail by it", "[property]") { check("floating", {46'021}); }
 
+// Inputs that nothing determines, beside ports whose effects differ by 10¹¹: one of those was taken for open.
+TEST_CASE("open inputs beside small effects of others", "[property]") {
+  check("little resistance", {25'126});
+  check("floating", {46'981});
+}
+
 // The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
 TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
 
