@@ -62,6 +62,12 @@ TEST_CASE("open inputs beside small effects of others", "[property]") {
   check("floating", {46'981});
 }
 
+// At rest at the segment's start, and negative twice before the end of the locator's first interval, where it was looked at.
+TEST_CASE("a guard that leaves zero and falls again is seen to cross", "[property]") {
+  check("floating", {46'196});
+  check("all parts", {2'323});
+}
+
 // The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
 TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
 

@@ -13,6 +13,8 @@ constexpr double epsilon = 2.220446049250313e-16;
 /// A minimum of a guard within this fraction of the terms it is made of touches zero.
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
+/// Of a guard that leaves zero within an interval, against its rounding: in a longer one it could fall again unseen.
+constexpr double leaving_zero = 1e3;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
@@ -141,9 +143,12 @@ void Locator::end_values(const Segment& s, double h) {
 Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const model::Departure& start = s.departures[i];
   if (start.order < 0) {
-    // Zero at the start to every order that rounding lets through: it counts from where it is visibly negative.
+    // Zero at the start to every order that rounding lets through: it counts from where it is visibly negative, or has visibly left zero.
     const double noise = noise_of(s, s.rows[i]);
-    return {ge_[i] >= -noise ? Verdict::excluded : Verdict::one_root, h};
+    if (s.tau == 0.0 || g_[i] <= noise) {
+      if (ge_[i] < -noise) return {Verdict::one_root, h};
+      return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
+    }
   }
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
