@@ -25,9 +25,8 @@ constexpr int most_series_intervals = 40;
 /// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
 constexpr double short_step = 0.02;
 constexpr int series_in_turn = 16, bounds_in_turn = 64;
-/// So many intervals in, a segment is worth looking for slow parts; what they may be off by, in time, against the segment's length.
+/// So many intervals in, a segment is worth looking for slow parts.
 constexpr std::uint64_t intervals_before_parts = 6;
-constexpr double parting_error = 1e-9;
 /// So many intervals in, a segment that would need more than `most_intervals` has its guards sampled instead (and the run says so),
 /// and how finely. A lossless ring that is followed for 10⁵ periods takes some 10⁶.
 constexpr std::uint64_t intervals_before_sampling = 20000;
@@ -46,6 +45,17 @@ double Locator::noise_of(const Segment& s, int row) const {
   for (int k = 0; k < s.mode->ny; ++k) size += std::abs(s.mode->guards(row, k) * s.y[static_cast<std::size_t>(k)]);
   size = std::max(size, share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
   return std::max(graze_noise, s.mode->noise) * size;
+}
+
+/// Zero at the segment's start to every order that rounding lets through, and not visibly positive since.
+bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
+  return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
+}
+
+bool Locator::any_at_rest(const Segment& s) const {
+  for (std::size_t i = 0; i < s.rows.size(); ++i)
+    if (is_at_rest(s, i)) return true;
+  return false;
 }
 
 void Locator::prepare(Segment& s) {
@@ -142,13 +152,10 @@ void Locator::end_values(const Segment& s, double h) {
 
 Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const model::Departure& start = s.departures[i];
-  if (start.order < 0) {
-    // Zero at the start to every order that rounding lets through: it counts from where it is visibly negative, or has visibly left zero.
+  if (is_at_rest(s, i)) {
     const double noise = noise_of(s, s.rows[i]);
-    if (s.tau == 0.0 || g_[i] <= noise) {
-      if (ge_[i] < -noise) return {Verdict::one_root, h};
-      return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
-    }
+    if (ge_[i] < -noise) return {Verdict::one_root, h};
+    return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
@@ -404,7 +411,6 @@ Located Locator::march(Segment& s, double end) {
   if (s.mode->piecewise_linear) return straight_lines(s, end);
   const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
-  const bool undecided_start = std::any_of(s.departures.begin(), s.departures.end(), [](const auto& d) { return d.order < 0; });
   while (s.certified < end) {
     if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
       if (s.rows.empty()) {
@@ -421,7 +427,7 @@ Located Locator::march(Segment& s, double end) {
       s.certified = end;
       return located;
     }
-    if (!undecided_start && (!s.mode->stiff || s.turns > 0)) {
+    if (!any_at_rest(s) && (!s.mode->stiff || s.turns > 0)) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {
         ++s.intervals;
@@ -436,68 +442,6 @@ Located Locator::march(Segment& s, double end) {
     if (++s.turns > 0) s.turns = s.mode->stiff && s.mode->flow.rate() * s.step < short_step ? series_in_turn : 0;
   }
   return located;
-}
-
-/// Goes on in the slowest part whose fast remainder has died out; true when the part is a new one.
-bool Locator::enter_slow_part(Segment& s) {
-  const Mode& whole = *s.whole;
-  if (!whole.slow_parts_known) {
-    whole.slow_parts = model::slow_parts(*s.system, whole);
-    whole.slow_parts_known = true;
-  }
-  if (whole.slow_parts.empty() || s.part == whole.slow_parts.back().get()) return false;
-  const auto ny = static_cast<std::size_t>(whole.ny);
-  whole_y_.resize(ny);
-  slow_y_.resize(ny);
-  if (s.part)
-    s.part->to_whole(s.y.data(), whole_y_.data());
-  else
-    std::copy_n(s.y.begin(), ny, whole_y_.begin());
-  for (auto part = whole.slow_parts.rbegin(); part != whole.slow_parts.rend() && part->get() != s.part; ++part) {
-    if (!(*part)->enter(whole_y_.data(), slow_y_.data())) continue;
-    s.part = part->get();
-    s.mode = &s.part->mode;
-    s.step = 0.0;
-    std::copy_n(slow_y_.begin(), static_cast<std::size_t>(s.mode->ny), s.y.begin());
-    drop_idle_rows(s);
-    return true;
-  }
-  return false;
-}
-
-/// Guards that the slow part does not move stay where they are.
-void Locator::drop_idle_rows(Segment& s) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    if (s.mode->guard_constant[static_cast<std::size_t>(s.rows[i])] != 0) continue;
-    s.rows[kept] = s.rows[i];
-    s.departures[kept++] = s.departures[i];
-  }
-  s.rows.resize(kept);
-  s.departures.resize(kept);
-}
-
-/// The state of the whole mode at the event that its slow part has found: Newton's method on the whole flow from the anchor, so that
-/// nothing of the parting's rounding stays.
-void Locator::leave_slow_part(const Segment& s, Located& located) {
-  const Mode& whole = *s.whole;
-  const auto ny = static_cast<std::size_t>(whole.ny);
-  const auto at = [&](double tau) {
-    std::copy_n(s.y0.begin(), ny, whole_y_.begin());
-    whole.flow.apply_once(tau, whole_y_.data(), work_.data());
-  };
-  at(located.tau);
-  for (int round = 0; located.row >= 0 && round < 3; ++round) {
-    linalg::multiply(whole.flow.a(), whole_y_.data(), slow_y_.data());
-    const double slope = linalg::row_times(whole.guards, located.row, slow_y_.data());
-    const double value = linalg::row_times(whole.guards, located.row, whole_y_.data());
-    const double next = located.tau - value / slope;
-    if (value == 0.0 || !(std::abs(next - located.tau) <= parting_error * located.tau) || next == located.tau) break;
-    located.tau = next;
-    at(next);
-  }
-  std::copy_n(whole_y_.begin(), ny, event_.begin());
-  located.y = event_.data();
 }
 
 }  // namespace pwlsim::engine

@@ -96,6 +96,8 @@ class Locator {
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
   void polish(const Segment& segment, int row, double& tau);
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
+  [[nodiscard]] bool is_at_rest(const Segment& s, std::size_t i) const;
+  [[nodiscard]] bool any_at_rest(const Segment& s) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
   static constexpr int series_order = 10;  ///< of the Taylor models
