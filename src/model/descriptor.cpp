@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/log_mean.hpp"
 #include "linalg/doubled.hpp"
 
 namespace pwlsim::model {
@@ -13,21 +14,6 @@ namespace {
 constexpr double low_resistance = 1e-3;
 /// Pivots of the unit-diagonal inductance matrix below this are zero: |k| = 1.
 constexpr double coupling_rank_tolerance = 1e-12;
-
-class LogMean {
- public:
-  void add(double value) {
-    if (!(value > 0.0)) return;
-    sum_ += std::log(value);
-    ++count_;
-  }
-  [[nodiscard]] bool empty() const { return count_ == 0; }
-  [[nodiscard]] double value() const { return count_ == 0 ? 1.0 : std::exp(sum_ / count_); }
-
- private:
-  double sum_ = 0.0;
-  int count_ = 0;
-};
 
 bool needs_constant(const Network& network) {
   const auto has_one = [](const LinearForm& form) {
@@ -48,16 +34,10 @@ bool needs_constant(const Network& network) {
   return false;
 }
 
-std::vector<SourceFunction> functions_of(const Network& network) {
-  std::vector<SourceFunction> functions;
-  for (const auto& source : network.sources) functions.push_back(source.function);
-  return functions;
-}
-
 }  // namespace
 
 Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) : network(net) {
-  exosystem = std::make_shared<Exosystem>(functions_of(network), constant_wanted || needs_constant(network));
+  exosystem = std::make_shared<Exosystem>(source_functions(network), constant_wanted || needs_constant(network));
   choose_scales();
   factor_inductances();
   number_unknowns();

@@ -155,4 +155,11 @@ struct Network {
   std::vector<CurrentCondition> current_conditions;
 };
 
+/// Functions of the sources, in their order.
+[[nodiscard]] inline std::vector<SourceFunction> source_functions(const Network& network) {
+  std::vector<SourceFunction> functions;
+  for (const auto& source : network.sources) functions.push_back(source.function);
+  return functions;
+}
+
 }  // namespace pwlsim::model

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "engine/exact/static_solution.hpp"
+#include "model/conditions.hpp"
 
 namespace pwlsim::engine {
 
@@ -123,16 +124,7 @@ bool has_conditions(const model::Island& island) {
 model::Island with_conditions(const model::Island& island) {
   model::Island forced = island;
   model::Network& n = forced.network;
-  for (const auto& c : n.node_conditions) n.branches.push_back({c.label, c.node, model::ground, {{model::Term::Kind::one, 0, c.voltage}}});
-  // An inductor held at its current has no voltage of its own to offer: v = 0 is given up for i = value.
-  for (const auto& c : n.current_conditions) {
-    model::Inductor& l = n.inductors[static_cast<std::size_t>(c.inductor)];
-    n.nodes.push_back({c.label.name, c.label.span});
-    const auto middle = static_cast<model::NodeIndex>(n.nodes.size()) - 1;
-    const model::NodeIndex end = l.n;
-    l.n = middle;
-    n.injections.push_back({c.label, middle, end, {{model::Term::Kind::one, 0, c.current}}});
-  }
+  n = model::with_held_conditions(n);
   for (std::size_t i = 0; i < n.capacitors.size(); ++i) {
     const auto& c = n.capacitors[i];
     n.signals.push_back({"", {{model::Term::Kind::node_voltage, c.p, 1.0}, {model::Term::Kind::node_voltage, c.n, -1.0}}});
@@ -156,18 +148,8 @@ Vector energy_from(const IslandModel& original, const model::System& forced, con
   return original.extraction.descriptor.reduce * model::initial_state(island);
 }
 
-/// The island with the `ic=` values that `.ic` gives to capacitors and inductors without their own.
-model::Island with_initial_values(const model::Island& original) {
-  model::Island island = original;
-  std::map<int, double> voltage;
-  for (const auto& c : island.network.node_conditions) voltage[c.node] = c.voltage;
-  const auto at = [&](model::NodeIndex node) { return voltage.contains(node) ? voltage.at(node) : 0.0; };
-  for (auto& c : island.network.capacitors)
-    if (!c.has_initial) c.initial_voltage = at(c.p) - at(c.n);
-  for (const auto& c : island.network.current_conditions) {
-    auto& l = island.network.inductors[static_cast<std::size_t>(c.inductor)];
-    if (!l.has_initial) l.initial_current = c.current;
-  }
+model::Island with_initial_values(model::Island island) {
+  island.network = model::with_initial_values(std::move(island.network));
   return island;
 }
 

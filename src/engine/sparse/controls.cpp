@@ -17,14 +17,13 @@ std::unordered_map<int, Form> held_nodes(const model::Network& network) {
   for (const auto& b : network.branches) {
     if ((b.p == ground) == (b.n == ground)) continue;
     const double sign = b.n == ground ? 1.0 : -1.0;
+    if (!model::is_independent(b.voltage)) continue;
     Form form;
-    bool free = true;
     for (const Term& term : b.voltage) {
-      free &= term.kind == Term::Kind::one || term.kind == Term::Kind::source;
       if (term.kind == Term::Kind::one) form.constant += sign * term.coefficient;
       if (term.kind == Term::Kind::source) form.w.push_back({term.index, sign * term.coefficient});
     }
-    if (free) held.emplace(b.p == ground ? b.n : b.p, std::move(form));
+    held.emplace(b.p == ground ? b.n : b.p, std::move(form));
   }
   return held;
 }

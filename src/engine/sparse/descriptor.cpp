@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/log_mean.hpp"
+
 namespace pwlsim::engine::sparse {
 
 namespace {
@@ -14,21 +16,6 @@ using model::Term;
 /// Resistors below this fraction of R0 carry their own current.
 constexpr double low_resistance = 1e-6;
 constexpr double perfect_coupling = 1.0 - 1e-9;
-
-class LogMean {
- public:
-  void add(double value) {
-    if (!(value > 0.0) || !std::isfinite(value)) return;
-    sum_ += std::log(value);
-    ++count_;
-  }
-  [[nodiscard]] bool empty() const { return count_ == 0; }
-  [[nodiscard]] double value() const { return count_ == 0 ? 1.0 : std::exp(sum_ / count_); }
-
- private:
-  double sum_ = 0.0;
-  int count_ = 0;
-};
 
 std::vector<char> capacitors_read(const model::Network& network) {
   std::vector<char> read(network.capacitors.size(), 0);
@@ -198,7 +185,7 @@ void Descriptor::measure_fluxes() {
 
 bool Descriptor::passive() const {
   const auto by_sources = [](const model::LinearForm& form) {
-    return std::all_of(form.begin(), form.end(), [](const Term& t) { return t.kind == Term::Kind::one || t.kind == Term::Kind::source; });
+    return model::is_independent(form);
   };
   const auto all = [](const auto& list, const auto& test) { return std::all_of(list.begin(), list.end(), test); };
   return network_.complementarities.empty() && all(network_.branches, [&](const auto& b) { return by_sources(b.voltage); }) &&

@@ -7,18 +7,8 @@
 
 namespace pwlsim::engine::sparse {
 
-namespace {
-
-std::vector<model::SourceFunction> functions_of(const model::Network& network) {
-  std::vector<model::SourceFunction> functions;
-  for (const auto& source : network.sources) functions.push_back(source.function);
-  return functions;
-}
-
-}  // namespace
-
 Sources::Sources(const model::Network& network)
-    : exosystem_(functions_of(network), false), phase_(exosystem_.start()), count_(network.sources.size()) {
+    : exosystem_(model::source_functions(network), false), phase_(exosystem_.start()), count_(network.sources.size()) {
   const auto& rows = exosystem_.rows();
   for (Eigen::Index j = 0; j < rows.cols(); ++j)
     for (Eigen::Index i = 0; i < rows.rows(); ++i)

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
+#include "base/log_mean.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
+#include "model/conditions.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -22,30 +23,10 @@ constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
 constexpr double rest_tolerance = 1e-9;
 
-/// The network with its `.ic` values held by sources. An inductor held at its current has no voltage of its own to offer.
-Network with_conditions(Network n) {
-  for (const auto& c : n.node_conditions) n.branches.push_back({c.label, c.node, model::ground, {{model::Term::Kind::one, 0, c.voltage}}});
-  for (const auto& c : n.current_conditions) {
-    model::Inductor& l = n.inductors[static_cast<std::size_t>(c.inductor)];
-    n.nodes.push_back({c.label.name, c.label.span});
-    const auto middle = static_cast<model::NodeIndex>(n.nodes.size()) - 1;
-    const model::NodeIndex end = l.n;
-    l.n = middle;
-    n.injections.push_back({c.label, middle, end, {{model::Term::Kind::one, 0, c.current}}});
-  }
-  return n;
-}
-
 double mean_time(const Descriptor& d) {
-  double sum = 0.0;
-  int count = 0;
-  for (const State& state : d.states()) {
-    const double time = std::abs(state.storage) * (state.is_current ? 1.0 / d.r0() : d.r0());
-    if (!(time > 0.0)) continue;
-    sum += std::log(time);
-    ++count;
-  }
-  return count == 0 ? 1.0 : std::exp(sum / count);
+  LogMean mean;
+  for (const State& state : d.states()) mean.add(std::abs(state.storage) * (state.is_current ? 1.0 / d.r0() : d.r0()));
+  return mean.value();
 }
 
 class RestFinder {
@@ -136,16 +117,9 @@ class RestFinder {
 Start start_from_initial_values(const Network& network, const Descriptor& descriptor) {
   Start start;
   start.on = first_position(network, descriptor);
-  std::map<int, double> voltage, current;
-  for (const auto& c : network.node_conditions) voltage[c.node] = c.voltage;
-  for (const auto& c : network.current_conditions) current[c.inductor] = c.current;
-  const auto at = [&](model::NodeIndex node) { return voltage.contains(node) ? voltage.at(node) : 0.0; };
-  for (const auto& c : network.capacitors) start.states.push_back(c.has_initial ? c.initial_voltage : at(c.p) - at(c.n));
-  for (std::size_t i = 0; i < network.inductors.size(); ++i) {
-    const auto& l = network.inductors[i];
-    const auto given = current.find(static_cast<int>(i));
-    start.states.push_back(descriptor.r0() * (l.has_initial || given == current.end() ? l.initial_current : given->second));
-  }
+  const Network initial = model::with_initial_values(network);
+  for (const auto& c : initial.capacitors) start.states.push_back(c.initial_voltage);
+  for (const auto& l : initial.inductors) start.states.push_back(descriptor.r0() * l.initial_current);
   return start;
 }
 
@@ -153,7 +127,7 @@ Start start_from_operating_point(const Network& network, const Descriptor& descr
   const bool told = std::any_of(network.capacitors.begin(), network.capacitors.end(), [](const auto& c) { return c.starts_there; });
   if (told) return start_from_initial_values(network, descriptor);
   Start start;
-  const Network forced = with_conditions(network);
+  const Network forced = model::with_held_conditions(network);
   const Descriptor system(forced);
   RestFinder point(forced, system);
   if (!point.run()) {

@@ -1,0 +1,15 @@
+#pragma once
+/// What `.ic` says, made part of the network.
+
+#include "model/network.hpp"
+
+namespace pwlsim::model {
+
+/// The network with its `.ic` values held: node voltages by sources to ground, inductor currents by sources in series, since an inductor held at
+/// its current has no voltage of its own to offer (v = 0 is given up for i = value). The nodes in between are new.
+[[nodiscard]] Network with_held_conditions(Network network);
+
+/// The network with initial values, from `.ic`, for the capacitors and inductors that have none of their own.
+[[nodiscard]] Network with_initial_values(Network network);
+
+}  // namespace pwlsim::model
