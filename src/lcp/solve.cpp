@@ -1,6 +1,9 @@
 #include "lcp/solve.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "lcp/lemke.hpp"
 #include "lcp/newton_min.hpp"
@@ -13,6 +16,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
+constexpr int most_enumerated = 10;
 constexpr double regularisation = 1e-8;  ///< of a problem whose diagonal is about 1
 
 class Attempt {
@@ -42,7 +46,24 @@ class Attempt {
   Answer answer_;
 };
 
-Answer try_in_turn(const Matrix& m, const Vector& q, const std::vector<int>* previous) {
+/// Solvers that follow one path may miss a solution where M is in no class of theirs.
+bool enumerated(const Matrix& m, const Vector& q, Attempt& attempt) {
+  const auto k = static_cast<int>(q.size());
+  if (k > most_enumerated) return false;
+  std::vector<unsigned> sets(1U << k);
+  std::iota(sets.begin(), sets.end(), 0U);
+  std::stable_sort(sets.begin(), sets.end(), [](unsigned a, unsigned b) { return std::popcount(a) < std::popcount(b); });
+  for (const unsigned set : sets) {
+    std::vector<int> basis;
+    for (int i = 0; i < k; ++i)
+      if ((set >> i & 1U) != 0) basis.push_back(i);
+    Solution claim = at_basis(m, q, std::move(basis));
+    if (claim.status == Status::solved && attempt.accepts(claim, Method::enumeration)) return true;
+  }
+  return false;
+}
+
+Answer try_in_turn(const Matrix& m, const Vector& q, Class of_class, const std::vector<int>* previous) {
   Attempt attempt(m, q);
   if (previous && attempt.accepts(lemke_from(m, q, *previous), Method::warm_lemke)) return attempt.answer();
   if (attempt.accepts(lemke(m, q), Method::lemke)) return attempt.answer();
@@ -50,6 +71,7 @@ Answer try_in_turn(const Matrix& m, const Vector& q, const std::vector<int>* pre
   if (attempt.accepts(newton_min(m, q), Method::newton_min)) return attempt.answer();
   if (attempt.accepts(least_index(m, q), Method::least_index)) return attempt.answer();
   if (attempt.accepts(lemke(m + regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised)) return attempt.answer();
+  if (of_class == Class::general && enumerated(m, q, attempt)) return attempt.answer();
   Answer none;
   none.status = of_lemke;
   none.pivots = attempt.answer().pivots;
@@ -74,7 +96,7 @@ Answer solve(const Matrix& m, const Vector& q, Class problem_class, const std::v
   const Vector scale = diagonal_scale(m);
   const Matrix scaled = scale.asDiagonal() * m * scale.asDiagonal();
   const Vector scaled_q = scale.asDiagonal() * q;
-  Answer answer = try_in_turn(scaled, scaled_q, previous);
+  Answer answer = try_in_turn(scaled, scaled_q, problem_class, previous);
   answer.z = scale.asDiagonal() * answer.z;
   answer.w = answer.w.cwiseQuotient(scale);
   if (answer.status != Status::solved || problem_class == Class::general) return answer;

@@ -13,7 +13,8 @@ enum class Method {
   lemke,
   newton_min,
   least_index,
-  regularised  ///< Lemke for M + 10⁻⁸, its basis then solved with M: where rounding left a singular problem without a solution
+  regularised,  ///< Lemke for M + 10⁻⁸, its basis then solved with M: where rounding left a singular problem without a solution
+  enumeration   ///< of all bases, smaller ones first; only of up to ten ports that nothing is known of
 };
 
 /// What is known of M beforehand.

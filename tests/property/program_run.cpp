@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "engine/exact/exact.hpp"
+#include "engine/sparse/sparse.hpp"
 
 namespace pwlsim::test {
 namespace {
@@ -32,17 +33,10 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-}  // namespace
-
-ProgramRun run_program(const model::Network& network, const std::vector<double>& times, bool events) {
+/// Runs an engine, `run(request, rows)`, with uic.
+template <class Engine>
+ProgramRun run_engine(const std::vector<double>& times, bool events, const Engine& engine_run) {
   ProgramRun run;
-  Diagnostics diagnostics;
-  const auto model = engine::prepare(network, diagnostics);
-  if (!model) {
-    const Diagnostic& first = diagnostics.all().front();
-    run.finding = {is_structural(first.id) ? Finding::Kind::refused : Finding::Kind::wrong, first.id, first.text};
-    return run;
-  }
   const double start = processor_seconds();
   std::atomic<int> interrupt{0};
   engine::Request request;
@@ -55,13 +49,35 @@ ProgramRun run_program(const model::Network& network, const std::vector<double>&
     if (processor_seconds() - start > patience) interrupt = 1;
   };
   Rows rows;
-  run.answer = engine::run(*model, request, rows);
+  run.answer = engine_run(request, rows);
   run.rows = std::move(rows.rows);
   if (run.answer.outcome == engine::Outcome::interrupted)
     run.finding = {Finding::Kind::wrong, "too slow", fmt::format("t = {} of {} after {} s", run.answer.time, times.back(), patience)};
   else if (run.answer.outcome != engine::Outcome::completed)
     run.finding = {Finding::Kind::wrong, run.answer.id, run.answer.message};
   return run;
+}
+
+}  // namespace
+
+ProgramRun run_program(const model::Network& network, const std::vector<double>& times, bool events) {
+  Diagnostics diagnostics;
+  const auto model = engine::prepare(network, diagnostics);
+  if (!model) {
+    const Diagnostic& first = diagnostics.all().front();
+    return {{is_structural(first.id) ? Finding::Kind::refused : Finding::Kind::wrong, first.id, first.text}, {}, {}};
+  }
+  return run_engine(times, events,
+                    [&](const engine::Request& request, engine::RowSink& rows) { return engine::run(*model, request, rows); });
+}
+
+ProgramRun run_program_sparse(const model::Network& network, const std::vector<double>& times, double reltol) {
+  Diagnostics diagnostics;
+  const auto model = engine::sparse::prepare(network, diagnostics);
+  if (!model) return {{Finding::Kind::refused, diagnostics.all().front().id, diagnostics.all().front().text}, {}, {}};
+  return run_engine(times, false, [&](const engine::Request& request, engine::RowSink& rows) {
+    return engine::sparse::run(*model, request, reltol, rows);
+  });
 }
 
 }  // namespace pwlsim::test

@@ -26,4 +26,7 @@ struct ProgramRun {
 /// Rows at `times`, ascending; the run ends with the last. `events`: a row before and after each event as well.
 [[nodiscard]] ProgramRun run_program(const model::Network& network, const std::vector<double>& times, bool events = false);
 
+/// The same on the sparse engine. `refused`: it says that it cannot do this (impulses of higher order).
+[[nodiscard]] ProgramRun run_program_sparse(const model::Network& network, const std::vector<double>& times, double reltol);
+
 }  // namespace pwlsim::test

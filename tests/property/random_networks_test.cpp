@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "property/agreement.hpp"
 #include "property/independent.hpp"
@@ -102,6 +103,56 @@ TEST_CASE("a node behind open switches and a blocking diode leaves the others al
   const Agreement agreement = compare_with_independent(make_random_network(70'416, family("up to twelve ports").recipe));
   INFO(agreement.what << agreement.detail);
   CHECK(agreement.kind == Agreement::Kind::agrees);
+}
+
+namespace {
+
+constexpr int sparse_networks = 300;  ///< of a family
+
+/// The largest distance of the sparse engine's states from the exact engine's, in the norm of the stored energy, of the largest of that, the
+/// start included. Negative: one of the two did not finish.
+double distance_of_engines(const RandomNetwork& network, double reltol) {
+  std::vector<double> times;
+  for (int k = 1; k <= 20; ++k) times.push_back(network.stop * k / 20);
+  const auto exact = run_program(to_model(network), times), sparse = run_program_sparse(to_model(network), times, reltol);
+  if (exact.finding.kind != Finding::Kind::fine) return 0.0;
+  if (sparse.finding.kind != Finding::Kind::fine) return -1.0;
+  const auto states = states_of(network);
+  double largest = 0.0, distance = 0.0;
+  for (const Part& state : states) largest += state.value * state.initial * state.initial;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    double energy = 0.0, difference = 0.0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      energy += states[i].value * std::pow(exact.rows[k][i + 1], 2);
+      difference += states[i].value * std::pow(exact.rows[k][i + 1] - sparse.rows[k][i + 1], 2);
+    }
+    largest = std::max(largest, energy);
+    distance = std::max(distance, difference);
+  }
+  return largest > 0.0 ? std::sqrt(distance / largest) : 0.0;
+}
+
+}  // namespace
+
+// Errors of steps of order 2 whose local error is reltol; undamped tanks gather them over hundreds of periods.
+TEST_CASE("random networks on the sparse engine agree with the exact one", "[property]") {
+  constexpr double reltol = 1e-5;
+  const double bound = 20.0 * std::cbrt(reltol * reltol);
+  // Known today (docs/developer/open-ends.md); it may only go down.
+  static const std::map<std::string, int> known{{"all parts", 2},   {"no sources", 6}, {"little resistance", 4},
+                                                {"many diodes", 3}, {"floating", 6},   {"up to twelve ports", 0}};
+  const auto [name, most] = GENERATE(from_range(known));
+  const Family& f = family(name);
+  int unlike = 0;
+  for (int i = 0; i < sparse_networks; ++i) {
+    const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(i);
+    const double distance = distance_of_engines(make_random_network(seed, f.recipe), reltol);
+    if (distance >= 0.0 && distance <= bound) continue;
+    ++unlike;
+    UNSCOPED_INFO(seed << ": " << (distance < 0.0 ? "not finished" : "differs by " + std::to_string(distance)));
+  }
+  INFO(name << ": " << unlike << " of " << sparse_networks << " networks");
+  CHECK(unlike <= most);
 }
 
 TEST_CASE("2,000 networks of all parts", "[property][long]") { check_all("all parts"); }

@@ -1,10 +1,13 @@
 #pragma once
 /// A part of the network with steps and events of its own.
 ///
-/// Steps are h_max·2^−j, with a step of its own length to a breakpoint of a source or to an event. After each step
-///  - a switch whose control has passed its level, and a diode whose change of sides matters, are located and stepped to;
-///  - a change of sides inside the step whose error and whose effect on the saved signals are within the tolerance is left where it is.
-/// After a breakpoint or a located event three short implicit Euler steps: the first takes the jump, the other two start rates and polynomial.
+/// Steps are of TR-BDF2 with all ports in their position, of lengths h_max·2^−j and no other, so that factors serve again. A step that a port, a switch's
+/// control or a breakpoint of a source ends early is cut there on the parabola through its stages, not taken anew (in a network that is not passive it
+/// is: a constraint may hold back a state two integrations away). Where many ports change sides in a step, one of SDIRK2 with
+/// all of them free is tried first, and kept if neither its error nor their effect on the saved signals is beyond the tolerance.
+///
+/// At an instant (source breakpoint, change of sides) three short implicit Euler steps find the new position: the first takes the jump, the others start
+/// rates and rows.
 
 #include <functional>
 #include <optional>
@@ -12,22 +15,21 @@
 
 #include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
-#include "engine/sparse/history.hpp"
 #include "engine/sparse/start.hpp"
-#include "engine/sparse/stepper.hpp"
+#include "engine/sparse/stretch.hpp"
 
 namespace pwlsim::engine::sparse {
 
 class Block {
  public:
-  Block(const model::Network& network, const Request& request, double reltol);
+  /// Network and descriptor must outlive the block.
+  Block(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Begins at t = 0. False: failed.
   bool begin(const Start& start);
-  [[nodiscard]] double time() const { return point_.time; }
   /// Rows before this time can be asked for.
-  [[nodiscard]] double known() const;
+  [[nodiscard]] double time() const { return point_.time; }
   [[nodiscard]] bool finished() const { return finished_; }
   /// One accepted step, or the event it stands before. False: failed.
   bool advance();
@@ -55,49 +57,45 @@ class Block {
   static constexpr int last_level = 44;  ///< of the ladder
 
   // block.cpp: steps
-  [[nodiscard]] bool stands_before_instant() const;
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
-  [[nodiscard]] double step_size() const;
+  [[nodiscard]] double remaining() const;
+  [[nodiscard]] int step_level() const;
   bool step();
-  bool settle_changes(double h, Trial& trial, bool& accepted);
-  void accept(Trial& trial, double h);
+  bool absorb(double h);
+  void accept(const Trial& trial, double reach);
+  void settle_in(Point& next);
   void control_size(double error);
-  bool reduce(double error);
-  bool fail_step(const Trial& trial);
+  bool reduce(double h, double error);
+  bool fail_step(Solved solved, double error);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
-  void note_signals();
 
   // block_events.cpp
+  /// A port, or the control of a switch, that passes its zero in a step.
   struct Crossing {
-    std::size_t index = 0;  ///< port, or control
+    std::size_t index = 0;
     bool is_control = false;
+    double at = 0.0;  ///< fraction of the step
   };
-  [[nodiscard]] double margin(const Crossing& crossing, const Position& on, const std::vector<double>& z,
-                              const std::vector<double>& w) const;
-  [[nodiscard]] double sign_tolerance_of(const Crossing& crossing) const;
-  [[nodiscard]] double margin_size(const Crossing& crossing) const;
-  [[nodiscard]] std::vector<Crossing> crossings(const Position& on, const Point& end, bool ports_too) const;
-  /// A crossing on the way to be located.
-  struct Candidate {
-    Crossing crossing;
-    double tolerance = 0.0;
-    std::vector<std::pair<double, double>> points;  ///< (time, margin)
-  };
-  bool take_up(const Crossing& crossing, const Trial& trial, std::vector<Candidate>& list) const;
-  bool locate(double h, Trial& trial);
-  bool restart(double time);
+  [[nodiscard]] double margin(std::size_t index, bool is_control, const Point& at) const;
+  [[nodiscard]] double margin_size(std::size_t index, bool is_control) const;
+  [[nodiscard]] std::vector<Crossing> crossings(const Trial& trial, double reach) const;
+  bool cut(double h, const std::vector<Crossing>& list, double reach);
+  bool locate(double h, Crossing crossing);
+  bool restart();
   bool settle(double h, Instant& instant, Point& first);
-  bool start_rates(double h);
-  bool jump_settles(double h);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
-  [[nodiscard]] bool jumped(const Point& before, const Point& first, const Point& second) const;
+  [[nodiscard]] bool find_position(Instant& instant, int& level, int deepest);
+  [[nodiscard]] Solved euler_steps(double h, Instant& instant);
+  [[nodiscard]] bool jumps(double h, double motion);
+  [[nodiscard]] const std::vector<double>& drawn_back();
+  [[nodiscard]] double difference(const std::vector<double>& states, const std::vector<double>& z) const;
   bool watch_crowd(double time);
 
   const Request& request_;
   double reltol_;
-  Descriptor descriptor_;
+  const Descriptor& descriptor_;
   Factors factors_;
   PortSolver ports_;
   Sources sources_;
@@ -108,19 +106,19 @@ class Block {
   std::vector<double> signal_scale_;
   bool signals_read_sources_ = false;
   CertificateRecorder certificate_;
-  History history_;
+  Stretch stretch_;
   Point point_;
-  Trial trial_, frozen_;
-  Point euler_[3];
+  Position position_before_;  ///< before the instant that is due
+  Trial trial_, free_;
+  Point first_, second_;
   std::vector<double> w_, signals_before_;
-  std::vector<double> start_states_;  ///< until the first instant is settled
+  std::vector<double> states_;        ///< of point_, or those given, at an instant
+  std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
   Answer failure_;
   double h_max_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
   int level_ = 0;
-  bool passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
-  bool located_ = false;
-  Position frozen_position_;  ///< of the step to a located event
+  bool starting_ = false, passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;

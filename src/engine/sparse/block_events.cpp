@@ -10,139 +10,111 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// Of the margin at the ends of the step: how near to its zero an event is stepped to, in tolerances.
-constexpr double location_share = 0.25;
-/// Where a constraint may hold back a state two integrations away, what is left of its margin is divided by the length of the Euler step.
-constexpr double active_location_share = 1e-6;
 constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
-constexpr double shortest_share = 1e-7;  ///< of the step at hand: an event so near is at hand already
-constexpr int most_locations = 24;
-constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
-/// Levels by which the Euler steps shrink where the first ends in another position than the last: a fast motion, if it is no jump.
-constexpr int most_refinement = 8;
-constexpr double euler_share = 0.1;  ///< of the tolerance, for the Euler steps after an event
+/// A margin that is below zero only inside the step must be so by this part of the tolerance: the parabola is not better.
+constexpr double dip_share = 0.1;
+constexpr int most_locations = 60;
+constexpr double together = 1e-6;  ///< of a step: what passes at one instant
+constexpr int most_rounds = 12;    ///< of switches answering switches at one instant
 constexpr double room_share = 1.0 / 16.0;
-/// A state has jumped when the first Euler step moves it by so many times what the second does, and by more than this part of its size.
-constexpr double jump_ratio = 20.0, least_jump = 1e-6;
-constexpr double unsettled_jump = 0.05;  ///< of a state's size: difference between the same jump by two steps
+/// A state that moves at an instant by more than this part of the tolerance jumps, or there is a motion shorter than the Euler steps: which of the
+/// two, a step 2^−6 as long tells.
+constexpr double jump_share = 1.0;
+constexpr int deeper = 6;
+/// Levels by which the Euler steps may shrink for the sake of a motion, or where they end in two positions, or in none.
+constexpr int most_refinement = 16, refinement = 4;
+constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it
+constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 constexpr int crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
 
-/// Lagrange interpolation of (t, g) at `time`.
-double polynomial(const std::vector<std::pair<double, double>>& points, double time) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double weight = points[i].second;
-    for (std::size_t j = 0; j < points.size(); ++j)
-      if (j != i) weight *= (time - points[j].first) / (points[i].first - points[j].first);
-    sum += weight;
-  }
-  return sum;
-}
-
-/// The zero of the polynomial through `points` less `target` between low and high, where it is positive and negative.
-double zero(const std::vector<std::pair<double, double>>& points, double target, double low, double high) {
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (polynomial(points, middle) > target ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
-/// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of SDIRK2 is C (h λ)³.
+/// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of the others is of the third order.
 int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::log2(std::pow(reltol, 1.0 / 6.0)))); }
+
+/// The first x in (0, reach] at which the parabola through (0, a), (first_stage, b), (1, c) passes zero downwards; negative: nowhere. At `reach` it must
+/// be below −tolerance, inside below −dip.
+double first_passage(double a, double b, double c, double reach, double tolerance, double dip) {
+  constexpr double s = first_stage;
+  const double rise = (b - a) / s;
+  const double curvature = (c - b) / (1.0 - s) - rise;
+  const double slope = rise - curvature * s;
+  const auto value = [&](double x) { return a + x * (slope + x * curvature); };
+  double below = reach;
+  if (!(value(reach) < -tolerance)) {
+    const double bottom = curvature > 0.0 ? -slope / (2.0 * curvature) : -1.0;
+    if (!(bottom > 0.0 && bottom < reach && value(bottom) < -dip)) return -1.0;
+    below = bottom;
+  }
+  if (a <= 0.0) return slope < 0.0 || below < reach ? 0.0 : below;
+  double low = 0.0, high = below;
+  for (int i = 0; i < most_locations; ++i) {
+    const double middle = 0.5 * (low + high);
+    (value(middle) > 0.0 ? low : high) = middle;
+  }
+  return high;
+}
 
 }  // namespace
 
-double Block::margin(const Crossing& crossing, const Position& on, const std::vector<double>& z, const std::vector<double>& w) const {
-  if (!crossing.is_control) return ports_.free_variable(crossing.index, on[crossing.index] != 0, z, w);
-  const Control& control = controls_[crossing.index];
-  return control.margin(on, control.value.value(z.data(), w.data()));
+double Block::margin(std::size_t index, bool is_control, const Point& at) const {
+  if (!is_control) return descriptor_.ports()[index].free_variable(point_.on[index] != 0, at.z.data(), at.w.data());
+  return controls_[index].margin(point_.on, controls_[index].value.value(at.z.data(), at.w.data()));
 }
 
-double Block::margin_size(const Crossing& crossing) const {
-  if (crossing.is_control) return std::max(controls_[crossing.index].level_size(), controls_[crossing.index].largest);
-  return point_.on[crossing.index] != 0 ? ports_.scale().input : ports_.scale().slack;
+double Block::margin_size(std::size_t index, bool is_control) const {
+  if (is_control) return std::max(controls_[index].level_size(), controls_[index].largest);
+  return point_.on[index] != 0 ? ports_.scale().input : ports_.scale().slack;
 }
 
-double Block::sign_tolerance_of(const Crossing& crossing) const {
-  return crossing.is_control || !passive_ ? sign_tolerance : port_sign_tolerance;
-}
-
-std::vector<Block::Crossing> Block::crossings(const Position& on, const Point& end, bool ports_too) const {
+/// What passes its zero in the part `reach` of a step, the first to do so first.
+std::vector<Block::Crossing> Block::crossings(const Trial& trial, double reach) const {
   std::vector<Crossing> result;
-  const auto add = [&](const Crossing& crossing) {
-    if (margin(crossing, on, end.z, end.w) < -sign_tolerance_of(crossing) * margin_size(crossing)) result.push_back(crossing);
+  const auto examine = [&](std::size_t i, bool is_control) {
+    const double size = margin_size(i, is_control);
+    const double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
+    const double dip = std::max(tolerance, dip_share * reltol_ * size);
+    const double at = first_passage(margin(i, is_control, point_), margin(i, is_control, trial.stage), margin(i, is_control, trial.end),
+                                    reach, tolerance, dip);
+    if (at >= 0.0) result.push_back({i, is_control, at});
   };
-  for (std::size_t i = 0; i < controls_.size(); ++i) add({i, true});
-  if (ports_too)
-    for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) add({i, false});
+  for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) examine(i, false);
+  std::stable_sort(result.begin(), result.end(), [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
   return result;
 }
 
-/// Takes up a crossing that a step ends beyond. False: it was on its way before the step.
-bool Block::take_up(const Crossing& crossing, const Trial& trial, std::vector<Candidate>& list) const {
-  const double now = margin(crossing, point_.on, point_.z, point_.w);
-  const double then = margin(crossing, point_.on, trial.end.z, trial.end.w);
-  if (now <= 0.0) return false;
-  Candidate candidate{crossing, 0.0, {}};
-  const double share = (passive_ ? location_share : active_location_share) * reltol_;
-  candidate.tolerance = std::max(share * std::max(now, -then), 4.0 * sign_tolerance_of(crossing) * margin_size(crossing));
-  for (std::size_t back = 0; back < std::min<std::size_t>(history_.size(), 3); ++back) {
-    const auto& sample = history_.sample(back);
-    candidate.points.emplace_back(sample.time, margin(crossing, point_.on, sample.z, sample.w));
+/// Goes to the first of the crossings; what passes there may change sides next.
+bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
+  const Crossing& first = list.front();
+  position_before_ = point_.on;
+  if (first.at > 0.0 && !passive_) {
+    if (!locate(h, first)) return false;
+  } else if (first.at > 0.0) {
+    accept(trial_, std::min(first.at, reach));
   }
-  list.push_back(std::move(candidate));
+  for (const Crossing& crossing : list)  // where the Euler steps begin to look
+    if (!crossing.is_control && crossing.at <= first.at + together) point_.on[crossing.index] ^= 1;
+  restart_due_ = true;
   return true;
 }
 
-/// Steps to the first of the crossings that `trial`, a step of h with all ports frozen, ends beyond, a hair past it.
-bool Block::locate(double h, Trial& trial) {
-  std::vector<Candidate> list;
-  double low = point_.time, high = trial.end.time;
+/// Steps taken anew until one ends where a margin is zero to rounding.
+bool Block::locate(double h, Crossing crossing) {
+  double low = 0.0, high = 1.0, low_value = margin(crossing.index, crossing.is_control, point_);
+  double high_value = margin(crossing.index, crossing.is_control, trial_.end);
+  const double tolerance = sign_tolerance * margin_size(crossing.index, crossing.is_control);
+  double next = crossing.at;
   for (int round = 0; round < most_locations; ++round) {
-    for (const Crossing& crossing : crossings(point_.on, trial.end, true)) {
-      const bool known = std::any_of(list.begin(), list.end(), [&](const Candidate& c) {
-        return c.crossing.index == crossing.index && c.crossing.is_control == crossing.is_control;
-      });
-      if (known || take_up(crossing, trial, list)) continue;
-      restart_due_ = true;
-      return true;
-    }
-    bool near = true;
-    double next = high;
-    for (const Candidate& c : list) {
-      const double value = margin(c.crossing, point_.on, trial.end.z, trial.end.w);
-      if (value >= 0.0) continue;
-      near &= -value <= c.tolerance;
-      auto points = c.points;
-      points.emplace_back(high, value);
-      next = std::min(next, zero(points, -0.5 * c.tolerance, low, high));
-    }
-    if (near || high - low <= tolerance_) break;
-    if (round % 4 == 3) next = 0.5 * (low + high);
-    if (next - point_.time < shortest_share * ladder(level_)) {
-      restart_due_ = true;
-      return true;
-    }
-    stepper_.sdirk2(point_, next - point_.time, true, scale_, trial_);
-    if (trial_.solved != Solved::yes) return false;
-    const bool beyond = !crossings(point_.on, trial_.end, true).empty();
-    const Point& other = beyond ? trial.end : trial_.end;  // the end that is not the new high
-    for (Candidate& c : list) {
-      c.points.emplace_back(other.time, margin(c.crossing, point_.on, other.z, other.w));
-      if (c.points.size() > 3) c.points.erase(c.points.begin());
-    }
-    (beyond ? high : low) = next;
-    if (beyond) std::swap(trial, trial_);
-    h = high - point_.time;
+    stepper_.tr_bdf2(point_, next * h, scale_, trial_);
+    if (trial_.solved != Solved::yes) return fail_step(trial_.solved, trial_.error);
+    const double value = margin(crossing.index, crossing.is_control, trial_.end);
+    (value > 0.0 ? low : high) = next;
+    (value > 0.0 ? low_value : high_value) = value;
+    if (std::abs(value) <= tolerance || (high - low) * h <= tolerance_) break;
+    const bool straight = round % 3 != 2 && low_value > 0.0 && high_value < 0.0;
+    next = straight ? low + (high - low) * low_value / (low_value - high_value) : 0.5 * (low + high);
   }
-  accept(trial, h);
-  restart_due_ = true;
-  located_ = true;
-  frozen_position_ = point_.on;
-  for (const Crossing& crossing : crossings(point_.on, point_, true))
-    if (!crossing.is_control) point_.on[crossing.index] ^= 1;  // where the Euler steps begin to look
+  accept(trial_, 1.0);
   return true;
 }
 
@@ -162,110 +134,82 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
 }
 
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
-/// until none moves.
+/// until none moves. False: no position (trial_.solved), or no rest (`failure_` says so).
 bool Block::settle(double h, Instant& instant, Point& first) {
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
-    trial_.solved = stepper_.euler(point_, h, first);
-    if (trial_.solved != Solved::yes) return fail_step(trial_);
+    trial_.solved = stepper_.euler(point_, h, first, start_memory_);
+    if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on)) return true;
   }
+  std::vector<std::string> restless;
+  for (const Control& control : controls_)
+    if (point_.on[control.port] != position_before_[control.port]) restless.push_back(descriptor_.ports()[control.port].name);
   fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh", instant.time), {});
+       fmt::format("the switches find no rest at t = {} s: each position undoes its own condition{}{}; try a hysteresis Vh", instant.time,
+                   restless.empty() ? "" : ", of ", fmt::join(restless, ", ")),
+       restless);
   return false;
 }
 
-/// Of inductors the flux counts: currents of perfectly coupled ones may hand it to each other.
-bool Block::jumped(const Point& before, const Point& first, const Point& second) const {
-  const auto& states = descriptor_.states();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (states[i].is_current) {
-      const auto row = static_cast<std::size_t>(states[i].plus);
-      const double size = states[i].storage / descriptor_.r0() * scale_.size(i, first.z);
-      if (std::abs(first.y[row] - before.y[row]) > jump_ratio * std::abs(second.y[row] - first.y[row]) + least_jump * std::abs(size))
-        return true;
-      continue;
-    }
-    const double a = start_states_.empty() ? states[i].value(before.z.data()) : start_states_[i], b = states[i].value(first.z.data()),
-                 c = states[i].value(second.z.data());
-    if (std::abs(b - a) > jump_ratio * std::abs(c - b) + least_jump * scale_.size(i, first.z)) return true;
-  }
-  return false;
+/// max over the states of their distance from those before the instant, relative to their size.
+double Block::difference(const std::vector<double>& states, const std::vector<double>& z) const {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    worst = std::max(worst, std::abs(descriptor_.states()[i].measure(z.data()) - states[i]) / scale_.size(i, z));
+  return worst;
 }
 
-/// Two more Euler steps in one position, however many it takes.
-bool Block::start_rates(double h) {
-  for (int round = 0; round < most_rounds; ++round) {
-    trial_.solved = stepper_.euler(euler_[round == 0 ? 0 : 2], h, euler_[1]);
-    if (trial_.solved == Solved::yes) trial_.solved = stepper_.euler(euler_[1], h, euler_[2]);
-    if (trial_.solved != Solved::yes) return false;
-    if (euler_[1].on == euler_[2].on) break;
-  }
-  return true;
+/// Switches and two Euler steps, into first_ and second_.
+Solved Block::euler_steps(double h, Instant& instant) {
+  if (!settle(h, instant, first_)) return trial_.solved;
+  return stepper_.euler(first_, h, second_);
 }
 
-/// Where a jump is of first order, a shorter Euler step ends in the same place. In an active network it need not be, and then no step would do.
-bool Block::jump_settles(double h) {
-  Point shorter;
-  trial_.solved = stepper_.euler(point_, 0.25 * h, shorter);
-  if (trial_.solved != Solved::yes) return fail_step(trial_);
-  const auto& states = descriptor_.states();
-  double difference = 0.0, motion = 0.0, largest = 0.0;
-  for (const State& state : states) {
-    const double first = state.measure(euler_[0].z.data());
-    difference = std::max(difference, std::abs(state.measure(shorter.z.data()) - first));
-    motion = std::max(motion, std::abs(state.measure(euler_[1].z.data()) - first));
-    largest = std::max(largest, std::abs(first));
-  }
-  if (difference <= std::max(unsettled_jump * largest, 2.0 * motion)) return true;
-  fail(Outcome::no_solution, "E-jump-order",
-       fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact",
-                   point_.time),
-       {});
-  return false;
+/// Whether the states move at the instant itself because they jump: then they do in a much shorter step as well.
+bool Block::jumps(double h, double motion) {
+  Point brief;
+  if (stepper_.euler(point_, h * std::ldexp(1.0, -deeper), brief, start_memory_) != Solved::yes) return true;
+  std::vector<double> states;
+  for (const State& state : descriptor_.states()) states.push_back(state.measure(brief.z.data()));
+  return difference(states, drawn_back()) <= std::max(unsettled_jump * motion, reltol_);
 }
 
-bool Block::restart(double time) {
+/// The unknowns at the instant: those of the two Euler steps, extrapolated.
+const std::vector<double>& Block::drawn_back() {
+  w_ = first_.z;
+  for (std::size_t i = 0; i < w_.size(); ++i) w_[i] += first_.z[i] - second_.z[i];
+  return w_;
+}
+
+bool Block::restart() {
   restart_due_ = false;
+  const double time = point_.time;
   Instant instant;
   instant.time = time;
+  if (position_before_.empty()) position_before_ = point_.on;
   if (request_.events)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
   if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
-  const Position before = located_ ? frozen_position_ : point_.on;
-  located_ = false;
-  const int levels = restart_levels(reltol_);
-  const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
-  int level = level_ + levels;
-  while (gamma_sdirk * ladder(level) > room_share * room) ++level;
-  int refined = 0, shortened = 0;
-  while (true) {
-    const double h = gamma_sdirk * ladder(level + refined + shortened);
-    if (!settle(h, instant, euler_[0])) return false;
-    if (!start_rates(h)) return fail_step(trial_);
-    scale_.note(euler_[2].z);
-    const bool end = level + refined + shortened >= last_level;
-    if (!end && euler_[0].on != euler_[2].on && refined < most_refinement) {
-      refined += 2;
-    } else if (!end && stepper_.euler_error(euler_[1], euler_[2], h, scale_) > euler_share * reltol_) {
-      shortened += 2;
-    } else {
-      break;
-    }
+  if (!starting_) {
+    states_.clear();
+    for (const State& state : descriptor_.states()) states_.push_back(state.measure(point_.z.data()));
   }
-  level += refined + shortened;
-  level_ += refined + shortened;
-  instant.mode_change |= euler_[2].on != before;
-  instant.jump = jumped(point_, euler_[0], euler_[1]);
-  if (!passive_ && !jump_settles(gamma_sdirk * ladder(level))) return false;
-  start_states_.clear();
-  history_.clear();
-  for (int i = 1; i < 3; ++i) history_.add(euler_[i].time, euler_[i].z, euler_[i].w, false);
-  std::swap(point_, euler_[2]);
-  scale_.note(point_.z);
-  ports_.note_scale(point_.z, point_.w);
-  note_signals();
-  steps_ += 3;
+  const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
+  int level = level_ + restart_levels(reltol_);
+  while (diagonal * ladder(level) > room_share * room) ++level;
+  const int usual = level, deepest = std::min(level + most_refinement, last_level);
+  if (!find_position(instant, level, deepest)) return false;
+  level_ += level - usual;
+  instant.mode_change |= second_.on != position_before_;
+  position_before_.clear();
+  start_memory_.clear();
+  starting_ = false;
+  // The first holds the impulses, be they no larger than the error of the instant.
+  if (stepper_.euler(second_, diagonal * ladder(level), first_) == Solved::yes) std::swap(first_, second_);
+  stretch_.set(first_, second_);
+  certificate_.add_point(second_, ports_);
+  settle_in(second_);
   if (time > 0.0 && instant.happened()) {
     ++events_;
     jumps_ += instant.jump ? 1 : 0;
@@ -273,6 +217,42 @@ bool Block::restart(double time) {
   }
   if (time == 0.0) start_projected_ = instant.jump;
   return watch_crowd(time);
+}
+
+/// Euler steps so short that the states either stay where they are or jump. False: failed.
+bool Block::find_position(Instant& instant, int& level, int deepest) {
+  const Position begun = point_.on;
+  double before = 0.0;
+  bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
+  while (true) {
+    const double h = diagonal * ladder(level);
+    const bool end = level >= deepest;
+    point_.on = begun;
+    trial_.solved = euler_steps(h, instant);
+    if (!failure_.id.empty() && !tentative) return false;
+    if (trial_.solved == Solved::yes) {
+      scale_.note(second_.z);
+      const double motion = difference(states_, drawn_back());
+      instant.jump = motion > jump_share * reltol_;
+      const bool settled = !instant.jump || jumps(h, motion);
+      if (settled || (end && (passive_ || motion <= shrinking * before))) {
+        failure_ = {};
+        return true;
+      }
+      if (end) {
+        fail(Outcome::no_solution, "E-jump-order",
+             fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact",
+                         instant.time),
+             {});
+        return false;
+      }
+      before = motion;
+    } else if (!tentative) {
+      tentative = !fail_step(trial_.solved, 0.0);
+    }
+    if (end) return false;
+    level = std::min(level + refinement, deepest);
+  }
 }
 
 bool Block::watch_crowd(double time) {
@@ -289,19 +269,21 @@ bool Block::watch_crowd(double time) {
 }
 
 bool Block::begin(const Start& start) {
-  const auto n = static_cast<std::size_t>(descriptor_.size());
   point_.time = 0.0;
   point_.on = start.on;
-  point_.z.assign(n, 0.0);
-  point_.y.resize(n);
-  point_.k.assign(n, 0.0);
+  Instant none;
+  flip(point_, true, 0.0, none, point_.on);
   sources_.evaluate(0.0, point_.w);
-  descriptor_.memory_of_states(start.states, point_.y.data());
-  start_states_ = start.states;
+  if (!descriptor_.unknowns_of_states(start.states, point_.w, point_.on, point_.z, start_memory_)) start_memory_.clear();
+  point_.k.assign(point_.z.size(), 0.0);
+  for (std::size_t i = 0; i < start.states.size(); ++i) {
+    const State& state = descriptor_.states()[i];
+    states_.push_back(state.is_current ? state.measure(point_.z.data()) : start.states[i]);
+    if (!state.is_current) ports_.note_voltage(std::abs(start.states[i]));
+  }
   scale_.note_values(start.states);
-  for (std::size_t i = 0; i < start.states.size(); ++i)
-    if (!descriptor_.states()[i].is_current) ports_.note_voltage(std::abs(start.states[i]));
-  return restart(0.0);
+  starting_ = true;
+  return restart();
 }
 
 }  // namespace pwlsim::engine::sparse

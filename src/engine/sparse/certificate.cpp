@@ -19,28 +19,35 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-void CertificateRecorder::add(const Point& from, const Stepper::Trial& trial, double h, const PortSolver& ports) {
-  if (seen_++ % stride_ != 0) return;
+bool CertificateRecorder::sampled() {
+  if (seen_++ % stride_ != 0) return false;
   if (++points_ % points_per_stride == 0) stride_ *= 2;
+  return true;
+}
+
+void CertificateRecorder::add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports) {
+  if (!sampled()) return;
   add_rows(trial.end);
-  add_ports(trial.end, ports);
-  add_energy(from, trial, h);
+  add_ports(reached, ports);
+  add_energy(from, trial);
+}
+
+void CertificateRecorder::add_point(const Point& point, const PortSolver& ports) {
+  if (!sampled()) return;
+  add_rows(point);
+  add_ports(point, ports);
 }
 
 void CertificateRecorder::add_rows(const Point& point) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
   for (auto* v : {&residual_, &size_}) v->resize(n, 0.0);
-  for (auto* v : {&row_, &row_size_}) v->resize(n);
-  descriptor_.matrix(0.0, point.on, 0.0, 1.0, values_);
-  linalg::multiply(descriptor_.pattern(), values_, point.z.data(), row_.data());
-  linalg::multiply_absolute(descriptor_.pattern(), values_, point.z.data(), row_size_.data());
-  std::vector<double> input(n);
-  descriptor_.input(point.w.data(), point.on, input.data());
-  const std::size_t equations = n - descriptor_.ports().size();  // closing rows come last, and are the diodes' own
+  for (auto* v : {&rates_, &row_size_}) v->resize(n);
+  descriptor_.rates(point.z.data(), point.w.data(), rates_.data());
+  descriptor_.rate_sizes(point.z.data(), point.w.data(), row_size_.data());
   for (int node = 0; node < descriptor_.nodes(); ++node) voltage_ = std::max(voltage_, std::abs(point.z[static_cast<std::size_t>(node)]));
   for (std::size_t i = 0; i < n; ++i) {
-    if (i < equations) residual_[i] = std::max(residual_[i], std::abs(point.k[i] + row_[i] - input[i]));
-    size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i] + std::abs(input[i]));
+    residual_[i] = std::max(residual_[i], std::abs(point.k[i] - rates_[i]));
+    size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i]);
   }
 }
 
@@ -57,12 +64,18 @@ void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports)
   }
 }
 
-void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& trial, double h) {
-  const double before = 0.5 * product(from.z, from.y), after = 0.5 * product(trial.end.z, trial.end.y);
-  const double first = h * (1.0 - gamma_sdirk) * product(trial.stage, trial.stage_k);
-  const double second = h * gamma_sdirk * product(trial.end.z, trial.end.k);
-  energy_ = std::max(energy_, std::abs(after - before - first - second));
-  energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(first) + std::abs(second)});
+double CertificateRecorder::energy(const Point& point) {
+  descriptor_.memory(point.z.data(), rates_.data());
+  return 0.5 * product(point.z, rates_);
+}
+
+void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& trial) {
+  const double h = trial.end.time - from.time;
+  const double before = energy(from), after = energy(trial.end);
+  const double flow[3] = {h * step_weight * product(from.z, from.k), h * step_weight * product(trial.stage.z, trial.stage.k),
+                          h * diagonal * product(trial.end.z, trial.end.k)};
+  energy_ = std::max(energy_, std::abs(after - before - flow[0] - flow[1] - flow[2]));
+  energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(flow[0]) + std::abs(flow[1]) + std::abs(flow[2])});
 }
 
 Certificate CertificateRecorder::check() const {

@@ -7,23 +7,28 @@
 namespace pwlsim::engine::sparse {
 
 /// Every step at first, then an evenly thinning sample:
-///  - complementarity: |min(u, s)| of the diodes at the end of a step, against the largest u or s of the run;
-///  - KCL/KVL: every row of  k + G z + H w + g,  k the rate of E z, against its largest term of the run;
+///  - complementarity: |min(u, s)| of the diodes, against the largest u or s of the run;
+///  - KCL/KVL: every row of  k + G z + H w + g  at the end of a step, k the rate of E z, against its largest term of the run;
 ///  - energy: change of ½ zᵀE z over a step against ∫ zᵀ k by the method's own weights: what it loses or gains a step, which is of the size of
 ///    its local error.
 class CertificateRecorder {
  public:
   explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor) {}
-  void add(const Point& from, const Stepper::Trial& trial, double h, const PortSolver& ports);
+  /// A step of TR-BDF2, of which the part up to `reached` was used.
+  void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
+  /// A point by itself.
+  void add_point(const Point& point, const PortSolver& ports);
   [[nodiscard]] Certificate check() const;
 
  private:
+  [[nodiscard]] bool sampled();
   void add_rows(const Point& point);
   void add_ports(const Point& point, const PortSolver& ports);
-  void add_energy(const Point& from, const Stepper::Trial& trial, double h);
+  void add_energy(const Point& from, const Stepper::Trial& trial);
+  [[nodiscard]] double energy(const Point& point);
 
   const Descriptor& descriptor_;
-  std::vector<double> residual_, size_, row_, row_size_, values_;
+  std::vector<double> residual_, size_, rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
   double voltage_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
   double energy_ = 0.0, energy_scale_ = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/log_mean.hpp"
 
@@ -16,6 +17,42 @@ using model::Term;
 /// Resistors below this fraction of R0 carry their own current.
 constexpr double low_resistance = 1e-6;
 constexpr double perfect_coupling = 1.0 - 1e-9;
+constexpr double tie_share = 1e-3;  ///< of what is around
+/// Start values of a loop of capacitors agree to this part of the largest voltage in it.
+constexpr double loop_tolerance = 1e-13;
+
+/// Nodes between which voltages are known, the rest at zero. What contradicts what is known is left out.
+class Potentials {
+ public:
+  explicit Potentials(std::size_t nodes) : parent_(nodes + 1), above_(nodes + 1, 0.0) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  void join(NodeIndex p, NodeIndex n, double voltage) {
+    const auto [root_p, above_p] = find(p);
+    const auto [root_n, above_n] = find(n);
+    if (root_p == root_n) return;
+    // ground stays the root of its part
+    const bool first = root_p == parent_.size() - 1;
+    parent_[first ? root_n : root_p] = first ? root_p : root_n;
+    above_[first ? root_n : root_p] = first ? above_p - voltage - above_n : above_n + voltage - above_p;
+  }
+  [[nodiscard]] double at(NodeIndex node) { return find(node).second; }
+
+ private:
+  /// Its root, and by how much it lies above that.
+  std::pair<std::size_t, double> find(NodeIndex node) {
+    const std::size_t start = node == ground ? parent_.size() - 1 : static_cast<std::size_t>(node);
+    std::size_t root = start;
+    double above = 0.0;
+    while (parent_[root] != root) {
+      above += above_[root];
+      root = parent_[root];
+    }
+    parent_[start] = root;
+    above_[start] = start == root ? 0.0 : above;
+    return {root, above};
+  }
+  std::vector<std::size_t> parent_;
+  std::vector<double> above_;
+};
 
 std::vector<char> capacitors_read(const model::Network& network) {
   std::vector<char> read(network.capacitors.size(), 0);
@@ -184,11 +221,16 @@ void Descriptor::measure_fluxes() {
 }
 
 bool Descriptor::passive() const {
-  const auto by_sources = [](const model::LinearForm& form) {
-    return model::is_independent(form);
-  };
+  const auto by_sources = [](const model::LinearForm& form) { return model::is_independent(form); };
   const auto all = [](const auto& list, const auto& test) { return std::all_of(list.begin(), list.end(), test); };
-  return network_.complementarities.empty() && all(network_.branches, [&](const auto& b) { return by_sources(b.voltage); }) &&
+  int branch = 0;
+  const auto is_source = [&](const model::Branch& b) {  // with a resistance of its own
+    const int own = branch++;
+    return std::all_of(b.voltage.begin(), b.voltage.end(), [&](const Term& t) {
+      return model::is_independent(t) || (t.kind == Term::Kind::branch_current && t.index == own && t.coefficient >= 0.0);
+    });
+  };
+  return network_.complementarities.empty() && all(network_.branches, is_source) &&
          all(network_.injections, [&](const auto& i) { return by_sources(i.current); }) &&
          all(network_.resistors, [](const auto& r) { return r.resistance >= 0.0; }) &&
          all(network_.capacitors, [](const auto& c) { return c.capacitance >= 0.0; }) &&
@@ -213,7 +255,7 @@ void Descriptor::add_branches_and_injections() {
 
 void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
                           double resistance, double drop) {
-  Port port{std::move(name), row, {}, false};
+  Port port{std::move(name), row, {}, false, p, n};
   if (slack) {
     port.slack = form(*slack);
     for (auto& part : port.slack.z) part.coefficient *= slack_scale;
@@ -268,13 +310,50 @@ void Descriptor::compress() {
       if (pattern_.row[static_cast<std::size_t>(k)] == j) node_diagonal_.push_back(k);
 }
 
-void Descriptor::matrix(double shift, const Position& on, double epsilon, double unit, std::vector<double>& values) const {
+/// Of all that meets at a node, times R0.
+std::vector<double> Descriptor::node_admittances(double shift) const {
+  std::vector<double> sum(network_.nodes.size(), 0.0);
+  const auto add = [&](NodeIndex p, NodeIndex n, double admittance) {
+    for (const NodeIndex node : {p, n})
+      if (node != ground) sum[static_cast<std::size_t>(node)] += std::abs(admittance);
+  };
+  for (const auto& r : network_.resistors) add(r.p, r.n, r0_ / r.resistance);
+  for (const auto& c : network_.capacitors) add(c.p, c.n, shift * r0_ * c.capacitance);
+  for (const auto& l : network_.inductors) add(l.p, l.n, r0_ / (shift * l.inductance));
+  return sum;
+}
+
+Descriptor::Closing Descriptor::closing(double shift, const Position& on, double epsilon) const {
+  Closing closing{std::vector<double>(on.size()), std::vector<double>(on.size())};
+  const double unit = mean_admittance(shift);
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    closing.of_slack[i] = on[i] != 0 ? 1.0 : epsilon;
+    closing.of_input[i] = on[i] != 0 ? epsilon / unit : 1.0;
+  }
+  return closing;
+}
+
+double Descriptor::tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const {
+  const std::vector<double> admittances = node_admittances(shift);
+  const double mean = mean_admittance(shift);
+  for (const int port : ports) {
+    const auto i = static_cast<std::size_t>(port);
+    double admittance = 0.0;
+    for (const NodeIndex node : {ports_[i].p, ports_[i].n})
+      if (node != ground) admittance = std::max(admittance, admittances[static_cast<std::size_t>(node)]);
+    if (!(admittance > 0.0)) admittance = mean;
+    (on[i] != 0 ? closing.of_input : closing.of_slack)[i] = on[i] != 0 ? tie_share / admittance : tie_share * admittance;
+  }
+  return *std::max_element(admittances.begin(), admittances.end());
+}
+
+void Descriptor::matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const {
   values.resize(pattern_.entries());
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = shift * e_[k] + g_[k];
   for (std::size_t i = 0; i < port_entries_.size(); ++i) {
     const auto k = static_cast<std::size_t>(port_entries_[i]);
-    const bool is_on = on[static_cast<std::size_t>(port_of_entry_[i])] != 0;
-    values[k] = is_on ? slack_[k] + epsilon / unit * input_[k] : input_[k] + epsilon * slack_[k];
+    const auto port = static_cast<std::size_t>(port_of_entry_[i]);
+    values[k] = closing.of_slack[port] * slack_[k] + closing.of_input[port] * input_[k];
   }
   if (unit == 1.0) return;
   for (std::size_t k = first_current_; k < values.size(); ++k) values[k] *= unit;
@@ -286,33 +365,46 @@ double Descriptor::mean_admittance(double shift) const {
   return mean.value();
 }
 
-void Descriptor::input(const double* w, const Position& on, double* b) const {
-  for (int i = 0; i < size_; ++i) b[i] = -constant_[static_cast<std::size_t>(i)];
-  for (const SourceEntry& entry : sources_) b[entry.row] -= entry.coefficient * w[entry.source];
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    const Form& slack = ports_[i].slack;
-    if (slack.constant == 0.0 && slack.w.empty()) continue;
-    double value = slack.constant;
-    for (const auto& part : slack.w) value += part.coefficient * w[part.index];
-    b[ports_[i].row] = on[i] != 0 ? -value : 0.0;
-  }
+void Descriptor::rates(const double* z, const double* w, double* k) const {
+  linalg::multiply(pattern_, g_, z, k);
+  for (int i = 0; i < size_; ++i) k[i] = -k[i] - constant_[static_cast<std::size_t>(i)];
+  for (const SourceEntry& entry : sources_) k[entry.row] -= entry.coefficient * w[entry.source];
 }
 
-void Descriptor::memory_of_states(const std::vector<double>& values, double* y) const {
-  std::fill(y, y + size_, 0.0);
+void Descriptor::rate_sizes(const double* z, const double* w, double* sizes) const {
+  linalg::multiply_absolute(pattern_, g_, z, sizes);
+  for (int i = 0; i < size_; ++i) sizes[i] += std::abs(constant_[static_cast<std::size_t>(i)]);
+  for (const SourceEntry& entry : sources_) sizes[entry.row] += std::abs(entry.coefficient * w[entry.source]);
+}
+
+bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std::vector<double>& w, const Position& on,
+                                    std::vector<double>& z, std::vector<double>& y) const {
+  z.assign(static_cast<std::size_t>(size_), 0.0);
+  y.assign(static_cast<std::size_t>(size_), 0.0);
   const std::size_t capacitors = network_.capacitors.size();
+  for (std::size_t i = capacitors; i < states_.size(); ++i) z[static_cast<std::size_t>(states_[i].plus)] = values[i];
+  Potentials potentials(network_.nodes.size());
+  for (std::size_t i = 0; i < capacitors; ++i) potentials.join(states_[i].plus, states_[i].minus, values[i]);
+  for (const auto& branch : network_.branches)
+    if (model::is_independent(branch.voltage)) potentials.join(branch.p, branch.n, form(branch.voltage).value(nullptr, w.data()));
+  for (std::size_t i = static_cast<std::size_t>(first_switch_); i < ports_.size(); ++i)
+    if (on[i] != 0) potentials.join(ports_[i].p, ports_[i].n, 0.0);
+  for (int node = 0; node < nodes(); ++node) z[static_cast<std::size_t>(node)] = potentials.at(node);
+  bool remains = false;
   for (std::size_t i = 0; i < capacitors; ++i) {
-    const double charge = r0_ * states_[i].storage * values[i];
+    const auto at = [&](int node) { return node >= 0 ? z[static_cast<std::size_t>(node)] : 0.0; };
+    const double missing = values[i] - states_[i].value(z.data());
+    if (std::abs(missing) <=
+        loop_tolerance * std::max({std::abs(values[i]), std::abs(at(states_[i].plus)), std::abs(at(states_[i].minus))}))
+      continue;
+    remains = true;
+    const double charge = r0_ * states_[i].storage * missing;
     const int own = capacitor_current_[i];
     const int p = own >= 0 ? own : states_[i].plus, n = own >= 0 ? -1 : states_[i].minus;
-    if (p >= 0) y[p] += charge;
-    if (n >= 0) y[n] -= charge;
+    if (p >= 0) y[static_cast<std::size_t>(p)] += charge;
+    if (n >= 0) y[static_cast<std::size_t>(n)] -= charge;
   }
-  for (std::size_t i = capacitors; i < states_.size(); ++i) {
-    const int column = states_[i].plus;
-    for (int k = pattern_.start[static_cast<std::size_t>(column)]; k < pattern_.start[static_cast<std::size_t>(column) + 1]; ++k)
-      y[pattern_.row[static_cast<std::size_t>(k)]] += e_[static_cast<std::size_t>(k)] * values[i];
-  }
+  return remains;
 }
 
 Form Descriptor::form(const model::LinearForm& terms) const {

@@ -7,9 +7,11 @@
 /// current of its own.
 ///
 /// Every port p has an input u = z[row] and a slack s = row·z + …:  0 ≤ u ⊥ s ≥ 0, for a diode i and drop + R i − v. Its closing row is
-///    on:  s + ε u = 0      off:  u + ε s = 0
-/// with ε = 0 wherever that is regular. Both entries are kept in the pattern in either position.
+///    on:  s = 0      off:  u = 0
+/// with a little of the other added where the position leaves something open (factors.hpp). Both entries are kept in the pattern in either
+/// position.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -30,12 +32,11 @@ struct Form {
   std::vector<Part> z, w;
   double constant = 0.0;
 
-  [[nodiscard]] double value(const double* unknowns, const double* sources) const {
-    double sum = constant;
-    for (const Part& part : z) sum += part.coefficient * unknowns[part.index];
-    for (const Part& part : w) sum += part.coefficient * sources[part.index];
-    return sum;
+  [[nodiscard]] static double sum(const std::vector<Part>& parts, const double* x, double start = 0.0) {
+    for (const Part& part : parts) start += part.coefficient * x[part.index];
+    return start;
   }
+  [[nodiscard]] double value(const double* unknowns, const double* sources) const { return sum(w, sources, sum(z, unknowns, constant)); }
 };
 
 struct Port {
@@ -43,6 +44,19 @@ struct Port {
   int row = 0;  ///< its closing row, and the column of its input
   Form slack;   ///< volts
   bool is_switch = false;
+  model::NodeIndex p = model::ground, n = model::ground;  ///< of a diode or switch
+
+  /// What a position leaves free: u where on, s where off. A diode needs it not negative.
+  [[nodiscard]] double free_variable(bool on, const double* z, const double* w) const { return on ? z[row] : slack.value(z, w); }
+  /// Sum of the magnitudes that the slack is a sum of.
+  [[nodiscard]] double slack_size(const double* z, const double* w) const {
+    double size = std::abs(slack.constant);
+    for (const auto& part : slack.z) size += std::abs(part.coefficient * z[part.index]);
+    for (const auto& part : slack.w) size += std::abs(part.coefficient * w[part.index]);
+    return size;
+  }
+  /// The part of it that is linear in z.
+  [[nodiscard]] double response(bool on, const double* z) const { return on ? z[row] : Form::sum(slack.z, z); }
 };
 
 /// A state: the voltage of a capacitor or the current of an inductor times R0, z[plus] − z[minus] (−1: nothing).
@@ -52,12 +66,7 @@ struct State {
   double storage = 0.0;          ///< capacitance, or inductance without its couplings
   std::vector<Form::Part> flux;  ///< of a perfectly coupled inductor: its flux over its inductance
   /// What errors are measured in: the value, but the flux of a perfectly coupled inductor, whose current is no state of its own.
-  [[nodiscard]] double measure(const double* z) const {
-    if (flux.empty()) return value(z);
-    double sum = 0.0;
-    for (const auto& part : flux) sum += part.coefficient * z[part.index];
-    return sum;
-  }
+  [[nodiscard]] double measure(const double* z) const { return flux.empty() ? value(z) : Form::sum(flux, z); }
   [[nodiscard]] double value(const double* z) const { return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0); }
 };
 
@@ -78,23 +87,37 @@ class Descriptor {
   /// Capacitors, then inductors, as in the network.
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
 
-  /// Entries of shift·E + G with the closing rows of a position, for currents in a unit of their own: what is no node voltage is `unit` times the
-  /// unknown of these entries.
-  void matrix(double shift, const Position& on, double epsilon, double unit, std::vector<double>& values) const;
+  /// Coefficients of closing rows  of_slack·s + of_input·u,  one pair a port.
+  struct Closing {
+    std::vector<double> of_slack, of_input;
+  };
+  /// Those of a position, with an ε: zero, or what it needs to be regular.
+  [[nodiscard]] Closing closing(double shift, const Position& on, double epsilon) const;
+  /// Makes those of some ports  s + a u  or  u + b s,  a and b far below the impedances and admittances around. Returns the largest admittance that meets in
+  /// a node.
+  double tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const;
+  /// Entries of shift·E + G with closing rows, for currents in a unit of their own: what is no node voltage is `unit` times the unknown of these
+  /// entries.
+  void matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const;
   /// Geometric mean over the nodes of the diagonal of shift·E + G (times R0: 1 is 1/R0).
   [[nodiscard]] double mean_admittance(double shift) const;
-  /// b = −(H w + g) with the closing rows of a position.
-  void input(const double* w, const Position& on, double* b) const;
+  /// k = −(G z + H w + g): what E z' is; zero in closing rows.
+  void rates(const double* z, const double* w, double* k) const;
+  /// |G| |z| + |H| |w| + |g|.
+  void rate_sizes(const double* z, const double* w, double* sizes) const;
   /// y = E z.
   void memory(const double* z, double* y) const { linalg::multiply(pattern_, e_, z, y); }
-  /// E z of states given one by one, consistent or not: charges and fluxes.
-  void memory_of_states(const std::vector<double>& values, double* y) const;
+  /// Node potentials and currents, in z, near the solution with states given one by one: those of capacitors, where these leave it open of sources and
+  /// closed switches. What loops of capacitors contradict remains as charges y, so that E z + y are all charges and fluxes. False: nothing remains.
+  [[nodiscard]] bool unknowns_of_states(const std::vector<double>& values, const std::vector<double>& w, const Position& on,
+                                        std::vector<double>& z, std::vector<double>& y) const;
   /// A linear form in SI units.
   [[nodiscard]] Form form(const model::LinearForm& terms) const;
   /// "node out", "the current of V1"
   [[nodiscard]] std::string unknown_name(int index) const;
 
  private:
+  [[nodiscard]] std::vector<double> node_admittances(double shift) const;
   void choose_scale();
   void number_unknowns();
   void scale_complementarities();

@@ -18,16 +18,10 @@ constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 256;
 /// A position so few ports away from one that is factored is reached by their columns; solved for so often, by a factor of its own.
 constexpr std::size_t most_flips = 4;
+constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
-constexpr double least_condition = 1e-4;  ///< of the small matrix, its diagonal scaled to one
-
-double closing(const Descriptor& descriptor, int port, bool on, const std::vector<double>& z) {
-  const Port& p = descriptor.ports()[static_cast<std::size_t>(port)];
-  if (!on) return z[static_cast<std::size_t>(p.row)];
-  double sum = 0.0;
-  for (const auto& part : p.slack.z) sum += part.coefficient * z[static_cast<std::size_t>(part.index)];
-  return sum;
-}
+constexpr double least_soundness = 1e-11;  ///< residual of an update, of the largest term of its row
+constexpr double least_condition = 1e-4;   ///< of the small matrix, its diagonal scaled to one
 
 }  // namespace
 
@@ -41,8 +35,9 @@ void Factor::solve(std::vector<double>& r) const {
   if (flips_.empty()) return;
   linalg::Vector t(static_cast<Eigen::Index>(flips_.size()));
   for (std::size_t i = 0; i < flips_.size(); ++i) {
+    const Port& port = descriptor_->ports()[static_cast<std::size_t>(flips_[i])];
     const bool on = flipped_on_[i] != 0;
-    t[static_cast<Eigen::Index>(i)] = closing(*descriptor_, flips_[i], on, r) - closing(*descriptor_, flips_[i], !on, r);
+    t[static_cast<Eigen::Index>(i)] = port.response(!on, r.data()) - port.response(on, r.data());
   }
   const linalg::Vector share = scale_.asDiagonal() * small_.solve(scale_.asDiagonal() * t);
   for (std::size_t i = 0; i < flips_.size(); ++i) {
@@ -51,10 +46,12 @@ void Factor::solve(std::vector<double>& r) const {
   }
 }
 
-Factors::Factors(const Descriptor& descriptor, double reltol)
+Factors::Factors(const model::Network& network, const Descriptor& descriptor, double reltol)
     : descriptor_(descriptor),
       ordering_(descriptor.pattern()),
-      epsilon_(std::clamp(epsilon_share * reltol, least_epsilon, largest_epsilon)) {}
+      epsilon_(std::clamp(epsilon_share * reltol, least_epsilon, largest_epsilon)) {
+  if (descriptor.passive()) parts_.emplace(network);
+}
 
 Factors::Entry* Factors::find(double shift, const Position& on) {
   for (Entry& entry : entries_)
@@ -82,26 +79,61 @@ Factors::Entry& Factors::slot(const Position& on) {
   return count > 1 ? *alike : *oldest;
 }
 
-linalg::Factored Factors::factor(Entry& entry, bool same_pivots) {
-  auto factored = linalg::Factored::singular;
+linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closing, bool same_pivots) {
+  Factor& f = entry.factor;
+  descriptor_.matrix(entry.shift, closing, f.unit_, values_);
+  const auto factored = same_pivots ? f.klu_->refactor(values_) : f.klu_->factor(values_);
+  if (factored != linalg::Factored::good) return factored;
+  const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < least_pivot_ratio;
+  return may_be_rounding ? linalg::Factored::singular : factored;
+}
+
+linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, bool same_pivots) {
   Factor& f = entry.factor;
   f.descriptor_ = &descriptor_;
   f.flips_.clear();
   f.columns_.clear();
+  f.closing_.reset();
+  f.ties_.clear();
+  f.open_.clear();
   f.unit_ = descriptor_.mean_admittance(entry.shift);
   if (!f.klu_ || f.klu_.use_count() > 1) {
     f.klu_ = std::make_shared<linalg::KluFactor>(ordering_);
     same_pivots = false;
   }
-  for (const double epsilon : {0.0, epsilon_, 100.0 * epsilon_}) {
-    descriptor_.matrix(entry.shift, entry.on, epsilon, f.unit_, values_);
-    factored = same_pivots ? f.klu_->refactor(values_) : f.klu_->factor(values_);
-    if (factored == linalg::Factored::no_memory) return factored;
-    f.exact_ = epsilon == 0.0;
-    if (factored == linalg::Factored::good && f.klu_->pivot_ratio() >= least_pivot_ratio) return factored;
-    same_pivots = false;
+  Descriptor::Closing closing = descriptor_.closing(entry.shift, entry.on, 0.0);
+  if (!ties.empty()) f.stiffest_ = descriptor_.tie(entry.shift, entry.on, ties, closing);
+  auto factored = factor(entry, closing, same_pivots);
+  if (factored == linalg::Factored::good) {
+    f.ties_ = ties;
+    find_open(entry);
+  }
+  for (const double epsilon : {epsilon_, 100.0 * epsilon_}) {
+    if (factored != linalg::Factored::singular) break;
+    closing = descriptor_.closing(entry.shift, entry.on, epsilon);
+    factored = factor(entry, closing, false);
+    if (factored == linalg::Factored::good) f.closing_ = std::move(closing);
   }
   return factored;
+}
+
+void Factors::find_open(Entry& entry) {
+  Factor& f = entry.factor;
+  const auto count = static_cast<Eigen::Index>(f.ties_.size());
+  if (count == 0 || f.ties_.size() > most_shared) return;
+  const auto& ports = descriptor_.ports();
+  linalg::Matrix free(static_cast<Eigen::Index>(ports.size()), count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    std::vector<double>& column = f.open_.emplace_back(static_cast<std::size_t>(descriptor_.size()), 0.0);
+    column[static_cast<std::size_t>(ports[static_cast<std::size_t>(f.ties_[static_cast<std::size_t>(j)])].row)] = 1.0;
+    f.solve_base(column);
+    double largest = 0.0;
+    for (const double value : column) largest = std::max(largest, std::abs(value));
+    for (double& value : column) value /= largest;
+    for (std::size_t i = 0; i < ports.size(); ++i)
+      free(static_cast<Eigen::Index>(i), j) = ports[i].response(entry.on[i] != 0, column.data());
+  }
+  f.shares_.compute(free.transpose() * free);
 }
 
 /// From a factor of the same shift that few ports tell from the wanted one.
@@ -109,7 +141,8 @@ bool Factors::update(Entry& entry) {
   const Entry* base = nullptr;
   std::vector<int> flips, of_base;
   for (const Entry& other : entries_) {
-    if (&other == &entry || other.used == 0 || !other.factor.exact_ || !other.factor.flips_.empty()) continue;
+    if (&other == &entry || other.used == 0 || other.factor.closing_ || !other.factor.ties_.empty() || !other.factor.flips_.empty())
+      continue;
     if (std::abs(other.shift - entry.shift) > same_shift * entry.shift) continue;
     of_base.clear();
     for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_flips; ++i)
@@ -130,14 +163,35 @@ bool Factors::update(Entry& entry) {
     column[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(flips[j])].row)] = 1.0;
     f.solve_base(column);
     for (std::size_t i = 0; i < flips.size(); ++i)
-      s(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = closing(descriptor_, flips[i], f.flipped_on_[i] != 0, column);
+      s(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          descriptor_.ports()[static_cast<std::size_t>(flips[i])].response(f.flipped_on_[i] == 0, column.data());
     f.columns_.push_back(std::move(column));
   }
   if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
   f.scale_ = s.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
   f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
   if (!(lcp::reciprocal_condition(f.small_) > least_condition)) return false;
+  if (!is_sound(f, entry)) return false;
   entry.factor = std::move(f);
+  return true;
+}
+
+/// Whether a factor solves a right-hand side of its own matrix with a small residual in every row: one near a singular position need not.
+bool Factors::is_sound(const Factor& factor, const Entry& entry) {
+  const auto n = static_cast<std::size_t>(descriptor_.size());
+  descriptor_.matrix(entry.shift, descriptor_.closing(entry.shift, entry.on, 0.0), 1.0, values_);
+  std::vector<double> solution(n), product(n), size(n);
+  for (std::size_t i = 0; i < n; ++i) solution[i] = 1.0 + static_cast<double>(i % 7) / 8.0;
+  const std::vector<double> right = [&] {
+    linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());
+    return product;
+  }();
+  solution = right;
+  factor.solve(solution);
+  linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());
+  linalg::multiply_absolute(descriptor_.pattern(), values_, solution.data(), size.data());
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(std::abs(product[i] - right[i]) <= least_soundness * (size[i] + std::abs(right[i])))) return false;
   return true;
 }
 
@@ -151,8 +205,9 @@ const Factor* Factors::at(double shift, const Position& on) {
     entry->uses = 0;
     entry->shift = shift;
     entry->on = on;
-    if (worn || !update(*entry)) {
-      const auto factored = factor(*entry, same_pivots);
+    const std::vector<int> ties = parts_ ? parts_->ties(on) : std::vector<int>{};
+    if (worn || !ties.empty() || !update(*entry)) {
+      const auto factored = factor(*entry, ties, same_pivots);
       if (factored != linalg::Factored::good) {
         singular_unknown_ = entry->factor.klu_->singular_column();
         out_of_memory_ = factored == linalg::Factored::no_memory;

@@ -1,15 +1,18 @@
 #pragma once
 /// Factors of  shift·E + G  by shift and position of the ports, the most recently used ones kept.
 ///
-/// Where a position leaves something open (currents of parallel diodes, the potential of a part between open ones), its closing rows get an ε far
-/// below the tolerance, more where that still drowns: a diode of ε·R0 in place of none, ε/R0 in place of an open circuit. Currents and voltages are
-/// shared by it.
+/// Where a position leaves something open (currents of parallel diodes, the potential of a part between blocking ones; open_parts.hpp), the closing rows
+/// of the ports that settle it are tied: a bit of u in s = 0, of s in u = 0, which carries nothing unless the position contradicts the network.
+/// Where the graph does not tell (controlled sources, perfectly coupled inductors) all closing rows get an ε far below the tolerance, more where that
+/// still drowns.
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "engine/sparse/descriptor.hpp"
+#include "engine/sparse/open_parts.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/klu.hpp"
 
@@ -20,6 +23,16 @@ class Factor {
  public:
   /// r := (shift·E + G)⁻¹ r
   void solve(std::vector<double>& r) const;
+  /// Its closing rows, where ε is in them.
+  [[nodiscard]] const std::optional<Descriptor::Closing>& closing() const { return closing_; }
+  /// Ports whose closing rows are tied.
+  [[nodiscard]] const std::vector<int>& ties() const { return ties_; }
+  /// The largest admittance that meets in a node, times R0; only where there are ties.
+  [[nodiscard]] double stiffest() const { return stiffest_; }
+  /// What the ties settle, one vector of unknowns each, largest entry one; none where there are too many.
+  [[nodiscard]] const std::vector<std::vector<double>>& open() const { return open_; }
+  /// x = (JᵀJ)⁻¹ r, J the free variables of all ports in the open vectors.
+  [[nodiscard]] linalg::Vector share_out(const linalg::Vector& r) const { return shares_.solve(r); }
 
  private:
   friend class Factors;
@@ -28,7 +41,11 @@ class Factor {
   const Descriptor* descriptor_ = nullptr;
   std::shared_ptr<linalg::KluFactor> klu_;
   double unit_ = 1.0;
-  bool exact_ = true;  ///< no ε in the closing rows
+  std::optional<Descriptor::Closing> closing_;
+  std::vector<int> ties_;
+  double stiffest_ = 0.0;
+  std::vector<std::vector<double>> open_;
+  Eigen::LDLT<linalg::Matrix> shares_;
   /// Few ports of another position than that of klu_: A' = A + Σ e_i (a'_i − a_i)ᵀ over their closing rows, by the formula of Sherman, Morrison
   /// and Woodbury: z = z0 − W S⁻¹ t,  W = A⁻¹ e,  S_ij = a'_i W_j,  t_i = (a'_i − a_i) z0.
   std::vector<int> flips_;
@@ -41,13 +58,14 @@ class Factor {
 class Factors {
  public:
   /// `reltol`: of the run; ε is a thousandth of it, within 1e-10 and 1e-7.
-  explicit Factors(const Descriptor& descriptor, double reltol = 1e-5);
+  Factors(const model::Network& network, const Descriptor& descriptor, double reltol = 1e-5);
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
   [[nodiscard]] const Factor* at(double shift, const Position& on);
   /// After a null: the unknown that the equations leave open, −1: not known.
   [[nodiscard]] int singular_unknown() const { return singular_unknown_; }
   [[nodiscard]] const linalg::KluOrdering::Counts& counts() const { return ordering_.counts; }
+  [[nodiscard]] const linalg::KluOrdering& ordering() const { return ordering_; }
   [[nodiscard]] bool out_of_memory() const { return out_of_memory_; }
 
  private:
@@ -60,10 +78,14 @@ class Factors {
   };
   [[nodiscard]] Entry* find(double shift, const Position& on);
   [[nodiscard]] Entry& slot(const Position& on);
-  [[nodiscard]] linalg::Factored factor(Entry& entry, bool same_pivots);
+  [[nodiscard]] linalg::Factored factor(Entry& entry, const std::vector<int>& ties, bool same_pivots);
+  [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, bool same_pivots);
+  void find_open(Entry& entry);
   [[nodiscard]] bool update(Entry& entry);
+  [[nodiscard]] bool is_sound(const Factor& factor, const Entry& entry);
 
   const Descriptor& descriptor_;
+  std::optional<OpenParts> parts_;  ///< of a passive network
   linalg::KluOrdering ordering_;
   double epsilon_;
   std::vector<Entry> entries_;

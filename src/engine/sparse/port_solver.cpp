@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 
+#include "engine/sparse/interior_point.hpp"
 #include "lcp/solve.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -18,19 +20,26 @@ constexpr double active_sign_tolerance = 1e-12;
 constexpr double tie_tolerance = 1e-8;
 /// Where there are only voltages as yet, currents are judged against this part of them over R0.
 constexpr double cross_scale = 1e-3;
-/// What a position forces to zero may be this part of the largest: more, and the ε of its closing rows is all that holds it.
-constexpr double forced_tolerance = 1e-6, forced_cross_scale = 1e-9;
-constexpr int most_iterations = 24;
+/// What ε alone holds does not go away when it is taken out: after these corrections it is still this part of what it was.
+constexpr int most_corrections = 3;
+constexpr double contradiction_share = 1e-3;
+constexpr double held_tolerance = 1e-10;    ///< of the largest voltage, or current: zero
+constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
+constexpr double far_away = 1e3;
+constexpr int most_iterations = 8;
 constexpr int most_decisions = 32;
+constexpr std::size_t few_disputed = 12;  ///< decided by a dense matrix of their own
+
+template <class Iterator>
+double largest(Iterator first, Iterator last) {
+  double most = 0.0;
+  for (; first != last; ++first) most = std::max(most, std::abs(*first));
+  return most;
+}
 
 std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({on.data(), on.size()}); }
 
 }  // namespace
-
-double PortSolver::free_variable(std::size_t port, bool on, const std::vector<double>& z, const std::vector<double>& w) const {
-  const Port& p = descriptor_.ports()[port];
-  return on ? z[static_cast<std::size_t>(p.row)] : p.slack.value(z.data(), w.data());
-}
 
 void PortSolver::note_scale(const std::vector<double>& z, const std::vector<double>& w) {
   for (const Port& p : descriptor_.ports()) {
@@ -39,39 +48,127 @@ void PortSolver::note_scale(const std::vector<double>& z, const std::vector<doub
   }
 }
 
-std::vector<int> PortSolver::violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w, double tolerance) {
+PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
+    : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), scale_{0.0, voltage} {}
+
+PortSolver::~PortSolver() = default;
+
+/// An input is judged against the largest of all, a slack against the voltages it is a difference of, and either against the largest of the run.
+std::vector<int> PortSolver::violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w,
+                                      double tolerance) const {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
-  std::vector<double> value(diodes);
-  double forced_slack = 0.0, forced_input = 0.0;
-  PortScale scale = scale_;
+  std::vector<int> negative;
+  double most = scale_.input;
   for (std::size_t i = 0; i < diodes; ++i) {
-    value[i] = free_variable(i, on[i] != 0, z, w);
-    const double forced = std::abs(free_variable(i, on[i] == 0, z, w));
-    (on[i] != 0 ? forced_slack : forced_input) = std::max(on[i] != 0 ? forced_slack : forced_input, forced);
-    double& largest = on[i] != 0 ? scale.input : scale.slack;
-    largest = std::max(largest, std::abs(value[i]));
+    const double value = descriptor_.ports()[i].free_variable(on[i] != 0, z.data(), w.data());
+    if (on[i] != 0) most = std::max(most, std::abs(value));
+    if (value < 0.0) negative.push_back(static_cast<int>(i));
   }
-  forced_ = std::max(forced_slack > 0.0 ? forced_slack / std::max(scale.slack, forced_cross_scale * scale.input) : 0.0,
-                     forced_input > 0.0 ? forced_input / std::max(scale.input, forced_cross_scale * scale.slack) : 0.0);
-  scale.input = std::max(scale.input, cross_scale * scale.slack);
-  std::vector<int> result;
-  for (std::size_t i = 0; i < diodes; ++i) {
-    const double largest = on[i] != 0 ? scale.input : scale.slack;
-    if (!(value[i] < 0.0)) continue;
-    if (value[i] < -tolerance * largest) result.push_back(static_cast<int>(i));
-  }
-  return result;
+  const double input = std::max(most, cross_scale * scale_.slack);
+  const auto within = [&](int port) {
+    const auto i = static_cast<std::size_t>(port);
+    const Port& p = descriptor_.ports()[i];
+    const double size = on[i] != 0 ? input : std::max(scale_.slack, p.slack_size(z.data(), w.data()));
+    return p.free_variable(on[i] != 0, z.data(), w.data()) >= -tolerance * size;
+  };
+  negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
+  return negative;
 }
 
-Solved PortSolver::solve_at(double shift, const std::vector<double>& memory, const std::vector<double>& w, const Position& on,
-                            std::vector<double>& z) {
-  const Factor* factor = factors_.at(shift, on);
+/// Closing rows of a right-hand side: what they miss at z, those of the position or others.
+void PortSolver::close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
+                       std::vector<double>& right) const {
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const auto row = static_cast<std::size_t>(port.row);
+    right[row] = closing ? -closing->of_slack[i] * port.slack.value(z.data(), w.data()) - closing->of_input[i] * z[row]
+                         : -port.free_variable(on[i] == 0, z.data(), w.data());
+  }
+}
+
+Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z) {
+  const Factor* factor = factors_.at(stage.shift, on);
   if (!factor) return Solved::singular;
-  z.resize(static_cast<std::size_t>(descriptor_.size()));
-  descriptor_.input(w.data(), on, z.data());
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] += memory[i];
-  factor->solve(z);
+  step = stage.right;
+  close(on, stage.from, stage.w, factor->closing() ? &*factor->closing() : nullptr, step);
+  factor->solve(step);
+  z.resize(step.size());
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] = stage.from[i] + step[i];
+  contradicted_ = false;
+  if (factor->closing()) refine(stage, on, *factor, step, z);
+  if (!factor->ties().empty()) examine_ties(stage, on, *factor, step, z);
   return Solved::yes;
+}
+
+/// What a tie carries must be nothing. Then what it settles is chosen: of all currents and voltages the least squares. Else the position contradicts
+/// the network, and z goes far to where the ties push it, so that signs show who must give way.
+void PortSolver::examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step,
+                              std::vector<double>& z) {
+  const auto& ports = descriptor_.ports();
+  const auto nodes = static_cast<std::ptrdiff_t>(descriptor_.nodes());
+  const double voltage = std::max(scale_.slack, largest(z.begin(), z.begin() + nodes));
+  const double current = std::max(scale_.input, largest(z.begin() + nodes, z.end()));
+  const double rounding = rounding_of_sums * factor.stiffest() * largest(step.begin(), step.begin() + nodes);
+  right_.assign(z.size(), 0.0);
+  for (const int tie : factor.ties()) {
+    const auto i = static_cast<std::size_t>(tie);
+    const bool is_on = on[i] != 0;
+    const double forced = ports[i].free_variable(!is_on, z.data(), stage.w.data());
+    const double nothing = is_on ? held_tolerance * voltage : std::max(held_tolerance * current, rounding);
+    if (!(std::abs(forced) > nothing)) continue;
+    right_[static_cast<std::size_t>(ports[i].row)] = -forced;
+    contradicted_ = true;
+  }
+  if (contradicted_) {
+    factor.solve(right_);
+    const double volts = largest(right_.begin(), right_.begin() + nodes), amperes = largest(right_.begin() + nodes, right_.end());
+    const double far = far_away * std::max(volts > 0.0 ? voltage / volts : 0.0, amperes > 0.0 ? current / amperes : 0.0);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += far * right_[i];
+    return;
+  }
+  if (factor.open().empty()) return;
+  linalg::Vector moments = linalg::Vector::Zero(static_cast<Eigen::Index>(factor.open().size()));
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const double value = ports[i].free_variable(on[i] != 0, z.data(), stage.w.data());
+    for (std::size_t j = 0; j < factor.open().size(); ++j)
+      moments[static_cast<Eigen::Index>(j)] += value * ports[i].response(on[i] != 0, factor.open()[j].data());
+  }
+  const linalg::Vector shares = factor.share_out(moments);
+  for (std::size_t j = 0; j < factor.open().size(); ++j)
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      z[i] -= shares[static_cast<Eigen::Index>(j)] * factor.open()[j][i];
+      step[i] -= shares[static_cast<Eigen::Index>(j)] * factor.open()[j][i];
+    }
+}
+
+Solved PortSolver::solve_in(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z) {
+  const Solved solved = solve_at(stage, on, step, z);
+  return solved == Solved::yes ? found(on, z, stage.w) : solved;
+}
+
+/// Takes the ε of a factor out again. What it only chose (how parallel diodes share a current) stays as it is; what it held, in a position that
+/// contradicts the network, stays wrong however often.
+void PortSolver::refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z) {
+  refined_ = z;
+  const auto nodes = static_cast<std::ptrdiff_t>(descriptor_.nodes());
+  const double voltage = std::max(scale_.slack, largest(z.begin(), z.begin() + nodes));
+  const double current = std::max(scale_.input, largest(z.begin() + nodes, z.end()));
+  double first = 0.0, last = 0.0;
+  for (int round = 0; round <= most_corrections; ++round) {
+    right_.assign(z.size(), 0.0);
+    close(on, refined_, stage.w, nullptr, right_);
+    last = 0.0;
+    for (std::size_t i = 0; i < on.size(); ++i)
+      last = std::max(last, std::abs(right_[static_cast<std::size_t>(descriptor_.ports()[i].row)]) / (on[i] != 0 ? voltage : current));
+    if (round == 0) first = last;
+    if (!(last > held_tolerance) || round == most_corrections) break;
+    factor.solve(right_);
+    for (std::size_t i = 0; i < z.size(); ++i) refined_[i] += right_[i];
+  }
+  contradicted_ = last > std::max(contradiction_share * first, held_tolerance);
+  if (contradicted_) return;
+  for (std::size_t i = 0; i < z.size(); ++i) step[i] += refined_[i] - z[i];
+  z.swap(refined_);
 }
 
 Solved PortSolver::respond(double shift, const Position& on, std::vector<double>& r) {
@@ -87,66 +184,100 @@ void PortSolver::dispute(const std::vector<int>& ports) {
   disputed_.erase(std::unique(disputed_.begin(), disputed_.end()), disputed_.end());
 }
 
-/// Whether what the position forces to zero is zero. In a passive network nothing else can be.
-bool PortSolver::held() const { return passive_ || forced_ <= forced_tolerance; }
-
-Solved PortSolver::solve(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
-                         std::vector<double>& z) {
+/// All signs are right: a solution, unless the position contradicts the network. Then the ports it strains most are named.
+Solved PortSolver::found(const Position& on, const std::vector<double>& z, const std::vector<double>& w) {
+  if (!contradicted_) return Solved::yes;
+  std::vector<double> strain;
+  for (std::size_t i = 0; i < on.size(); ++i)
+    strain.push_back(std::abs(descriptor_.ports()[i].free_variable(on[i] == 0, z.data(), w.data())));
+  const double largest = *std::max_element(strain.begin(), strain.end());
   disputed_.clear();
-  for (const double tolerance : {passive_ ? sign_tolerance : active_sign_tolerance, tie_tolerance}) {
-    std::unordered_set<std::size_t> visited;
-    for (int iteration = 0; iteration < most_iterations && visited.insert(hash_of(on)).second; ++iteration) {
-      if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
-      const std::vector<int> wrong = violated(on, z, w, tolerance);
-      if (wrong.empty()) return held() ? Solved::yes : Solved::no_position;
-      dispute(wrong);
-      for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
-    }
+  for (std::size_t i = 0; i < strain.size(); ++i)
+    if (strain[i] >= 0.5 * largest) disputed_.push_back(static_cast<int>(i));
+  return Solved::no_position;
+}
+
+/// Newton's method for min(u, s) = 0. `no_position` without names in `disputed_` alone: positions repeat.
+Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z) {
+  std::unordered_set<std::size_t> visited;
+  repeated_ = false;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    repeated_ = !visited.insert(hash_of(on)).second;
+    if (repeated_) break;
+    if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
+    const std::vector<int> wrong = violated(on, z, stage.w, tolerance);
+    if (wrong.empty()) return found(on, z, stage.w);
+    dispute(wrong);
+    for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
   }
-  return settle_dispute(shift, memory, w, on, z);
+  contradicted_ = false;
+  return Solved::no_position;
+}
+
+Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z) {
+  disputed_.clear();
+  Solved solved = iterate(stage, passive_ ? sign_tolerance : active_sign_tolerance, on, step, z);
+  if (solved != Solved::no_position || contradicted_) return solved;
+  if (passive_ && (!repeated_ || disputed_.size() > few_disputed)) {
+    Position guess = on;
+    solved = settle_by_interior(stage, guess, step, z);
+    if (solved == Solved::yes) on = guess;
+    if (solved == Solved::yes || contradicted_) return solved;
+  }
+  solved = iterate(stage, tie_tolerance, on, step, z);
+  if (solved != Solved::no_position || contradicted_) return solved;
+  return settle_dispute(stage, on, step, z);
+}
+
+/// An interior solution, and its position made exact.
+Solved PortSolver::settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z) {
+  if (!interior_) interior_ = std::make_unique<InteriorPoint>(descriptor_, factors_.ordering());
+  if (!interior_->solve(stage, {std::max(scale_.input, cross_scale * scale_.slack), scale_.slack}, on)) return Solved::no_position;
+  return iterate(stage, tie_tolerance, on, step, z);
 }
 
 /// All that ever changed sides decide together; whoever they push over joins them.
-Solved PortSolver::settle_dispute(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
-                                  std::vector<double>& z) {
+Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z) {
+  const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   for (int round = 0; round < most_decisions; ++round) {
-    if (const Solved solved = solve_at(shift, memory, w, on, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(on, z, w, tie_tolerance);
-    if (wrong.empty()) return held() ? Solved::yes : Solved::no_position;
+    if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
+    const std::vector<int> wrong = violated(on, z, stage.w, tie_tolerance);
+    if (wrong.empty()) return found(on, z, stage.w);
     dispute(wrong);
-    if (!decide(shift, on, z, w)) return Solved::no_position;
+    if (decide(stage, on, z)) continue;
+    if (passive_ || disputed_.size() == diodes) return Solved::no_position;
+    std::vector<int> all(diodes);  // one that was right so far may have to give way
+    std::iota(all.begin(), all.end(), 0);
+    dispute(all);
+    if (!decide(stage, on, z)) return Solved::no_position;
   }
   return Solved::no_position;
 }
 
 /// The ports in dispute settle among themselves, the others staying where they are. w = M z + q with z the variable that the position
 /// forces to zero and w the one it leaves free.
-bool PortSolver::decide(double shift, Position& on, const std::vector<double>& z, const std::vector<double>& w) {
+bool PortSolver::decide(const Stage& stage, Position& on, const std::vector<double>& z) {
   const std::size_t k = disputed_.size();
   if (k > most_disputed) return false;
-  const Factor* factor = factors_.at(shift, on);
+  const Factor* factor = factors_.at(stage.shift, on);
   if (!factor) return false;
   linalg::Matrix m(k, k);
   linalg::Vector q(k);
-  const std::vector<double> nothing(w.size(), 0.0);
+  const auto disputed = [&](std::size_t i) { return static_cast<std::size_t>(disputed_[i]); };
   for (std::size_t j = 0; j < k; ++j) {
     right_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
-    right_[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(disputed_[j])].row)] = 1.0;
+    right_[static_cast<std::size_t>(descriptor_.ports()[disputed(j)].row)] = 1.0;
     factor->solve(right_);
-    for (std::size_t i = 0; i < k; ++i) {
-      const auto port = static_cast<std::size_t>(disputed_[i]);
-      const double constant = on[port] != 0 ? 0.0 : descriptor_.ports()[port].slack.constant;  // the response has no part of it
-      m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = free_variable(port, on[port] != 0, right_, nothing) - constant;
-    }
+    for (std::size_t i = 0; i < k; ++i)
+      m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          descriptor_.ports()[disputed(i)].response(on[disputed(i)] != 0, right_.data());
   }
-  for (std::size_t i = 0; i < k; ++i) {
-    const auto port = static_cast<std::size_t>(disputed_[i]);
-    q[static_cast<Eigen::Index>(i)] = free_variable(port, on[port] != 0, z, w);
-  }
+  for (std::size_t i = 0; i < k; ++i)
+    q[static_cast<Eigen::Index>(i)] = descriptor_.ports()[disputed(i)].free_variable(on[disputed(i)] != 0, z.data(), stage.w.data());
   const lcp::Answer answer = lcp::solve(m, q);
   pivots_ += static_cast<std::uint64_t>(answer.pivots);
   if (answer.status != lcp::Status::solved) return false;
-  for (const int i : answer.basis) on[static_cast<std::size_t>(disputed_[static_cast<std::size_t>(i)])] ^= 1;
+  for (const int i : answer.basis) on[disputed(static_cast<std::size_t>(i))] ^= 1;
   return true;
 }
 

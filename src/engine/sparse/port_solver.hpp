@@ -1,9 +1,12 @@
 #pragma once
-/// One implicit stage with its complementarity conditions:  (shift·E + G) z = r + b(w),  0 ≤ u ⊥ s ≥ 0 at every diode.
+/// One implicit stage with its complementarity conditions, in increments:
+///    (shift·E + G) (z − z0) = r,   0 ≤ u ⊥ s ≥ 0 at every diode,
+/// r what the equations miss at z0. Rates come from the increment, so that they keep their digits however small the step.
 ///
 /// Newton's method for min(u, s) = 0 on the sparse system: all ports whose sign is wrong change sides at once, from the position before
 /// (Aganagić 1984; two or three factorisations for M-matrices). Where it comes back to a position it has left, the ports that changed sides
-/// are in dispute, and lcp::solve decides among them on their dense port matrix, of at most `most_disputed` ports.
+/// are in dispute, and lcp::solve decides among them on their dense port matrix, of at most `most_disputed` ports; where that is not enough and the
+/// network is passive, an interior point method on the sparse system does (interior_point.hpp).
 
 #include <algorithm>
 #include <cstdint>
@@ -18,27 +21,33 @@ inline constexpr std::size_t most_disputed = 300;
 
 enum class Solved { yes, singular, no_position };
 
+class InteriorPoint;
+
 /// Largest port quantities of the run so far, in volts: what signs are judged against.
 struct PortScale {
   double input = 0.0, slack = 0.0;
 };
 
+/// A stage to solve. `right`: r, its closing rows without meaning.
+struct Stage {
+  double shift;
+  const std::vector<double>& from;  ///< z0
+  const std::vector<double>& right;
+  const std::vector<double>& w;
+};
+
 class PortSolver {
  public:
   /// `voltage`: of the sources, a first scale.
-  PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
-      : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), scale_{0.0, voltage} {}
+  PortSolver(const Descriptor& descriptor, Factors& factors, double voltage);
+  ~PortSolver();
 
-  /// `on`: position to start from, then the one found. `memory`: r.
-  [[nodiscard]] Solved solve(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
-                             std::vector<double>& z);
-  /// The same with the position kept, whatever the signs.
-  [[nodiscard]] Solved solve_at(double shift, const std::vector<double>& memory, const std::vector<double>& w, const Position& on,
-                                std::vector<double>& z);
+  /// `on`: position to start from, then the one found. `step`: z − z0.
+  [[nodiscard]] Solved solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
+  /// The same with the position kept, whatever the signs. `no_position`: it contradicts the network.
+  [[nodiscard]] Solved solve_in(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
   /// r := (shift·E + G)⁻¹ r in a position.
   [[nodiscard]] Solved respond(double shift, const Position& on, std::vector<double>& r);
-  /// The variable of port p that its position leaves free: u where on, s where off. A diode needs it not negative.
-  [[nodiscard]] double free_variable(std::size_t port, bool on, const std::vector<double>& z, const std::vector<double>& w) const;
   /// Takes the port quantities of an accepted step into the scale.
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
   void note_voltage(double voltage) { scale_.slack = std::max(scale_.slack, voltage); }
@@ -48,11 +57,18 @@ class PortSolver {
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
 
  private:
-  [[nodiscard]] std::vector<int> violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w, double tolerance);
-  [[nodiscard]] Solved settle_dispute(double shift, const std::vector<double>& memory, const std::vector<double>& w, Position& on,
-                                      std::vector<double>& z);
-  [[nodiscard]] bool decide(double shift, Position& on, const std::vector<double>& z, const std::vector<double>& w);
-  [[nodiscard]] bool held() const;
+  [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
+  void close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
+             std::vector<double>& right) const;
+  void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
+  void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
+  [[nodiscard]] std::vector<int> violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w,
+                                          double tolerance) const;
+  [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
+  [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
+  [[nodiscard]] Solved settle_dispute(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
+  [[nodiscard]] bool decide(const Stage& stage, Position& on, const std::vector<double>& z);
+  [[nodiscard]] Solved found(const Position& on, const std::vector<double>& z, const std::vector<double>& w);
   void dispute(const std::vector<int>& ports);
 
   const Descriptor& descriptor_;
@@ -60,9 +76,11 @@ class PortSolver {
   bool passive_;
   PortScale scale_;
   std::vector<int> disputed_;
-  std::vector<double> right_;
+  std::vector<double> right_, refined_;
+  std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
   std::uint64_t pivots_ = 0;
-  double forced_ = 0.0;  ///< of the last solution: what should be zero, relative to its scale
+  bool repeated_ = false;      ///< Newton's method came back to a position
+  bool contradicted_ = false;  ///< the last position holds only because of its factor's ε
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -22,29 +22,30 @@ bool is_large(const model::Network& n) {
 
 class SparseModel {
  public:
-  explicit SparseModel(model::Network n) : network(std::move(n)) {}
+  explicit SparseModel(const model::Network& n) : network(n), descriptor(network) {}
   model::Network network;
+  Descriptor descriptor;
 };
 
 std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
-  const Descriptor descriptor(network);
-  Factors factors(descriptor);
-  if (!factors.at(1.0, first_position(network, descriptor)) && !factors.out_of_memory()) {
+  auto model = std::make_shared<SparseModel>(network);
+  Factors factors(model->network, model->descriptor);
+  if (!factors.at(1.0, first_position(network, model->descriptor)) && !factors.out_of_memory()) {
     const int unknown = factors.singular_unknown();
     diagnostics.error("E-singular", {},
                       fmt::format("the equations leave {} open; try a resistor to ground, or one in its loop of sources",
-                                  unknown >= 0 ? descriptor.unknown_name(unknown) : "some unknown"));
+                                  unknown >= 0 ? model->descriptor.unknown_name(unknown) : "some unknown"));
     return nullptr;
   }
-  return std::make_shared<SparseModel>(network);
+  return model;
 }
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return Transient(model.network, request, reltol, sink).run();
+  return Transient(model.network, model.descriptor, request, reltol, sink).run();
 }
 
 OperatingPoint operating_point(const SparseModel& model) {
-  Start start = start_from_operating_point(model.network, Descriptor(model.network));
+  Start start = start_from_operating_point(model.network, model.descriptor);
   OperatingPoint result{std::move(start.answer), std::move(start.signals)};
   result.values.resize(model.network.signals.size(), 0.0);
   return result;

@@ -22,6 +22,7 @@ constexpr int simultaneous_rounds = 16;
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
 constexpr double rest_tolerance = 1e-9;
+constexpr double least_of_all = 1e-3;  ///< of the largest voltage or current: a state that counts
 
 double mean_time(const Descriptor& d) {
   LogMean mean;
@@ -33,7 +34,7 @@ class RestFinder {
  public:
   RestFinder(const Network& network, const Descriptor& descriptor)
       : descriptor_(descriptor),
-        factors_(descriptor),
+        factors_(network, descriptor),
         ports_(descriptor, factors_, largest_held_voltage(network)),
         controls_(controls_of(network, descriptor)) {
     on = first_position(network, descriptor);
@@ -57,13 +58,14 @@ class RestFinder {
  private:
   bool find_rest() {
     const auto n = static_cast<std::size_t>(descriptor_.size());
-    std::vector<double> y(n, 0.0), before;
+    std::vector<double> right(n), moved, before;
+    z.assign(n, 0.0);
     const double time = mean_time(descriptor_);
     for (double size = first_step; size <= last_step; size *= step_growth)
       for (int step = 0; step < steps_of_a_size; ++step) {
         before = z;
-        for (double& value : y) value /= size * time;
-        const Solved solved = ports_.solve(1.0 / (size * time), y, w_, on, z);
+        descriptor_.rates(before.data(), w_.data(), right.data());
+        const Solved solved = ports_.solve({1.0 / (size * time), before, right, w_}, on, moved, z);
         if (solved == Solved::singular) {
           const int unknown = factors_.singular_unknown();
           problem =
@@ -74,7 +76,6 @@ class RestFinder {
           problem = "no position of the diodes satisfies it";
           return false;
         }
-        descriptor_.memory(z.data(), y.data());
         if (step > 0 && rests(before)) return true;
       }
     problem = "with its inductors short and its capacitors open it has no rest";
@@ -88,8 +89,10 @@ class RestFinder {
       change[kind] = std::max(change[kind], std::abs(state.value(z.data()) - state.value(before.data())));
       size[kind] = std::max(size[kind], std::abs(state.value(z.data())));
     }
-    const double total = std::max(size[0], size[1]);
-    return change[0] <= rest_tolerance * std::max(size[0], 1e-3 * total) && change[1] <= rest_tolerance * std::max(size[1], 1e-3 * total);
+    double total = 0.0;
+    for (const double value : z) total = std::max(total, std::abs(value));
+    return change[0] <= rest_tolerance * std::max(size[0], least_of_all * total) &&
+           change[1] <= rest_tolerance * std::max(size[1], least_of_all * total);
   }
 
   /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.

@@ -7,8 +7,12 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double g = gamma_sdirk;
-constexpr double error_constant = (3.0 * g * g - 2.0 * g * g * g - 1.0 / 6.0) / g;
+constexpr double d = diagonal;
+constexpr double b = step_weight;
+/// Weights of TR-BDF2 less those of the method of order 3 with its stages.
+constexpr double error_weights[3] = {(4.0 * b - 1.0) / 3.0, -1.0 / 3.0, 2.0 * d / 3.0};
+/// The local error of SDIRK2 on z' = λ z is (3d² − 2d³ − 1/6) h³ z'''.
+constexpr double error_of_sdirk2 = (3.0 * d * d - 2.0 * d * d * d - 1.0 / 6.0) / d;
 constexpr double least_of_kind = 1e-3;
 
 }  // namespace
@@ -47,61 +51,74 @@ double StateScale::norm(const std::vector<double>& error, const std::vector<doub
 
 Stepper::Stepper(const Descriptor& descriptor, PortSolver& ports, const Sources& sources)
     : descriptor_(descriptor), ports_(ports), sources_(sources) {
-  memory_.resize(static_cast<std::size_t>(descriptor.size()));
+  const auto n = static_cast<std::size_t>(descriptor.size());
+  memory_.assign(n, 0.0);
+  right_.resize(n);
 }
 
-Solved Stepper::stage(double shift, const std::vector<double>& w, bool frozen, Position& on, std::vector<double>& z) {
-  return frozen ? ports_.solve_at(shift, memory_, w, on, z) : ports_.solve(shift, memory_, w, on, z);
-}
-
-void Stepper::sdirk2(const Point& from, double h, bool frozen, const StateScale& scale, Trial& trial) {
-  const double shift = 1.0 / (g * h);
+/// (shift·E + G) (z − z0) = m − (G z0 + H w + g)  at at.time, from the position in `at`.
+Solved Stepper::stage(const Point& from, double shift, bool frozen, Point& at) {
   const std::size_t n = memory_.size();
-  Point& end = trial.end;
-  std::vector<double>& rate = trial.stage_k;
-  rate.resize(n);
-  end.time = from.time + h;
-  end.on = from.on;
-  end.y.resize(n);
-  end.k.resize(n);
-  for (std::size_t i = 0; i < n; ++i) memory_[i] = shift * from.y[i];
-  sources_.evaluate(from.time + g * h, stage_w_);
-  trial.solved = stage(shift, stage_w_, frozen, end.on, trial.stage);
-  if (trial.solved != Solved::yes) return;
-  descriptor_.memory(trial.stage.data(), rate.data());
-  for (std::size_t i = 0; i < n; ++i) {
-    rate[i] = shift * (rate[i] - from.y[i]);  // K1
-    memory_[i] = shift * (from.y[i] + (1.0 - g) * h * rate[i]);
-  }
-  sources_.evaluate(end.time, end.w);
-  trial.solved = stage(shift, end.w, frozen, end.on, end.z);
-  if (trial.solved != Solved::yes) return;
-  descriptor_.memory(end.z.data(), end.y.data());
-  for (std::size_t i = 0; i < n; ++i) {
-    end.k[i] = shift * end.y[i] - memory_[i];  // K2
-    memory_[i] = shift * error_constant * h * ((end.k[i] - rate[i]) / (1.0 - g) - (rate[i] - from.k[i]) / g);
-  }
-  trial.solved = ports_.respond(shift, end.on, memory_);
-  if (trial.solved == Solved::yes) trial.error = scale.norm(memory_, end.z);
-}
-
-Solved Stepper::euler(const Point& from, double h, Point& end) {
-  const double shift = 1.0 / h;
-  end.time = from.time + h;
-  end.on = from.on;
-  end.y.resize(memory_.size());
-  end.k.resize(memory_.size());
-  for (std::size_t i = 0; i < memory_.size(); ++i) memory_[i] = shift * from.y[i];
-  sources_.evaluate(end.time, end.w);
-  if (const Solved solved = stage(shift, end.w, false, end.on, end.z); solved != Solved::yes) return solved;
-  descriptor_.memory(end.z.data(), end.y.data());
-  for (std::size_t i = 0; i < memory_.size(); ++i) end.k[i] = shift * (end.y[i] - from.y[i]);
+  sources_.evaluate(at.time, at.w);
+  descriptor_.rates(from.z.data(), at.w.data(), right_.data());
+  for (std::size_t i = 0; i < n; ++i) right_[i] += memory_[i];
+  const Stage stage{shift, from.z, right_, at.w};
+  const Solved solved = frozen ? ports_.solve_in(stage, at.on, step_, at.z) : ports_.solve(stage, at.on, step_, at.z);
+  if (solved != Solved::yes) return solved;
+  at.k.resize(n);
+  descriptor_.memory(step_.data(), at.k.data());
+  for (std::size_t i = 0; i < n; ++i) at.k[i] = shift * at.k[i] - memory_[i];
   return Solved::yes;
 }
 
-double Stepper::euler_error(const Point& a, const Point& b, double h, const StateScale& scale) {
-  for (std::size_t i = 0; i < memory_.size(); ++i) memory_[i] = 0.5 * (b.k[i] - a.k[i]);
-  return ports_.respond(1.0 / h, b.on, memory_) == Solved::yes ? scale.norm(memory_, b.z) : model::forever;
+/// `memory_` holds the local error of E z times the shift.
+double Stepper::estimate(double shift, const Position& on, const StateScale& scale, const std::vector<double>& z) {
+  return ports_.respond(shift, on, memory_) == Solved::yes ? scale.norm(memory_, z) : model::forever;
+}
+
+void Stepper::tr_bdf2(const Point& from, double h, const StateScale& scale, Trial& trial) {
+  const double shift = 1.0 / (d * h);
+  const std::size_t n = memory_.size();
+  trial.error = model::forever;
+  trial.stage.time = from.time + first_stage * h;
+  trial.end.time = from.time + h;
+  trial.stage.on = trial.end.on = from.on;
+  memory_ = from.k;
+  trial.solved = stage(from, shift, true, trial.stage);
+  if (trial.solved != Solved::yes) return;
+  for (std::size_t i = 0; i < n; ++i) memory_[i] = b / d * (from.k[i] + trial.stage.k[i]);
+  trial.solved = stage(from, shift, true, trial.end);
+  if (trial.solved != Solved::yes) return;
+  for (std::size_t i = 0; i < n; ++i)
+    memory_[i] = h * shift * (error_weights[0] * from.k[i] + error_weights[1] * trial.stage.k[i] + error_weights[2] * trial.end.k[i]);
+  trial.error = estimate(shift, trial.end.on, scale, trial.end.z);
+}
+
+void Stepper::sdirk2(const Point& from, double h, const StateScale& scale, Trial& trial) {
+  const double shift = 1.0 / (d * h);
+  const std::size_t n = memory_.size();
+  trial.error = model::forever;
+  trial.stage.time = from.time + d * h;
+  trial.end.time = from.time + h;
+  trial.stage.on = from.on;
+  std::fill(memory_.begin(), memory_.end(), 0.0);
+  trial.solved = stage(from, shift, false, trial.stage);
+  if (trial.solved != Solved::yes) return;
+  trial.end.on = trial.stage.on;
+  for (std::size_t i = 0; i < n; ++i) memory_[i] = (1.0 - d) / d * trial.stage.k[i];
+  trial.solved = stage(from, shift, false, trial.end);
+  if (trial.solved != Solved::yes) return;
+  for (std::size_t i = 0; i < n; ++i)
+    memory_[i] = shift * error_of_sdirk2 * h * ((trial.end.k[i] - trial.stage.k[i]) / (1.0 - d) - (trial.stage.k[i] - from.k[i]) / d);
+  trial.error = estimate(shift, trial.end.on, scale, trial.end.z);
+}
+
+Solved Stepper::euler(const Point& from, double h, Point& end, const std::vector<double>& more) {
+  end.time = from.time + h;
+  end.on = from.on;
+  std::fill(memory_.begin(), memory_.end(), 0.0);
+  for (std::size_t i = 0; i < more.size(); ++i) memory_[i] = more[i] / h;
+  return stage(from, 1.0 / h, false, end);
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -1,27 +1,28 @@
 #pragma once
-/// One step of the method: SDIRK2 with γ = 1 − 1/√2 (Alexander, SIAM J. Numer. Anal. 14, 1977), L-stable and stiffly accurate.
+/// One step of a method, with  k = E z'  the rates:  k = −(G z + H w + g).
 ///
-/// With y = E z and K = y' the stages are
-///    y(Z1) = y_n + γ h K1,   y(Z2) = y_n + (1 − γ) h K1 + γ h K2,   z_{n+1} = Z2,
-/// each a solve with  E/(γ h) + G,  so that both share one factor, and the derivative at the end is K2. Loops of capacitors and sources need no reduction:
-/// only y, charges and fluxes, is carried from step to step.
+/// TR-BDF2 (Bank et al., IEEE Trans. Electron Devices 32, 1985; Hosea and Shampine, Appl. Numer. Math. 20, 1996) where nothing changes sides:
+///    E (Z1 − z0) = d h (k0 + K1)  at 2 d h,    E (Z2 − z0) = h (b (k0 + K1) + d K2)  at h,    d = 1 − 1/√2,  b = √2/4.
+/// L-stable, stiffly accurate, both stages with the factor of  E/(d h) + G,  and of stage order 2: K2 is the derivative of the parabola through z0, Z1, Z2,
+/// so that currents of capacitors in loops with sources, which are derivatives, are of order 2 as all else. Its error is estimated by the method of
+/// order 3 that shares its stages, once through the factor, which takes stiff parts out of it.
 ///
-/// Error: the local error on z' = λ z is C h³ z''' with C = 3γ² − 2γ³ − 1/6, and the second divided difference of K0, K1, K2 (at 0, γh, h; K0 from the
-/// step before) is γ z''' to leading order, K1's own error included. So (C/γ) h³ [K0, K1, K2], passed once through the factor, which
-/// takes stiff parts out of it.
+/// SDIRK2 (Alexander, SIAM J. Numer. Anal. 14, 1977) for a step in which ports change sides: the same d and factor, stages at d h and h, and
+/// no k0 in it, which is another's beyond the change. Its error from K2, K1 and k0, whose second divided difference is d z''' to leading order.
 
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
 
 namespace pwlsim::engine::sparse {
 
-inline constexpr double gamma_sdirk = 0.29289321881345247560;  // 1 − 1/√2
+inline constexpr double diagonal = 0.29289321881345247560;     // d = 1 − 1/√2
+inline constexpr double step_weight = 0.35355339059327376220;  // b = √2/4
+inline constexpr double first_stage = 2.0 * diagonal;          ///< of TR-BDF2, of the step
 
 /// The solution at a time.
 struct Point {
   double time = 0.0;
   std::vector<double> z;  ///< unknowns
-  std::vector<double> y;  ///< E z
   std::vector<double> k;  ///< E z'
   std::vector<double> w;  ///< sources
   Position on;
@@ -56,25 +57,25 @@ class Stepper {
 
   struct Trial {
     Solved solved = Solved::yes;
-    Point end;
-    std::vector<double> stage;    ///< Z1
-    std::vector<double> stage_k;  ///< K1
-    double error = 0.0;           ///< by StateScale
+    Point stage, end;    ///< Z1 and Z2
+    double error = 0.0;  ///< by StateScale
   };
-  /// One step from `from`. `frozen`: ports stay in their position whatever their signs.
-  void sdirk2(const Point& from, double h, bool frozen, const StateScale& scale, Trial& trial);
-  /// One implicit Euler step, of the same factor as an SDIRK2 step of h/γ.
-  [[nodiscard]] Solved euler(const Point& from, double h, Point& end);
-  /// ½ h (k_b − k_a) through the factor of an Euler step: its local error.
-  [[nodiscard]] double euler_error(const Point& a, const Point& b, double h, const StateScale& scale);
+  /// One step of TR-BDF2, ports in their position whatever their signs.
+  void tr_bdf2(const Point& from, double h, const StateScale& scale, Trial& trial);
+  /// One step of SDIRK2, ports where they belong.
+  void sdirk2(const Point& from, double h, const StateScale& scale, Trial& trial);
+  /// One implicit Euler step: of the factor of a step h/d. `more`: charges and fluxes beside E z, or none.
+  [[nodiscard]] Solved euler(const Point& from, double h, Point& end, const std::vector<double>& more = {});
 
  private:
-  [[nodiscard]] Solved stage(double shift, const std::vector<double>& w, bool frozen, Position& on, std::vector<double>& z);
+  [[nodiscard]] Solved stage(const Point& from, double shift, bool frozen, Point& at);
+  [[nodiscard]] double estimate(double shift, const Position& on, const StateScale& scale, const std::vector<double>& z);
 
   const Descriptor& descriptor_;
   PortSolver& ports_;
   const Sources& sources_;
-  std::vector<double> memory_, stage_w_;
+  std::vector<double> memory_;  ///< m of a stage:  k = shift·E (z − z0) − m
+  std::vector<double> right_, step_;
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -21,8 +21,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const model::Network& network, const Request& request, double reltol, RowSink& sink)
-    : network_(network), request_(request), reltol_(reltol), sink_(sink), block_(network, request, reltol) {
+Transient::Transient(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol, RowSink& sink)
+    : network_(network), request_(request), reltol_(reltol), sink_(sink), block_(network, descriptor, request, reltol) {
   width_ = 1 + network.signals.size();
   rows_.resize(rows_per_block * width_);
   tolerance_ = merge_fraction * request.stop;
@@ -47,7 +47,7 @@ Answer Transient::run() {
   bool going = begin();
   for (int count = 0; going; ++count) {
     if (block_.finished()) break;
-    going = rows_before(block_.known(), false) && block_.advance() && event_rows();
+    going = rows_before(block_.time(), false) && block_.advance() && event_rows();
     if (going && count % steps_between_checks == 0) {
       if (request_.progress) request_.progress(block_.time());
       going = !interrupted();

@@ -11,7 +11,7 @@ namespace pwlsim::engine::sparse {
 
 class Transient {
  public:
-  Transient(const model::Network& network, const Request& request, double reltol, RowSink& sink);
+  Transient(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol, RowSink& sink);
   Answer run();
 
  private:

@@ -1,0 +1,39 @@
+#pragma once
+/// The complementarity problem of a stage by a primal-dual interior point method on the sparse system (Mehrotra, SIAM J. Optim. 2, 1992), for
+/// monotone problems, which those of passive networks are: some twenty factorisations, however many ports are in dispute and however many ties there
+/// are.
+///
+/// Every diode is a resistor s/u in turn: its closing row is  u ds + s du = σ μ − u s,  so that an iteration is one solution of a linear circuit.
+
+#include "engine/sparse/port_solver.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class InteriorPoint {
+ public:
+  InteriorPoint(const Descriptor& descriptor, const linalg::KluOrdering& ordering) : descriptor_(descriptor), factor_(ordering) {}
+
+  /// The position of the diodes in the solution, of two that a port allows the one that it is nearer to; switches stay as they are in `on`.
+  /// `scale`: largest u and s of the run.
+  /// False: it does not converge, and where the network is passive there is no solution.
+  [[nodiscard]] bool solve(const Stage& stage, const PortScale& scale, Position& on);
+
+ private:
+  void start(const Stage& stage, const Position& on);
+  [[nodiscard]] bool factor(const Stage& stage, const Position& on);
+  void take_residuals(const Stage& stage, const Position& on);
+  void direction(double target, bool corrected);
+  [[nodiscard]] double longest() const;
+  [[nodiscard]] double gap(double length) const;
+
+  const Descriptor& descriptor_;
+  linalg::KluFactor factor_;
+  double unit_ = 1.0;
+  Descriptor::Closing closing_;
+  std::vector<double> values_;
+  std::vector<double> step_, z_, residual_, move_;         ///< z − z0, z, what the equations miss, and the direction
+  std::vector<double> u_, s_, du_, ds_, miss_u_, miss_s_;  ///< one a diode
+  bool factored_ = false;
+};
+
+}  // namespace pwlsim::engine::sparse

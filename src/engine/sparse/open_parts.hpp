@@ -1,0 +1,38 @@
+#pragma once
+/// What a position of diodes and switches leaves open, found in the graph of the network:
+///  - parts that only blocking ports tie to the rest: their common potential;
+///  - loops of voltage sources and conducting ports without resistance: the current around.
+///
+/// In a passive network that is all that can be open but currents of perfectly coupled inductors.
+
+#include <vector>
+
+#include "engine/sparse/descriptor.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class OpenParts {
+ public:
+  explicit OpenParts(const model::Network& network);
+
+  /// Whether the graph tells all that can be open.
+  [[nodiscard]] bool tells_all() const { return tells_all_; }
+  /// Ports that would settle it: of the blocking ones a tree that ties the parts together, of the conducting ones those that close a loop.
+  [[nodiscard]] std::vector<int> ties(const Position& on) const;
+
+ private:
+  struct Link {
+    model::NodeIndex p, n;
+  };
+  std::size_t nodes_ = 0;
+  bool tells_all_ = true;
+  std::vector<Link> solid_;   ///< resistors, stores: they tie potentials
+  std::vector<Link> shorts_;  ///< voltage sources: they do, and close loops
+  struct Port : Link {
+    int index;
+    bool is_short;  ///< when it conducts
+  };
+  std::vector<Port> ports_;
+};
+
+}  // namespace pwlsim::engine::sparse
