@@ -101,6 +101,37 @@ TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"}).find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
 }
 
+TEST_CASE("the help of export and compare, to the letter", "[unit]") {
+  CHECK(information({"export", "--help"}) ==
+        "Usage: pwlsim export circuit.net -o out.cir [--smooth X]\n"
+        "\n"
+        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "\n"
+        "Options:\n"
+        "  -h,--help           Print this text and stop\n"
+        "  -o,--output FILE    The ngspice deck; '-' is standard output\n"
+        "  --smooth X          How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)\n"
+        "  --quiet             No notes and warnings; errors stay\n"
+        "\n"
+        "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
+        "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n");
+  CHECK(information({"compare", "-h"}) ==
+        "Usage: pwlsim compare circuit.net [--smooth X] [--json] [--plot out.svg]\n"
+        "\n"
+        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "\n"
+        "Options:\n"
+        "  -h,--help           Print this text and stop\n"
+        "  --smooth X          Where the smoothing starts, 1e-9 to 1 (default: 1e-3)\n"
+        "  --json              As JSON, with all digits\n"
+        "  --plot FILE.svg     Draw the waveforms of both over each other\n"
+        "  --quiet             No notes and warnings; errors stay\n"
+        "\n"
+        "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
+        "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
+        "own errors explain, how far its switching times are off, and what both took.\n");
+}
+
 TEST_CASE("compare takes a deck, a picture, a sharpness and --json", "[unit]") {
   const auto compared = [](const Words& arguments) {
     const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");

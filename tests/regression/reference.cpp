@@ -56,16 +56,21 @@ double Reference::maximum(std::size_t signal) const {
 
 std::filesystem::path reference_folder() { return std::filesystem::path(PWLSIM_SOURCE_DIR) / "tests" / "reference"; }
 
-Reference read_reference(const std::string& name) {
+Reference read_rows(const std::filesystem::path& path) {
   Reference reference;
-  const auto table = read_table(reference_folder() / (name + ".csv"));
+  const auto table = read_table(path);
   reference.signals.assign(table.front().begin() + 1, table.front().end());
   for (std::size_t i = 1; i < table.size(); ++i) {
     reference.rows.emplace_back();
     for (const auto& field : table[i]) reference.rows.back().push_back(number(field));
   }
+  return reference;
+}
+
+Reference read_reference(const std::string& name) {
+  Reference reference = read_rows(reference_folder() / (name + ".csv"));
   const auto events = read_table(reference_folder() / (name + ".events.csv"));
-  if (events.front().size() != table.front().size() + 1)
+  if (events.front().size() != reference.signals.size() + 2)
     throw std::runtime_error("events of " + name + " have other signals than its rows");
   for (std::size_t i = 1; i < events.size(); ++i) {
     ReferenceEvent event{number(events[i][0]), events[i][1], {}};

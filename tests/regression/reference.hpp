@@ -30,4 +30,7 @@ struct Reference {
 /// Throws std::runtime_error where NAME.csv or NAME.events.csv is missing or not as expected.
 [[nodiscard]] Reference read_reference(const std::string& name);
 
+/// Signals and rows of one file, without events.
+[[nodiscard]] Reference read_rows(const std::filesystem::path& path);
+
 }  // namespace pwlsim::test
