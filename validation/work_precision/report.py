@@ -1,0 +1,167 @@
+"""Diagrams and docs/validation/report.md from the points."""
+import math
+import platform
+import re
+import subprocess
+from pathlib import Path
+
+import cases
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs" / "validation"
+PICTURES = DOCS / "work-precision"
+FLOOR = 1e-17  # an error of 0 is drawn here
+PROGRAMS = [("pwlsim exact", "#1f5fbf", 7), ("pwlsim sparse", "#1b7f3b", 9), ("ngspice", "#d1480a", 5), ("gnucap", "#7a3fa0", 13)]
+TARGETS = (1e-3, 1e-4)
+ORDER = ["converter", "rectifier", "stiff", "impulsive", "grazing", "chattering", "paper", "large"]
+
+
+def of(points, case, program):
+    return [p for p in points if p.case == case and p.program == program]
+
+
+# ---- diagrams
+def gnuplot(name, points, front):
+    """Small dots are all settings, lines the front that no setting beats."""
+    blocks, plots = [], []
+    for program, colour, mark in PROGRAMS:
+        good = [p for p in of(points, name, program) if p.error is not None]
+        if not good:
+            continue
+        for index, chosen in enumerate((good, front(good))):
+            label = f"$data{len(plots)}"
+            blocks.append(f"{label} << EOD\n" + "\n".join(f"{p.seconds:.6g} {max(p.error, FLOOR):.6g}" for p in chosen) + "\nEOD")
+            style = f"points pt {mark} ps 0.3 lc rgb '{colour}' notitle" if index == 0 else f"linespoints lw 2 pt {mark} ps 0.8 lc rgb '{colour}' title '{program}'"
+            plots.append(f"{label} with {style}")
+    if not plots:
+        return
+    for terminal, ending in (("svg size 640,420 font 'sans,12' background rgb 'white'", "svg"), ("pngcairo size 960,630 font 'sans,12'", "png")):
+        script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / (name + '.' + ending)}'", *blocks,
+                            "set logscale xy; set format '10^{%L}'; set ytics 1e3; set yrange [1e-17:10]; set grid lc rgb '#dddddd'; set key outside right top",
+                            f"set xlabel 'run time (s)'; set ylabel 'error'; set title '{name.replace('_', ' ')}'", "plot " + ", ".join(plots)])
+        subprocess.run(["gnuplot"], input=script, text=True, check=True, stderr=subprocess.DEVNULL)
+
+
+# ---- the table
+def fastest(points, target):
+    good = [p for p in points if p.error is not None and p.error <= target]
+    return min(good, key=lambda p: p.seconds) if good else None
+
+
+def cell(point):
+    return f"{point.seconds * 1e3:.3g} ({point.error:.0e})" if point else "–"
+
+
+def best_error(points):
+    good = [p for p in points if p.error is not None]
+    return min(good, key=lambda p: p.error) if good else None
+
+
+def most_common_words(points):
+    words = [re.sub(r"[0-9.e+-]+ s:", "", p.message) for p in points if p.message]
+    return max(set(words), key=words.count).replace("|", "\\|") if words else ""
+
+
+def remark(points, name):
+    ngspice = of(points, name, "ngspice")
+    if not ngspice:
+        return "ngspice was not run"
+    best = best_error(ngspice)
+    if best is None:
+        return f"ngspice: {most_common_words(ngspice)}"
+    if best.error > TARGETS[0]:
+        return f"ngspice: none of {len(ngspice)} settings below {best.error:.0e}"
+    failed = sum(p.error is None for p in ngspice)
+    return f"{failed} of {len(ngspice)} settings of ngspice failed" if failed else ""
+
+
+def ratio(points, name, target):
+    exact, ngspice = of(points, name, "pwlsim exact"), fastest(of(points, name, "ngspice"), target)
+    if not exact or exact[0].error is None or exact[0].error > target or ngspice is None:
+        return None
+    return ngspice.seconds / exact[0].seconds
+
+
+def row(points, name):
+    exact = of(points, name, "pwlsim exact")
+    columns = [f"[{name}](work-precision/{name}.svg)", cell(exact[0]) if exact and exact[0].error is not None else (exact[0].message if exact else "–")]
+    columns.append(cell(fastest(of(points, name, "pwlsim sparse"), TARGETS[0])))
+    for target in TARGETS:
+        columns.append(cell(fastest(of(points, name, "ngspice"), target)))
+    best = best_error(of(points, name, "ngspice"))
+    columns.append(f"{best.error:.0e}" if best else "–")
+    columns.append(cell(fastest(of(points, name, "gnucap"), TARGETS[0])))
+    for target in TARGETS:
+        value = ratio(points, name, target)
+        columns.append("–" if value is None else f"{value:.0f}" if value >= 10 else f"{value:.1g}")
+    return "| " + " | ".join([*columns, remark(points, name)]) + " |"
+
+
+def mean_ratio(points, names, target):
+    values = [v for v in (ratio(points, name, target) for name in names) if v is not None]
+    return (math.exp(sum(map(math.log, values)) / len(values)), len(values)) if values else (None, 0)
+
+
+# ---- the page
+def version_of(command):
+    try:
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, errors="replace", stdin=subprocess.DEVNULL)
+    except FileNotFoundError:
+        return "not installed"
+    match = re.search(r"ngspice-\d+|gnucap\D*[\d.]+|gnuplot [\d.]+|master [\d.]+", ended.stdout + ended.stderr)
+    return match[0] if match else "unknown"
+
+
+def machine():
+    model = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
+    count = len(re.findall(r"^processor", Path("/proc/cpuinfo").read_text(), re.M))
+    return f"{model[1].strip() if model else platform.machine()}, {count} processors, Linux {platform.release().split('-')[0]}"
+
+
+def head(points):
+    used = sorted({p.case for p in points})
+    return [
+        "# Work and precision",
+        "",
+        f"Made by `python3 validation/work_precision/run.py --pwlsim build/pwlsim` on {machine()}; {version_of(['ngspice', '-v'])}, "
+        f"gnucap {version_of(['gnucap', '-b', '/dev/null']).removeprefix('master ')}. {len(used)} circuits. Times on a machine that is not idle are good to a factor of two; errors repeat exactly.",
+        "",
+        "Each case is a folder of [validation/cases](../../validation/cases) with its deck, why it is there and where its reference comes from; none of the references is the program's.",
+        "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of the others the CPU time of the process less that of an",
+        "empty deck. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol, largest step and method are swept",
+        "([run.py](../../validation/work_precision/run.py) has the lists), and the columns hold the fastest setting that reaches the error. Picking it with the reference in hand flatters them.",
+        "Once ngspice has run for about a minute on a circuit, finer steps are left out. Below a millisecond its times are noise of the process's start.",
+        "All points: [points.csv](../../validation/work_precision/points.csv).",
+        "",
+        "- **exact**: pwlsim's exact engine, time (error). **sparse**: the fastest tolerance of the sparse engine below 1e-3, where one is.",
+        "- **ngspice 1e-3, 1e-4**: its fastest setting below that error. **least**: the least error of any setting.",
+        "- **ratio**: ngspice's time over that of the exact engine at that error.",
+        "- gnucap is given what it can read: no sources with expressions, no phase of a sine, no diodes with a drop, exponential diodes for the others.",
+        "",
+    ]
+
+
+def table(points):
+    used = {p.case for p in points}
+    kinds = {name: cases.load(name).kind for name in cases.names() if name in used}
+    lines = []
+    for kind in ORDER:
+        names = [name for name in sorted(kinds) if kinds[name] == kind]
+        if not names:
+            continue
+        lines += [f"## {kind.capitalize()}", "",
+                  "| circuit | exact | sparse 1e-3 | ngspice 1e-3 | ngspice 1e-4 | least | gnucap 1e-3 | ratio 1e-3 | ratio 1e-4 | remarks |",
+                  "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+        lines += [row(points, name) for name in names] + [""]
+        means = [mean_ratio(points, names, target) for target in TARGETS]
+        if len(names) > 2 and means[0][0]:
+            lines += ["Geometric mean of the ratios: " + ", ".join(f"{value:.0f} at {target:g} ({count} circuits)"
+                                                                   for (value, count), target in zip(means, TARGETS) if value) + ".", ""]
+    return lines
+
+
+def write(points, front):
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name in sorted({p.case for p in points}):
+        gnuplot(name, points, front)
+    (DOCS / "report.md").write_text("\n".join(head(points) + table(points)).rstrip("\n") + "\n", encoding="utf-8")

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""Work-precision: error against run time of pwlsim, ngspice and gnucap on every case of validation/cases.
+
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, diagrams, docs/validation/report.md
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim buck      this case; the others keep their points
+    python3 validation/work_precision/run.py --report                        diagrams and report from the points there are
+
+Needs Debian's ngspice and gnuplot-nox; gnucap is left out where it is not installed. Takes about half an hour on an idle machine.
+
+Error: worst over the reference's times and signals, relative to each signal's maximum. Time: pwlsim's is `seconds.simulate` of --stats, that of the
+others the CPU time of the process less that of an empty deck. Every setting runs once; those that no other beats in both run again, and the median counts.
+"""
+import argparse
+import csv
+import shutil
+import statistics
+import sys
+import time
+from itertools import product
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import cases  # noqa: E402
+import programs  # noqa: E402
+import report  # noqa: E402
+from programs import Point  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+POINTS = HERE / "points.csv"
+COLUMNS = ["case", "program", "setting", "seconds", "error", "message"]
+
+SPARSE = [10.0 ** -k for k in range(2, 10)]
+SMOOTH = [1e-2, 1e-3, 1e-4, 1e-5]
+RELTOL = [1e-2, 1e-3, 1e-4, 1e-6]
+STEPS = [50, 200, 1000, 5000, 20000, 100000]
+GNUCAP_DIVIDE = [1, 10, 100]
+REPEATS = 3
+ENOUGH = 60.0  # s of ngspice a case: finer steps are then left out
+
+
+def front(points):
+    """The points that no other beats in both time and error."""
+    good = sorted((p for p in points if p.error is not None), key=lambda p: (p.seconds, p.error))
+    best, chosen = float("inf"), []
+    for point in good:
+        if point.error < best:
+            best = point.error
+            chosen.append(point)
+    return chosen
+
+
+def settle(points, run_again):
+    """The median time of REPEATS runs for the points of the front."""
+    for point in front(points):
+        point.seconds = statistics.median([point.seconds] + [run_again(point).seconds for _ in range(REPEATS - 1)])
+
+
+def measure_pwlsim(program, case):
+    runs = {"exact": lambda: programs.run_pwlsim(program, case, "exact")}
+    for tolerance in SPARSE:
+        runs[f"reltol={tolerance:g}"] = lambda tolerance=tolerance: programs.run_pwlsim(program, case, "sparse", tolerance)
+    points = [run() for run in runs.values()]
+    settle(points[:1], lambda point: runs[point.setting]())
+    settle(points[1:], lambda point: runs[point.setting]())
+    return points
+
+
+def measure_ngspice(program, case, empty):
+    decks = {}
+    for smooth in SMOOTH:
+        decks[smooth], refusal = programs.exported(program, case, smooth)
+        if decks[smooth] is None:
+            return [Point(case.name, "ngspice", "", message=refusal)]
+    def run(setting):
+        steps, reltol, smooth, method = setting
+        text = f"steps={steps} reltol={reltol:g} smooth={smooth:g} method={method}"
+        point = programs.run_ngspice(programs.with_settings(decks[smooth], case, reltol, steps, method), case, text)
+        if point.seconds is not None:
+            point.seconds = max(point.seconds - empty, 1e-4)
+        return point
+    points, settings, spent = [], {}, 0.0
+    for setting in product(STEPS, RELTOL, SMOOTH, ("trap", "gear")):
+        if spent > ENOUGH:
+            break
+        began = time.perf_counter()
+        point = run(setting)
+        spent += time.perf_counter() - began
+        settings[point.setting] = setting
+        points.append(point)
+    settle(points, lambda point: run(settings[point.setting]))
+    return points
+
+
+def measure_gnucap(program, case, empty):
+    points, runs = [], {}
+    for divide, reltol, smooth in product(GNUCAP_DIVIDE, (1e-3, 1e-5), SMOOTH[1:3]):
+        deck, refusal = programs.exported(program, case, smooth)
+        try:
+            if deck is None:
+                raise programs.NotForGnucap(refusal)
+            text, vectors = programs.gnucap_deck(deck, case, smooth, reltol, divide)
+        except programs.NotForGnucap as reason:
+            return [Point(case.name, "gnucap", "", message=str(reason))]
+        setting = f"divide={divide} reltol={reltol:g} smooth={smooth:g}"
+        runs[setting] = lambda text=text, vectors=vectors, setting=setting: programs.run_gnucap(text, vectors, case, setting)
+        points.append(runs[setting]())
+        if all(point.error is None for point in points):
+            break
+    def again(point):
+        return runs[point.setting]()
+    settle(points, again)
+    for point in points:
+        if point.seconds is not None:
+            point.seconds = max(point.seconds - empty, 1e-4)
+    return points
+
+
+def measure(program, name, empty, empty_gnucap):
+    case = cases.load(name)
+    points = measure_pwlsim(program, case)
+    if empty is not None:
+        points += measure_ngspice(program, case, empty)
+    if empty_gnucap is not None:
+        points += measure_gnucap(program, case, empty_gnucap)
+    return points
+
+
+def read_points():
+    if not POINTS.exists():
+        return []
+    def number(text):
+        return float(text) if text else None
+    with POINTS.open(encoding="utf-8") as file:
+        return [Point(r["case"], r["program"], r["setting"], number(r["seconds"]), number(r["error"]), r["message"]) for r in csv.DictReader(file)]
+
+
+def write_points(points):
+    def text(value):
+        return "" if value is None else f"{value:.4g}"
+    with POINTS.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for p in sorted(points, key=lambda p: p.case):
+            writer.writerow([p.case, p.program, p.setting, text(p.seconds), text(p.error), p.message])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*")
+    parser.add_argument("--pwlsim", help="the program to measure")
+    parser.add_argument("--report", action="store_true", help="no runs")
+    options = parser.parse_args()
+    points = read_points()
+    if not options.report:
+        if not options.pwlsim:
+            parser.error("--pwlsim names the program to measure")
+        empty = programs.empty_ngspice() if shutil.which("ngspice") else None
+        empty_gnucap = programs.empty_gnucap() if shutil.which("gnucap") else None
+        for name in options.cases or cases.names():
+            new = measure(options.pwlsim, name, empty, empty_gnucap)
+            points = [p for p in points if p.case != name] + new
+            write_points(points)
+            print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end", flush=True)
+    report.write(points, front)
+
+
+if __name__ == "__main__":
+    main()
