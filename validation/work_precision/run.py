@@ -3,6 +3,7 @@
 
     python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, diagrams, docs/validation/report.md
     python3 validation/work_precision/run.py --pwlsim build/pwlsim buck      this case; the others keep their points
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim --only pwlsim     this program; the others keep their points
     python3 validation/work_precision/run.py --report                        diagrams and report from the points there are
 
 Needs Debian's ngspice and gnuplot-nox; gnucap is left out where it is not installed. Takes about half an hour on an idle machine.
@@ -28,6 +29,7 @@ from programs import Point  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 POINTS = HERE / "points.csv"
+ORDER = ["pwlsim", "ngspice", "gnucap"]
 COLUMNS = ["case", "program", "setting", "seconds", "error", "message"]
 
 SPARSE = [10.0 ** -k for k in range(2, 10)]
@@ -116,14 +118,16 @@ def measure_gnucap(program, case, empty):
     return points
 
 
-def measure(program, name, empty, empty_gnucap):
-    case = cases.load(name)
-    points = measure_pwlsim(program, case)
-    if empty is not None:
-        points += measure_ngspice(program, case, empty)
-    if empty_gnucap is not None:
-        points += measure_gnucap(program, case, empty_gnucap)
-    return points
+def measurements(program, wanted):
+    """{first word of a program's name: its points for a case}, of what is wanted and installed."""
+    found = {"pwlsim": lambda case: measure_pwlsim(program, case)}
+    if shutil.which("ngspice"):
+        empty = programs.empty_ngspice()
+        found["ngspice"] = lambda case: measure_ngspice(program, case, empty)
+    if shutil.which("gnucap"):
+        empty_gnucap = programs.empty_gnucap()
+        found["gnucap"] = lambda case: measure_gnucap(program, case, empty_gnucap)
+    return {name: measure for name, measure in found.items() if wanted in (None, name)}
 
 
 def read_points():
@@ -141,7 +145,7 @@ def write_points(points):
     with POINTS.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        for p in sorted(points, key=lambda p: p.case):
+        for p in sorted(points, key=lambda p: (p.case, ORDER.index(p.program.split()[0]))):
             writer.writerow([p.case, p.program, p.setting, text(p.seconds), text(p.error), p.message])
 
 
@@ -149,17 +153,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*")
     parser.add_argument("--pwlsim", help="the program to measure")
+    parser.add_argument("--only", choices=ORDER)
     parser.add_argument("--report", action="store_true", help="no runs")
     options = parser.parse_args()
     points = read_points()
     if not options.report:
         if not options.pwlsim:
             parser.error("--pwlsim names the program to measure")
-        empty = programs.empty_ngspice() if shutil.which("ngspice") else None
-        empty_gnucap = programs.empty_gnucap() if shutil.which("gnucap") else None
+        measured = measurements(options.pwlsim, options.only)
         for name in options.cases or cases.names():
-            new = measure(options.pwlsim, name, empty, empty_gnucap)
-            points = [p for p in points if p.case != name] + new
+            case = cases.load(name)
+            new = [point for measure in measured.values() for point in measure(case)]
+            points = [p for p in points if p.case != name or p.program.split()[0] not in measured] + new
             write_points(points)
             print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end", flush=True)
     report.write(points, front)
