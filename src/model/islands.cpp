@@ -110,7 +110,7 @@ enum class Links { all, without_controlled };
 /// Joins what is connected; with `rails`, not across them.
 class Connector {
  public:
-  Connector(const Network& network, const Things& things, const Rails* rails, Links links = Links::all)
+  Connector(const Network& network, const Things& things, const Rails* rails, Links links = Links::all, Controls controls = Controls::apart)
       : things_(things), rails_(rails), sets_(things.count) {
     terminals(network.resistors, things.resistor);
     terminals(network.capacitors, things.capacitor);
@@ -128,7 +128,10 @@ class Connector {
     if (links == Links::without_controlled) return;
     for (std::size_t i = 0; i < network.branches.size(); ++i) form(network.branches[i].voltage, things.branch + static_cast<int>(i));
     for (std::size_t i = 0; i < network.injections.size(); ++i) form(network.injections[i].current, things.injection + static_cast<int>(i));
-    for (const auto& s : network.switches) control(s.control);
+    for (std::size_t i = 0; i < network.switches.size(); ++i) {
+      control(network.switches[i].control);
+      if (controls == Controls::joined) form(network.switches[i].control, things.switch_ + static_cast<int>(i));
+    }
   }
   [[nodiscard]] DisjointSets take() { return std::move(sets_); }
 
@@ -173,8 +176,14 @@ class Connector {
 /// Copies elements into their island and remembers their new numbers.
 class Distributor {
  public:
-  Distributor(const Network& network, const Things& things, const Rails& rails, DisjointSets& sets, DisjointSets& parts)
-      : network_(network), things_(things), rails_(rails), sets_(sets), parts_(parts), local_(static_cast<std::size_t>(things.count), -1) {}
+  Distributor(const Network& network, const Things& things, const Rails& rails, DisjointSets& sets, DisjointSets& parts, Controls controls)
+      : network_(network),
+        things_(things),
+        rails_(rails),
+        sets_(sets),
+        parts_(parts),
+        controls_(controls),
+        local_(static_cast<std::size_t>(things.count), -1) {}
 
   std::vector<Island> run(const std::function<bool(const Island&)>& must_run) {
     for (std::size_t i = 0; i < network_.nodes.size(); ++i) {
@@ -316,6 +325,12 @@ class Distributor {
   void add_switches() {
     for (std::size_t i = 0; i < network_.switches.size(); ++i)
       island_of(things_.switch_ + static_cast<int>(i)).switch_number.push_back(static_cast<int>(i));
+    if (controls_ == Controls::joined) {
+      for (auto& island : islands_)
+        for (auto& s : island.network.switches)
+          for (auto& term : s.control) term = translated(term, island);
+      return;
+    }
     for (std::size_t i = 0; i < network_.switches.size(); ++i) {
       const auto& s = network_.switches[i];
       Island& home = islands_[home_of(s.control)];
@@ -385,6 +400,7 @@ class Distributor {
   const Rails& rails_;
   DisjointSets& sets_;
   DisjointSets& parts_;
+  Controls controls_;
   std::vector<int> local_;
   std::vector<Island> islands_;
   std::map<int, std::size_t> index_;
@@ -467,26 +483,26 @@ class IdleParts {
 };
 
 std::vector<Island> split(const Network& network, const Things& things, const Rails& rails,
-                          const std::function<bool(const Island&)>& must_run) {
-  DisjointSets sets = Connector(network, things, &rails).take();
+                          const std::function<bool(const Island&)>& must_run, Controls controls) {
+  DisjointSets sets = Connector(network, things, &rails, Links::all, controls).take();
   DisjointSets parts = Connector(network, things, nullptr).take();
-  return Distributor(network, things, rails, sets, parts).run(must_run);
+  return Distributor(network, things, rails, sets, parts, controls).run(must_run);
 }
 
 }  // namespace
 
-std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run) {
+std::vector<Island> split_islands(const Network& network, const std::function<bool(const Island&)>& must_run, Controls controls) {
   const Things things(network);
   const Rails rails(network);
   const std::optional<Network> cut = IdleParts(network, things, rails).cut();
-  if (!cut) return split(network, things, rails, must_run);
-  std::vector<Island> islands = split(*cut, Things(*cut), Rails(*cut), must_run);
+  if (!cut) return split(network, things, rails, must_run, controls);
+  std::vector<Island> islands = split(*cut, Things(*cut), Rails(*cut), must_run, controls);
   // What must run after all must run on its true input.
   const bool stand_in_runs = std::any_of(islands.begin(), islands.end(), [](const Island& island) {
     const auto& sources = island.network.sources;
     return island.needed && std::any_of(sources.begin(), sources.end(), [](const Source& source) { return source.stands_in; });
   });
-  return stand_in_runs ? split(network, things, rails, must_run) : islands;
+  return stand_in_runs ? split(network, things, rails, must_run, controls) : islands;
 }
 
 }  // namespace pwlsim::model

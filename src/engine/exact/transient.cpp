@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "engine/remarks.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -50,8 +52,7 @@ std::vector<std::string> all_names(const model::System& system) {
 std::vector<std::string> differing_elements(const model::System& system, const std::vector<const model::Mode*>& modes) {
   const model::IndexSet& first = modes.front()->active;
   return port_names(system, [&](int port) {
-    return std::any_of(modes.begin(), modes.end(),
-                       [&](const model::Mode* m) { return m->active.contains(port) != first.contains(port); });
+    return std::any_of(modes.begin(), modes.end(), [&](const model::Mode* m) { return m->active.contains(port) != first.contains(port); });
   });
 }
 
@@ -123,10 +124,7 @@ bool Transient::begin(const Start& start) {
     recorder_.start(island.model(), island.x.data());
   }
   if (!settle(instant, true)) return false;
-  if (instant.jumps > 0 && request_.use_initial_conditions)
-    answer_.remarks.push_back(
-        {"W-start-projected",
-         "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"});
+  if (instant.jumps > 0 && request_.use_initial_conditions) answer_.remarks.push_back(projected_start());
   return true;
 }
 
@@ -342,7 +340,8 @@ bool Transient::watch_crowd(const Instant& instant) {
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
   several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
-                              fmt::join(differing_elements(island.system(), selected.details->continuations), ", "), selected.details->continuations.size());
+                              fmt::join(differing_elements(island.system(), selected.details->continuations), ", "),
+                              selected.details->continuations.size());
 }
 
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
@@ -461,12 +460,7 @@ void Transient::finish() {
   const auto clock = Clock::now();
   answer_.certificate = recorder_.check();
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
-  if (worst > doubtful_residual)
-    answer_.remarks.push_back(
-        {"W-certificate",
-         fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit are too fast, or "
-                     "too far apart in size, for double precision",
-                     worst)});
+  if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
   answer_.certificate.has_passivity = true;
   answer_.certificate.passive = passive;
   s.seconds_certificate = seconds_since(clock);

@@ -22,32 +22,45 @@ bool is_large(const model::Network& n) {
 
 class SparseModel {
  public:
-  explicit SparseModel(const model::Network& n) : network(n), descriptor(network) {}
-  model::Network network;
-  Descriptor descriptor;
+  std::vector<std::unique_ptr<const Part>> parts;
+  std::size_t signals = 0;
 };
 
 std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
-  auto model = std::make_shared<SparseModel>(network);
-  Factors factors(model->network, model->descriptor);
-  if (!factors.at(1.0, first_position(network, model->descriptor)) && !factors.out_of_memory()) {
-    const int unknown = factors.singular_unknown();
-    diagnostics.error("E-singular", {},
-                      fmt::format("the equations leave {} open; try a resistor to ground, or one in its loop of sources",
-                                  unknown >= 0 ? model->descriptor.unknown_name(unknown) : "some unknown"));
-    return nullptr;
+  auto result = std::make_shared<SparseModel>();
+  result->signals = network.signals.size();
+  bool regular = true;
+  for (model::Island& island : model::split_islands(network, {}, model::Controls::joined)) {
+    auto part = std::make_unique<Part>(std::move(island));
+    Factors factors(part->island.network, part->descriptor);
+    if (!factors.at(1.0, first_position(part->island.network, part->descriptor)) && !factors.out_of_memory()) {
+      const int unknown = factors.singular_unknown();
+      diagnostics.error("E-singular", {},
+                        fmt::format("the equations leave {} open; try a resistor to ground, or one in its loop of sources",
+                                    unknown >= 0 ? part->descriptor.unknown_name(unknown) : part->loop_of_sources()));
+      regular = false;
+    }
+    if (part->island.needed) result->parts.push_back(std::move(part));
   }
-  return model;
+  return regular ? result : nullptr;
 }
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return Transient(model.network, model.descriptor, request, reltol, sink).run();
+  return Transient(model.parts, model.signals, request, reltol, sink).run();
 }
 
 OperatingPoint operating_point(const SparseModel& model) {
-  Start start = start_from_operating_point(model.network, model.descriptor);
-  OperatingPoint result{std::move(start.answer), std::move(start.signals)};
-  result.values.resize(model.network.signals.size(), 0.0);
+  OperatingPoint result;
+  result.values.resize(model.signals, 0.0);
+  for (const auto& part : model.parts) {
+    const Start start = start_from_operating_point(part->island.network, part->descriptor);
+    if (start.answer.outcome != Outcome::completed) {
+      result.answer = start.answer;
+      return result;
+    }
+    for (std::size_t i = 0; i < start.signals.size(); ++i)
+      result.values[static_cast<std::size_t>(part->island.signal_number[i])] += start.signals[i];
+  }
   return result;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/remarks.hpp"
+
 namespace pwlsim::engine::sparse {
 
 namespace {
@@ -21,58 +23,90 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol, RowSink& sink)
-    : network_(network), request_(request), reltol_(reltol), sink_(sink), block_(network, descriptor, request, reltol) {
-  width_ = 1 + network.signals.size();
+Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
+                     RowSink& sink)
+    : request_(request), reltol_(reltol), sink_(sink) {
+  for (const auto& part : parts) tracks_.push_back(std::make_unique<Track>(*part, request, reltol));
+  width_ = 1 + signals;
   rows_.resize(rows_per_block * width_);
   tolerance_ = merge_fraction * request.stop;
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
 }
 
-bool Transient::begin() {
-  const Start start = request_.use_initial_conditions ? start_from_initial_values(network_, block_.descriptor())
-                                                      : start_from_operating_point(network_, block_.descriptor());
-  answer_ = start.answer;
+bool Transient::fail(const Answer& failure) {
   if (answer_.outcome != Outcome::completed) return false;
-  if (!block_.begin(start)) return false;
-  if (block_.start_projected() && request_.use_initial_conditions)
-    answer_.remarks.push_back(
-        {"W-start-projected",
-         "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"});
+  answer_.outcome = failure.outcome;
+  answer_.id = failure.id;
+  answer_.message = failure.message;
+  answer_.elements = failure.elements;
+  return false;
+}
+
+bool Transient::begin() {
+  bool projected = false;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track& track = *tracks_[i];
+    const Start start = request_.use_initial_conditions ? start_from_initial_values(track.part.island.network, track.part.descriptor)
+                                                        : start_from_operating_point(track.part.island.network, track.part.descriptor);
+    if (start.answer.outcome != Outcome::completed) return fail(start.answer);
+    if (!track.block.begin(start)) return fail(track.block.failure());
+    projected |= track.block.start_projected() && request_.use_initial_conditions;
+    order_.push_back(i);
+  }
+  std::make_heap(order_.begin(), order_.end(), is_later());
+  if (projected) answer_.remarks.push_back(projected_start());
+  return true;
+}
+
+/// The part that is least far takes a step; what lies before it is known of all.
+bool Transient::advance_least() {
+  Track& track = *tracks_[order_.front()];
+  if (!rows_before(track.block.time(), false)) return false;
+  if (!track.block.advance()) return fail(track.block.failure());
+  if (!event_rows(track)) return false;
+  std::pop_heap(order_.begin(), order_.end(), is_later());
+  if (track.block.finished())
+    order_.pop_back();
+  else
+    std::push_heap(order_.begin(), order_.end(), is_later());
   return true;
 }
 
 Answer Transient::run() {
   const auto clock = Clock::now();
   bool going = begin();
-  for (int count = 0; going; ++count) {
-    if (block_.finished()) break;
-    going = rows_before(block_.time(), false) && block_.advance() && event_rows();
+  for (int count = 0; going && !order_.empty(); ++count) {
+    going = advance_least();
     if (going && count % steps_between_checks == 0) {
-      if (request_.progress) request_.progress(block_.time());
+      if (request_.progress && !order_.empty()) request_.progress(tracks_[order_.front()]->block.time());
       going = !interrupted();
     }
   }
-  const Answer& failure = block_.failure();
-  if (!failure.id.empty() && answer_.outcome == Outcome::completed) {
-    answer_.outcome = failure.outcome;
-    answer_.id = failure.id;
-    answer_.message = failure.message;
-    answer_.elements = failure.elements;
-  }
   if (answer_.outcome == Outcome::completed && going) rows_before(request_.stop, true);
   flush();
-  answer_.time = std::min(block_.time(), request_.stop);
+  answer_.time = request_.stop;
+  if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->block.time(), request_.stop);
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
   finish();
   return std::move(answer_);
+}
+
+/// Signals are sums of what the parts have of them.
+void Transient::row(double time, double* values) {
+  std::fill(values, values + width_, 0.0);
+  values[0] = time;
+  for (const auto& track : tracks_) {
+    track->block.signals(time, track->values.data());
+    for (std::size_t i = 0; i < track->values.size(); ++i)
+      values[1 + static_cast<std::size_t>(track->part.island.signal_number[i])] += track->values[i];
+  }
 }
 
 bool Transient::interrupted() {
   if (!request_.interrupt || request_.interrupt->load(std::memory_order_relaxed) == 0) return false;
   answer_.outcome = Outcome::interrupted;
   answer_.id = "E-interrupted";
-  answer_.message = fmt::format("stopped at t = {} s by a signal", block_.time());
+  answer_.message = fmt::format("stopped at t = {} s by a signal", order_.empty() ? request_.stop : tracks_[order_.front()]->block.time());
   return true;
 }
 
@@ -81,9 +115,7 @@ bool Transient::rows_before(double time, bool inclusive) {
   const double limit = inclusive ? time : time - tolerance_;
   while (next_row_ < request_.grid.rows && (row_time_ < limit || (inclusive && row_time_ <= limit))) {
     if (std::abs(last_event_row_ - row_time_) > tolerance_) {
-      double* row = &rows_[buffered_ * width_];
-      row[0] = row_time_;
-      block_.signals(row_time_, row + 1);
+      row(row_time_, &rows_[buffered_ * width_]);
       if (!push_row()) return false;
     }
     ++next_row_;
@@ -92,18 +124,22 @@ bool Transient::rows_before(double time, bool inclusive) {
   return true;
 }
 
-bool Transient::event_rows() {
-  if (!request_.events || !block_.instant() || block_.instant()->time < first_row_time_ - tolerance_) return true;
-  const double time = block_.instant()->time;
+/// A row before and one after what the part's last step came upon.
+bool Transient::event_rows(Track& track) {
+  const auto& instant = track.block.instant();
+  if (!request_.events || !instant || instant->time < first_row_time_ - tolerance_) return true;
+  const double time = instant->time;
   const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
   last_event_row_ = on_grid ? row_time_ : time;
-  double* row = &rows_[buffered_ * width_];
-  row[0] = last_event_row_;
-  std::copy(block_.signals_before().begin(), block_.signals_before().end(), row + 1);
+  double* before = &rows_[buffered_ * width_];
+  row(time, before);
+  before[0] = last_event_row_;
+  for (std::size_t i = 0; i < track.values.size(); ++i)
+    before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.block.signals_before()[i] - track.values[i];
   if (!push_row()) return false;
-  row = &rows_[buffered_ * width_];
-  row[0] = last_event_row_;
-  block_.signals(time, row + 1);
+  double* after = &rows_[buffered_ * width_];
+  row(time, after);
+  after[0] = last_event_row_;
   return push_row();
 }
 
@@ -123,17 +159,21 @@ bool Transient::flush() {
 }
 
 void Transient::finish() {
-  answer_.statistics.islands = 1;
-  block_.add_statistics(answer_.statistics);
+  answer_.statistics.islands = tracks_.size();
   const auto clock = Clock::now();
   Certificate& c = answer_.certificate;
-  c = block_.certificate().check();
-  if (std::max(c.complementarity, c.kcl_kvl) > doubtful_tolerances * reltol_)
-    answer_.remarks.push_back(
-        {"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit "
-                                      "are too fast, or too far apart in size, for double precision",
-                                      std::max(c.complementarity, c.kcl_kvl))});
-  c.has_passivity = c.passive = block_.descriptor().passive();
+  c.has_passivity = c.passive = true;
+  for (const auto& track : tracks_) {
+    track->block.add_statistics(answer_.statistics);
+    const Certificate own = track->block.certificate().check();
+    c.complementarity = std::max(c.complementarity, own.complementarity);
+    c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);
+    c.energy = std::max(c.energy, own.energy);
+    c.points_checked += own.points_checked;
+    c.passive = c.passive && track->part.descriptor.passive();
+  }
+  const double worst = std::max(c.complementarity, c.kcl_kvl);
+  if (worst > doubtful_tolerances * reltol_) answer_.remarks.push_back(doubtful_certificate(worst));
   if (!c.passive)
     answer_.remarks.push_back(
         {"N-not-examined",

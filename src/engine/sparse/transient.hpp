@@ -1,33 +1,50 @@
 #pragma once
-/// The run: blocks side by side, rows in between.
+/// The run: blocks side by side, the one that is least far first, rows in between.
 
 #include <chrono>
 #include <memory>
 #include <vector>
 
 #include "engine/sparse/block.hpp"
+#include "engine/sparse/part.hpp"
 
 namespace pwlsim::engine::sparse {
 
 class Transient {
  public:
-  Transient(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol, RowSink& sink);
+  /// `signals`: of the whole network. Parts and request must outlive it.
+  Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
+            RowSink& sink);
   Answer run();
 
  private:
+  struct Track {
+    Track(const Part& p, const Request& request, double reltol)
+        : part(p), block(p.island.network, p.descriptor, request, reltol), values(p.island.signal_number.size()) {}
+    const Part& part;
+    Block block;
+    std::vector<double> values;  ///< of its shares of signals
+  };
+  /// Order of the heap.
+  [[nodiscard]] auto is_later() const {
+    return [this](std::size_t a, std::size_t b) { return tracks_[a]->block.time() > tracks_[b]->block.time(); };
+  }
   bool begin();
+  bool advance_least();
+  void row(double time, double* values);
+  bool fail(const Answer& failure);
   bool rows_before(double time, bool inclusive);
-  bool event_rows();
+  bool event_rows(Track& track);
   bool push_row();
   bool flush();
   bool interrupted();
   void finish();
 
-  const model::Network& network_;
   const Request& request_;
   double reltol_;
   RowSink& sink_;
-  Block block_;
+  std::vector<std::unique_ptr<Track>> tracks_;
+  std::vector<std::size_t> order_;  ///< of tracks_: a heap by time, the least first
   Answer answer_;
   double tolerance_ = 0.0;
   std::size_t width_ = 1, buffered_ = 0;
