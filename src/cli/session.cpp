@@ -116,7 +116,7 @@ void Session::prepare_engine(Diagnostics& diagnostics) {
   }
 }
 
-/// Known faults of the engine that no residual shows.
+/// What sets its results apart from exact ones.
 void Session::warn_of_sparse_engine() {
   const std::string_view reason =
       options_.engine == EngineChoice::automatic ? "a part of this circuit is too large for the exact engine's dense modes; " : "";
@@ -124,11 +124,9 @@ void Session::warn_of_sparse_engine() {
       {Severity::warning,
        "W-sparse-engine",
        {},
-       fmt::format(
-           "{}the sparse engine is not finished: rows beside events and source edges, starts on a discontinuity and circuits without a "
-           "solution can come out wrong beyond its tolerance ({}), and its certificate may not show it; compare a smaller case "
-           "with --engine exact",
-           reason, reltol_)});
+       fmt::format("{}the sparse engine takes implicit steps: rows carry errors of about its tolerance ({}) and more over many events, and "
+                   "it does not examine whether the solution is the only one; compare a smaller case with --engine exact",
+                   reason, reltol_)});
 }
 
 int Session::check_tolerance() {

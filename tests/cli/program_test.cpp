@@ -219,7 +219,7 @@ TEST_CASE("the sparse engine warns, and says why it was chosen", "[unit]") {
   scratch.write("ladder.net", deck.str());
   CHECK_THAT(run_in(scratch, {"ladder.net"}).err, Contains("warning[W-sparse-engine]: a part of this circuit is too large"));
   CHECK_THAT(run_in(scratch, {"ladder.net", "--engine", "sparse"}).err,
-             Contains("warning[W-sparse-engine]: the sparse engine is not finished"));
+             Contains("warning[W-sparse-engine]: the sparse engine takes implicit steps"));
 }
 
 TEST_CASE("the sparse engine runs a deck, and refuses a tolerance below rounding", "[unit]") {
