@@ -23,6 +23,7 @@ constexpr double whole = 1.0 - 1e-9;  ///< of a step: nothing to cut
 /// What changes of sides may do to a saved signal, in tolerances, before they are located.
 constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
+constexpr int longest_pause = 63;          ///< of such steps between two attempts
 constexpr std::size_t most_positions = 1u << 20;
 
 }  // namespace
@@ -93,9 +94,21 @@ bool Block::step() {
       if (reach >= whole) control_size(trial_.error);
       return true;
     }
-    if (list.size() >= many_crossings && reach >= whole && !request_.events && absorb(h)) return true;
+    if (list.size() >= many_crossings && reach >= whole && !request_.events && absorbs(h)) return true;
     return cut(h, list, reach);
   }
+}
+
+/// Tried less and less often where it fails.
+bool Block::absorbs(double h) {
+  if (absorb_wait_ > 0) {
+    --absorb_wait_;
+    return false;
+  }
+  const bool done = absorb(h);
+  absorb_pause_ = done ? 0 : std::min(2 * absorb_pause_ + 1, longest_pause);
+  absorb_wait_ = absorb_pause_;
+  return done;
 }
 
 /// A step in which many ports change sides, none of them located. False: they matter.

@@ -61,6 +61,7 @@ class Block {
   [[nodiscard]] double remaining() const;
   [[nodiscard]] int step_level() const;
   bool step();
+  bool absorbs(double h);
   bool absorb(double h);
   void accept(const Trial& trial, double reach);
   void settle_in(Point& next);
@@ -121,6 +122,7 @@ class Block {
   bool starting_ = false, passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
+  int absorb_wait_ = 0, absorb_pause_ = 0;
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };
