@@ -333,18 +333,25 @@ Descriptor::Closing Descriptor::closing(double shift, const Position& on, double
   return closing;
 }
 
-double Descriptor::tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const {
+std::vector<double> Descriptor::port_admittances(double shift) const {
   const std::vector<double> admittances = node_admittances(shift);
+  std::vector<double> result(ports_.size(), 0.0);
+  for (std::size_t i = 0; i < ports_.size(); ++i)
+    for (const NodeIndex node : {ports_[i].p, ports_[i].n})
+      if (node != ground) result[i] = std::max(result[i], admittances[static_cast<std::size_t>(node)]);
+  return result;
+}
+
+double Descriptor::tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const {
+  const std::vector<double> around = port_admittances(shift);
   const double mean = mean_admittance(shift);
   for (const int port : ports) {
     const auto i = static_cast<std::size_t>(port);
-    double admittance = 0.0;
-    for (const NodeIndex node : {ports_[i].p, ports_[i].n})
-      if (node != ground) admittance = std::max(admittance, admittances[static_cast<std::size_t>(node)]);
-    if (!(admittance > 0.0)) admittance = mean;
+    const double admittance = around[i] > 0.0 ? around[i] : mean;
     (on[i] != 0 ? closing.of_input : closing.of_slack)[i] = on[i] != 0 ? tie_share / admittance : tie_share * admittance;
   }
-  return *std::max_element(admittances.begin(), admittances.end());
+  const std::vector<double> all = node_admittances(shift);
+  return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
 void Descriptor::matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const {

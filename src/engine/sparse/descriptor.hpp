@@ -93,6 +93,8 @@ class Descriptor {
   };
   /// Those of a position, with an ε: zero, or what it needs to be regular.
   [[nodiscard]] Closing closing(double shift, const Position& on, double epsilon) const;
+  /// Of every port the larger admittance of its nodes, times R0.
+  [[nodiscard]] std::vector<double> port_admittances(double shift) const;
   /// Makes those of some ports  s + a u  or  u + b s,  a and b far below the impedances and admittances around. Returns the largest admittance that meets in
   /// a node.
   double tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const;

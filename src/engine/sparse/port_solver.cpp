@@ -23,7 +23,8 @@ constexpr double cross_scale = 1e-3;
 /// What ε alone holds does not go away when it is taken out: after these corrections it is still this part of what it was.
 constexpr int most_corrections = 3;
 constexpr double contradiction_share = 1e-3;
-constexpr double held_tolerance = 1e-10;    ///< of the largest voltage, or current: zero
+constexpr double held_tolerance = 1e-10;  ///< of the largest voltage, or current: zero
+constexpr double rounding_of_voltages = 1e-14;
 constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
 constexpr double far_away = 1e3;
 constexpr int most_iterations = 8;
@@ -53,9 +54,10 @@ PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double vo
 
 PortSolver::~PortSolver() = default;
 
-/// An input is judged against the largest of all, a slack against the voltages it is a difference of, and either against the largest of the run.
-std::vector<int> PortSolver::violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w,
-                                      double tolerance) const {
+/// An input is judged against the largest of all, a slack against the voltages it is a difference of, and either against the largest of the run. A
+/// current into a capacitor is the rounding of its voltage times C/h at least.
+std::vector<int> PortSolver::violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
+                                      double tolerance) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<int> negative;
   double most = scale_.input;
@@ -65,11 +67,16 @@ std::vector<int> PortSolver::violated(const Position& on, const std::vector<doub
     if (value < 0.0) negative.push_back(static_cast<int>(i));
   }
   const double input = std::max(most, cross_scale * scale_.slack);
+  if (shift != admittance_shift_ && !negative.empty()) {
+    admittances_ = descriptor_.port_admittances(shift);
+    admittance_shift_ = shift;
+  }
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const Port& p = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : std::max(scale_.slack, p.slack_size(z.data(), w.data()));
-    return p.free_variable(on[i] != 0, z.data(), w.data()) >= -tolerance * size;
+    const double rounding = on[i] != 0 ? rounding_of_voltages * scale_.slack * admittances_[i] : 0.0;
+    return p.free_variable(on[i] != 0, z.data(), w.data()) >= -tolerance * size - rounding;
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
   return negative;
@@ -205,7 +212,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
     repeated_ = !visited.insert(hash_of(on)).second;
     if (repeated_) break;
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(on, z, stage.w, tolerance);
+    const std::vector<int> wrong = violated(stage.shift, on, z, stage.w, tolerance);
     if (wrong.empty()) return found(on, z, stage.w);
     dispute(wrong);
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
@@ -241,7 +248,7 @@ Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   for (int round = 0; round < most_decisions; ++round) {
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(on, z, stage.w, tie_tolerance);
+    const std::vector<int> wrong = violated(stage.shift, on, z, stage.w, tie_tolerance);
     if (wrong.empty()) return found(on, z, stage.w);
     dispute(wrong);
     if (decide(stage, on, z)) continue;

@@ -62,8 +62,8 @@ class PortSolver {
              std::vector<double>& right) const;
   void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
-  [[nodiscard]] std::vector<int> violated(const Position& on, const std::vector<double>& z, const std::vector<double>& w,
-                                          double tolerance) const;
+  [[nodiscard]] std::vector<int> violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
+                                          double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_dispute(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
@@ -77,6 +77,8 @@ class PortSolver {
   PortScale scale_;
   std::vector<int> disputed_;
   std::vector<double> right_, refined_;
+  std::vector<double> admittances_;  ///< of the ports at admittance_shift_
+  double admittance_shift_ = 0.0;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
   std::uint64_t pivots_ = 0;
   bool repeated_ = false;      ///< Newton's method came back to a position
