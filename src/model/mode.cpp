@@ -99,6 +99,30 @@ void find_twins(const System& system, Mode& m) {
   }
 }
 
+/// Entries of c that each guard reads, over all derivatives.
+void find_reads(Mode& m) {
+  m.guard_reads.assign(static_cast<std::size_t>(m.guards.rows()), 0);
+  if (m.n1 > 64) return;
+  const auto bits_of = [&m](const Matrix& matrix, Eigen::Index row) {
+    std::uint64_t bits = 0;
+    for (int j = 0; j < m.n1; ++j)
+      if (matrix(row, j) != 0.0) bits |= std::uint64_t{1} << static_cast<unsigned>(j);
+    return bits;
+  };
+  std::vector<std::uint64_t> rate;
+  for (int j = 0; j < m.n1; ++j) rate.push_back(bits_of(m.flow.a(), j));
+  const std::uint64_t all = m.n1 == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << static_cast<unsigned>(m.n1)) - 1;
+  for (Eigen::Index i = 0; i < m.guards.rows(); ++i) {
+    std::uint64_t reads = bits_of(m.guards, i), before = 0;
+    while (reads != before) {
+      before = reads;
+      for (std::size_t j = 0; j < rate.size(); ++j)
+        if (((before >> j) & 1U) != 0) reads |= rate[j];
+    }
+    m.guard_reads[static_cast<std::size_t>(i)] = reads == all ? 0 : reads;
+  }
+}
+
 /// Norms and kinds of the guard rows.
 void finish_rows(const System& system, Mode& m) {
   const auto& blocks = system.exosystem->blocks();
@@ -116,6 +140,7 @@ void finish_rows(const System& system, Mode& m) {
   for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
   m.absolute_guards = m.guards.cwiseAbs();
   m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
+  find_reads(m);
   m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
   m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
   for (std::size_t b = 0; b < blocks.size(); ++b) {

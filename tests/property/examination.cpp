@@ -16,7 +16,7 @@ using Kind = Part::Kind;
 
 constexpr double certificate_bound = 1e-9;  ///< relative residuals
 constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
-constexpr double nothing = 0x1p-50;         ///< of 10 V or 10 mA, four units of the last place: rounding of a state that is zero
+constexpr double nothing = 0x1p-49;         ///< of 10 V or 10 mA, eight units of the last place: rounding of a state that is zero
 constexpr double small_share = 1e-3;        ///< see scales()
 constexpr double energy_slack = 1e-11;  ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;

@@ -37,6 +37,14 @@ bool has_to_sample(const Segment& s, double end) {
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
 
+/// Of the entries of x whose bits are set.
+double norm_of(const double* x, int n, std::uint64_t bits) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    if (((bits >> static_cast<unsigned>(i)) & 1U) != 0) sum += x[i] * x[i];
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
 /// What rounding leaves of a guard at the interval's start: from the terms of its own sum, and from a share of the state's norm.
@@ -85,14 +93,18 @@ Locator::Bound Locator::bound_of(const Segment& s, int order, const double* deri
     b.sources |= value != 0.0;
     inputs += value * m.input_block_norm[static_cast<Eigen::Index>(i)];
   }
-  const double growth = m.growth > 0.0 ? std::exp(std::min(m.growth * h, 500.0)) : 1.0;
-  b.state = growth * (linalg::norm(derivative, m.n1) + h * inputs);
+  b.derivative = derivative;
+  b.growth = m.growth > 0.0 ? std::exp(std::min(m.growth * h, 500.0)) : 1.0;
+  b.inputs = h * inputs;
+  b.state = b.growth * (linalg::norm(derivative, m.n1) + b.inputs);
   return b;
 }
 
 double Locator::bound_at(const Segment& s, const Bound& b, int row) const {
   const Mode& m = *s.mode;
-  double value = m.guard_c_norm[row] * b.state;
+  const std::uint64_t reads = m.guard_reads[static_cast<std::size_t>(row)];
+  const double state = reads == 0 ? b.state : b.growth * (norm_of(b.derivative, m.n1, reads) + b.inputs);
+  double value = m.guard_c_norm[row] * state;
   if (b.sources)
     for (std::size_t i = 0; i < block_bound_.size(); ++i) value += m.guard_block_norm(row, static_cast<Eigen::Index>(i)) * block_bound_[i];
   return value;

@@ -63,6 +63,8 @@ class Locator {
   void prepare(Segment& segment);
   void derive(const Segment& segment);
   struct Bound {
+    const double* derivative = nullptr;  ///< at the interval's start
+    double growth = 1.0, inputs = 0.0;
     double state = 0.0;    ///< times ‖row_c‖
     bool sources = false;  ///< block_bound_ holds something
   };
