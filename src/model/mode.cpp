@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "linalg/constraint_basis.hpp"
@@ -43,6 +45,9 @@ constexpr Wide entry_rounding = 4e-19L;
 constexpr double row_noise = 1e-15;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
 constexpr double growth_tolerance = 1e-10;
+
+/// Entries of c, and of c and ζ, with which what a guard reads is kept apart: a ring takes two of them, and the guard another.
+constexpr int fewest_read_apart = 3, most_read_apart = 64;
 
 struct Restricted {
   std::vector<int> j;
@@ -99,27 +104,29 @@ void find_twins(const System& system, Mode& m) {
   }
 }
 
+/// Bit j of reads[i]: entry (i, j) of the first `columns` is not zero.
+void find_entries(const Matrix& m, int columns, std::uint64_t* reads) {
+  const double* entry = m.data();
+  for (int j = 0; j < columns; ++j)
+    for (Eigen::Index i = 0; i < m.rows(); ++i) reads[i] |= static_cast<std::uint64_t>(*entry++ != 0.0) << static_cast<unsigned>(j);
+}
+
 /// Entries of c that each guard reads, over all derivatives.
 void find_reads(Mode& m) {
+  if (m.n1 < fewest_read_apart || m.ny > most_read_apart) return;
   m.guard_reads.assign(static_cast<std::size_t>(m.guards.rows()), 0);
-  if (m.n1 > 64) return;
-  const auto bits_of = [&m](const Matrix& matrix, Eigen::Index row) {
-    std::uint64_t bits = 0;
-    for (int j = 0; j < m.n1; ++j)
-      if (matrix(row, j) != 0.0) bits |= std::uint64_t{1} << static_cast<unsigned>(j);
-    return bits;
-  };
-  std::vector<std::uint64_t> rate;
-  for (int j = 0; j < m.n1; ++j) rate.push_back(bits_of(m.flow.a(), j));
-  const std::uint64_t all = m.n1 == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << static_cast<unsigned>(m.n1)) - 1;
-  for (Eigen::Index i = 0; i < m.guards.rows(); ++i) {
-    std::uint64_t reads = bits_of(m.guards, i), before = 0;
-    while (reads != before) {
-      before = reads;
-      for (std::size_t j = 0; j < rate.size(); ++j)
-        if (((before >> j) & 1U) != 0) reads |= rate[j];
+  std::array<std::uint64_t, most_read_apart> rate{};
+  find_entries(m.flow.a(), m.n1, rate.data());
+  find_entries(m.guards, m.n1, m.guard_reads.data());
+  const std::uint64_t all = ~std::uint64_t{0} >> static_cast<unsigned>(64 - m.n1);
+  for (std::uint64_t& reads : m.guard_reads) {
+    for (std::uint64_t left = reads; left != 0 && reads != all;) {
+      const std::uint64_t more = rate[static_cast<std::size_t>(std::countr_zero(left))] & ~reads;
+      left &= left - 1;
+      reads |= more;
+      left |= more;
     }
-    m.guard_reads[static_cast<std::size_t>(i)] = reads == all ? 0 : reads;
+    if (reads == all) reads = 0;
   }
 }
 

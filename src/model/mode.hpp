@@ -44,11 +44,11 @@ struct Mode {
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;
-  Matrix absolute_guards;            ///< |guards|
-  Vector guard_norm, guard_c_norm;   ///< ‖row‖, ‖row restricted to c‖
-  Matrix guard_block_norm;           ///< guards × exosystem blocks
-  /// One bit for each entry of c that the guard or one of its derivatives reads; 0: all of them. What the others do, a lossless ring beside it, does
-  /// not bear on its bounds: these entries obey an equation of their own.
+  Matrix absolute_guards;           ///< |guards|
+  Vector guard_norm, guard_c_norm;  ///< ‖row‖, ‖row restricted to c‖
+  Matrix guard_block_norm;          ///< guards × exosystem blocks
+  /// One bit for each entry of c that the guard or one of its derivatives reads; 0, or empty: all of them. These entries obey an equation of
+  /// their own: what the others do, a lossless ring beside it, does not bear on the guard's bounds.
   std::vector<std::uint64_t> guard_reads;
   std::vector<char> guard_constant;  ///< no derivative: cannot fire within a segment
   std::vector<int> guard_twin;       ///< first row with the same values: it speaks for this one

@@ -68,6 +68,9 @@ TEST_CASE("a guard that leaves zero and falls again is seen to cross", "[propert
   check("all parts", {2'323});
 }
 
+// Bounds on a decaying guard took in a ring that it does not read: no interval was short enough, and the selection was asked without end.
+TEST_CASE("a guard beside a ring that it does not read", "[property]") { check("little resistance", {23'219}); }
+
 // The row of such a diode was divided by its norm, zero, and no number was taken for an impulse of the right sign.
 TEST_CASE("a diode that an open impulse does not reach", "[property]") { check("up to twelve ports", {70'180, 70'616}); }
 

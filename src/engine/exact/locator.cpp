@@ -37,8 +37,9 @@ bool has_to_sample(const Segment& s, double end) {
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
 
-/// Of the entries of x whose bits are set.
+/// Of the entries of x whose bits are set; 0: of all.
 double norm_of(const double* x, int n, std::uint64_t bits) {
+  if (bits == 0) return linalg::norm(x, n);
   double sum = 0.0;
   for (int i = 0; i < n; ++i)
     if (((bits >> static_cast<unsigned>(i)) & 1U) != 0) sum += x[i] * x[i];
@@ -100,11 +101,13 @@ Locator::Bound Locator::bound_of(const Segment& s, int order, const double* deri
   return b;
 }
 
-double Locator::bound_at(const Segment& s, const Bound& b, int row) const {
+double Locator::bound_at(const Segment& s, Bound& b, int row) const {
   const Mode& m = *s.mode;
-  const std::uint64_t reads = m.guard_reads[static_cast<std::size_t>(row)];
-  const double state = reads == 0 ? b.state : b.growth * (norm_of(b.derivative, m.n1, reads) + b.inputs);
-  double value = m.guard_c_norm[row] * state;
+  if (!m.guard_reads.empty() && m.guard_reads[static_cast<std::size_t>(row)] != b.reads) {
+    b.reads = m.guard_reads[static_cast<std::size_t>(row)];
+    b.state = b.growth * (norm_of(b.derivative, m.n1, b.reads) + b.inputs);
+  }
+  double value = m.guard_c_norm[row] * b.state;
   if (b.sources)
     for (std::size_t i = 0; i < block_bound_.size(); ++i) value += m.guard_block_norm(row, static_cast<Eigen::Index>(i)) * block_bound_[i];
   return value;
@@ -127,7 +130,7 @@ void Locator::derive(const Segment& s) {
 
 /// K_2 of every guard for length h.
 void Locator::bound_second(const Segment& s, double h) {
-  const Bound b = bound_of(s, 2, derivatives_.data() + 2 * s.mode->ny, h);
+  Bound b = bound_of(s, 2, derivatives_.data() + 2 * s.mode->ny, h);
   for (std::size_t i = 0; i < s.rows.size(); ++i) k2_[i] = bound_at(s, b, s.rows[i]);
 }
 
@@ -177,7 +180,8 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
       linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
       std::swap(a1_, a2_);
     }
-    const double k = bound_at(s, bound_of(s, start.order + 1, a1_.data(), h), s.rows[i]);
+    Bound bound = bound_of(s, start.order + 1, a1_.data(), h);
+    const double k = bound_at(s, bound, s.rows[i]);
     return {start.value - k * h / (start.order + 1) > 0.0 ? Verdict::excluded : Verdict::undecided, 0.0};
   }
   const double k2 = k2_[i];
@@ -187,7 +191,8 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   if (g > 0.0 && ge > 0.0 && std::min(g, ge) - 0.125 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
   if (g > 0.0 && ge <= 0.0 && gd_[i] < -k2 * h) return {Verdict::one_root, h};
   linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
-  const double k3 = bound_at(s, bound_of(s, 3, a1_.data(), h), s.rows[i]);
+  Bound third = bound_of(s, 3, a1_.data(), h);
+  const double k3 = bound_at(s, third, s.rows[i]);
   const double noise = noise_of(s, s.rows[i]);
   if (std::abs(g2_[i]) > k3 * h) {
     if (g2_[i] >= 0.0) return convex(s, i, h, noise);
@@ -423,6 +428,7 @@ Located Locator::march(Segment& s, double end) {
   if (s.mode->piecewise_linear) return straight_lines(s, end);
   const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
+  const bool from_rest = std::any_of(s.departures.begin(), s.departures.end(), [](const auto& d) { return d.order < 0; });
   while (s.certified < end) {
     if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
       if (s.rows.empty()) {
@@ -439,7 +445,7 @@ Located Locator::march(Segment& s, double end) {
       s.certified = end;
       return located;
     }
-    if (!any_at_rest(s) && (!s.mode->stiff || s.turns > 0)) {
+    if (!(from_rest && any_at_rest(s)) && (!s.mode->stiff || s.turns > 0)) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {
         ++s.intervals;

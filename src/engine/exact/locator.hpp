@@ -65,11 +65,12 @@ class Locator {
   struct Bound {
     const double* derivative = nullptr;  ///< at the interval's start
     double growth = 1.0, inputs = 0.0;
-    double state = 0.0;    ///< times ‖row_c‖
-    bool sources = false;  ///< block_bound_ holds something
+    std::uint64_t reads = 0;  ///< entries of c that `state` is of (Mode::guard_reads)
+    double state = 0.0;       ///< times ‖row_c‖
+    bool sources = false;     ///< block_bound_ holds something
   };
   Bound bound_of(const Segment& segment, int order, const double* derivative, double h);
-  [[nodiscard]] double bound_at(const Segment& segment, const Bound& bound, int row) const;
+  [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row) const;
   void bound_second(const Segment& segment, double h);
   [[nodiscard]] bool excluded_by_start(std::size_t i, double h) const;
   bool all_excluded_by_start(const Segment& segment, double h);

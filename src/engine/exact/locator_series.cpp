@@ -251,7 +251,7 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     std::size_t which = 0;
     bool clear = true;
     const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
-    const Bound bound = bound_of(s, order + 1, last, h);
+    Bound bound = bound_of(s, order + 1, last, h);
     double length = h;  // behind the first root so far nothing matters
     Powers powers = powers_of(length);
     for (std::size_t i = 0; clear && i < s.rows.size(); ++i) {
