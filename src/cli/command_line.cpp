@@ -72,7 +72,8 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
       ->type_name("FILE");
   app.add_flag("--events", raw.events, "Add a row before and after every event");
   app.add_option("--engine", raw.engine, "auto, exact or sparse (default: auto, by size)")->type_name("NAME");
-  app.add_option("--reltol", raw.reltol, "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
+  app.add_option("--reltol", raw.reltol,
+                 "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
       ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv (raw: not supported yet)")->type_name("NAME");
@@ -84,48 +85,48 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
 }
 
-void add_inspect_options(CLI::App& app, Raw& raw) {
-  app.name("pwlsim inspect");
-  app.formatter(std::make_shared<HelpText>(fmt::format("inspect {}", inspect_usage)));
-  app.footer(
-      "Describes the model of a deck: its islands, what was left out, states, ports, (A,B,C,D) per\n"
-      "switch position, what certifies that it has one solution, and the subspaces of a mode.");
+/// What every subcommand has.
+void add_common_options(CLI::App& app, Raw& raw, std::string_view name, std::string_view usage, std::string footer, std::string deck) {
+  app.name(fmt::format("pwlsim {}", name));
+  app.formatter(std::make_shared<HelpText>(fmt::format("{} {}", name, usage)));
+  app.footer(std::move(footer));
   app.allow_extras();
   app.set_help_flag("-h,--help", "Print this text and stop");
-  app.add_option("circuit", raw.files, "The deck; it needs no .tran")->type_name("FILE");
+  app.add_option("circuit", raw.files, std::move(deck))->type_name("FILE");
+}
+
+void add_quiet_option(CLI::App& app, Raw& raw) { app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay"); }
+
+void add_inspect_options(CLI::App& app, Raw& raw) {
+  add_common_options(app, raw, "inspect", inspect_usage,
+                     "Describes the model of a deck: its islands, what was left out, states, ports, (A,B,C,D) per\n"
+                     "switch position, what certifies that it has one solution, and the subspaces of a mode.",
+                     "The deck; it needs no .tran");
   app.add_option("--mode", raw.mode, "Diodes and switches that are on or off, as D1=on,D2=off; those not named are off")->type_name("LIST");
   app.add_flag("--json", raw.json, "As JSON, with all digits");
-  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
+  add_quiet_option(app, raw);
 }
 
 void add_export_options(CLI::App& app, Raw& raw) {
-  app.name("pwlsim export");
-  app.formatter(std::make_shared<HelpText>(fmt::format("export {}", export_usage)));
-  app.footer(
-      "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
-      "expanded, ideal diodes and switches with resistances, steps and corners rounded.");
-  app.allow_extras();
-  app.set_help_flag("-h,--help", "Print this text and stop");
-  app.add_option("circuit", raw.files, "The deck")->type_name("FILE");
+  add_common_options(app, raw, "export", export_usage,
+                     "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
+                     "expanded, ideal diodes and switches with resistances, steps and corners rounded.",
+                     "The deck");
   app.add_option("-o,--output", raw.output, "The ngspice deck; '-' is standard output")->type_name("FILE");
   app.add_option("--smooth", raw.smooth, "How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)")->type_name("X");
-  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
+  add_quiet_option(app, raw);
 }
 
 void add_compare_options(CLI::App& app, Raw& raw) {
-  app.name("pwlsim compare");
-  app.formatter(std::make_shared<HelpText>(fmt::format("compare {}", compare_usage)));
-  app.footer(
-      "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-      "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
-      "own errors explain, how far its switching times are off, and what both took.");
-  app.allow_extras();
-  app.set_help_flag("-h,--help", "Print this text and stop");
-  app.add_option("circuit", raw.files, "The deck")->type_name("FILE");
+  add_common_options(app, raw, "compare", compare_usage,
+                     "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
+                     "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
+                     "own errors explain, how far its switching times are off, and what both took.",
+                     "The deck");
   app.add_option("--smooth", raw.smooth, "Where the smoothing starts, 1e-9 to 1 (default: 1e-3)")->type_name("X");
   app.add_flag("--json", raw.json, "As JSON, with all digits");
   app.add_option("--plot", raw.plot, "Draw the waveforms of both over each other")->type_name("FILE.svg");
-  app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay");
+  add_quiet_option(app, raw);
 }
 
 bool takes_value(const CLI::App& app, const std::string& name) {
@@ -319,8 +320,8 @@ double read_sharpness(const CLI::App& app, const std::string& text, Complaints& 
   if (app.count("--smooth") == 0) return spice::default_sharpness;
   const double value = positive_number(text);
   if (value < spice::least_sharpness || value > spice::largest_sharpness)
-    complaints.add("E-option-value", fmt::format("`--smooth {}` is no number from {} to {}; try `--smooth {}`", text, spice::least_sharpness,
-                                                 spice::largest_sharpness, spice::default_sharpness));
+    complaints.add("E-option-value", fmt::format("`--smooth {}` is no number from {} to {}; try `--smooth {}`", text,
+                                                 spice::least_sharpness, spice::largest_sharpness, spice::default_sharpness));
   return value;
 }
 

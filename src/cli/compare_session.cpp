@@ -1,24 +1,19 @@
 #include "cli/compare_session.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <span>
 
 #include "analysis/json.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/deck_reader.hpp"
-#include "cli/messages.hpp"
+#include "cli/output.hpp"
 #include "cli/signals.hpp"
-#include "cli/status.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
-#include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -107,37 +102,25 @@ class CompareSession {
     if (!compiled_->analyses.transient)
       return fail(Status::wrong_input, "E-no-transient",
                   "the deck has no .tran: there are no waveforms to compare; try pwlsim " + options_.deck);
-    if (const int status = open_plot(); status != 0) return status;
+    if (!options_.plot.empty())
+      if (const int status = open_output(options_.plot, options_.deck, messages_, plot_); status != 0) return status;
     const auto program = spice::find_ngspice();
     if (!program) return skip();
     int status = run_exact();
     if (status == 0) status = run_ngspice(*program);
     if (status == 0) status = write_plot();
-    return status != 0 ? status : print(options_.json ? compare_json(report_) : compare_text(report_));
+    return status != 0 ? status : print(options_.json ? compare_json(report_) : compare_text(report_), messages_);
   }
 
  private:
-  int fail(Status status, std::string id, std::string text) {
-    messages_.report({Severity::error, std::move(id), {}, std::move(text)});
-    return static_cast<int>(status);
-  }
+  int fail(Status status, std::string id, std::string text) { return cli::fail(messages_, status, std::move(id), std::move(text)); }
 
   int skip() {
     const std::string reason = "ngspice is not installed: no program of that name is in PATH; try apt install ngspice";
     messages_.report({Severity::note, "N-no-ngspice", {}, reason});
     if (!options_.json) return 0;
-    return print(analysis::json_line({{"deck", analysis::json_string(report_.deck)}, {"skipped", analysis::json_string(reason)}}) + '\n');
-  }
-
-  int open_plot() {
-    if (options_.plot.empty()) return 0;
-    if (waveform::same_file(options_.plot, options_.deck))
-      return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", options_.plot));
-    std::string problem;
-    auto opened = waveform::OutputFile::open(options_.plot, problem);
-    if (!opened) return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", options_.plot, problem));
-    plot_.emplace(std::move(*opened));
-    return 0;
+    return print(analysis::json_line({{"deck", analysis::json_string(report_.deck)}, {"skipped", analysis::json_string(reason)}}) + '\n',
+                 messages_);
   }
 
   analysis::RunControl control() const { return {false, false, {}, &caught_signal()}; }
@@ -220,17 +203,7 @@ class CompareSession {
     if (!plot_) return 0;
     std::vector<std::string> names;
     for (const model::Signal& signal : compiled_->network.signals) names.push_back(signal.name);
-    if (plot_->write(compare_svg(report_, names)) && plot_->commit()) return 0;
-    if (plot_->closed_pipe()) return static_cast<int>(Status::closed_pipe);
-    return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}", plot_->name(), plot_->problem()));
-  }
-
-  int print(const std::string& text) {
-    std::size_t written = 0;
-    const int error_number = waveform::write_all(STDOUT_FILENO, text, written);
-    if (error_number == 0) return static_cast<int>(Status::done);
-    if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
-    return fail(Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
+    return write_whole(*plot_, compare_svg(report_, names), messages_);
   }
 
   const CompareOptions& options_;

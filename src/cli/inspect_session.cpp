@@ -1,30 +1,13 @@
 #include "cli/inspect_session.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-
 #include "analysis/inspection.hpp"
 #include "cli/deck_reader.hpp"
-#include "cli/messages.hpp"
+#include "cli/output.hpp"
 #include "cli/signals.hpp"
-#include "cli/status.hpp"
 #include "engine/exact/exact.hpp"
-#include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
 namespace {
-
-int print(const std::string& text, Messages& messages) {
-  std::size_t written = 0;
-  const int error_number = waveform::write_all(STDOUT_FILENO, text, written);
-  if (error_number == 0) return static_cast<int>(Status::done);
-  if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
-  messages.report({Severity::error, "E-cannot-write", {}, fmt::format("standard output: {}", std::strerror(error_number))});
-  return static_cast<int>(Status::file_error);
-}
 
 int interrupted(Messages& messages) {
   messages.report({Severity::error, "E-interrupted", {}, "interrupted before the model stood; nothing was written"});

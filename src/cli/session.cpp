@@ -1,12 +1,9 @@
 #include "cli/session.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,13 +13,11 @@
 #include "analysis/report.hpp"
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
-#include "cli/messages.hpp"
+#include "cli/output.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
-#include "cli/status.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
-#include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -30,8 +25,6 @@ namespace {
 using analysis::Ending;
 using waveform::OutputFile;
 using Clock = std::chrono::steady_clock;
-
-Diagnostic error_without_place(std::string id, std::string text) { return {Severity::error, std::move(id), {}, std::move(text)}; }
 
 Severity severity_of(const engine::Remark& remark) { return remark.id.starts_with("W-") ? Severity::warning : Severity::note; }
 
@@ -52,15 +45,12 @@ class Session {
  private:
   static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-  int fail(Status status, std::string id, std::string text) {
-    messages_.report(error_without_place(std::move(id), std::move(text)));
-    return static_cast<int>(status);
-  }
+  int fail(Status status, std::string id, std::string text) { return cli::fail(messages_, status, std::move(id), std::move(text)); }
   /// 0, or the status of a signal that came while nothing had been written yet.
   int interrupted_before_run() {
     const int signal_number = caught_signal();
     if (signal_number == 0) return 0;
-    messages_.report(error_without_place("E-interrupted", "interrupted before the run began; nothing was written"));
+    messages_.report({Severity::error, "E-interrupted", {}, "interrupted before the run began; nothing was written"});
     return status_of_signal(signal_number);
   }
 
@@ -69,7 +59,6 @@ class Session {
   void warn_of_sparse_engine();
   int check_tolerance();
   int open_files();
-  int open(const std::string& name, std::optional<OutputFile>& file);
   int operating_point();
   int transient();
   int conclude(const analysis::TransientRun& run);
@@ -138,21 +127,10 @@ int Session::check_tolerance() {
                           reltol_ < engine::sparse::least_tolerance ? engine::sparse::least_tolerance : engine::sparse::largest_tolerance));
 }
 
-int Session::open(const std::string& name, std::optional<OutputFile>& file) {
-  if (name != "-" && waveform::same_file(name, options_.deck)) {
-    return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
-  }
-  std::string problem;
-  auto opened = OutputFile::open(name, problem);
-  if (!opened) return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", name, problem));
-  file.emplace(std::move(*opened));
-  return 0;
-}
-
 int Session::open_files() {
   int status = 0;
-  if (compiled_->analyses.transient) status = open(options_.output, rows_file_);
-  if (status == 0 && !options_.stats.empty()) status = open(options_.stats, statistics_file_);
+  if (compiled_->analyses.transient) status = open_output(options_.output, options_.deck, messages_, rows_file_);
+  if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, options_.deck, messages_, statistics_file_);
   return status;
 }
 
@@ -174,11 +152,7 @@ int Session::operating_point() {
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
   const std::vector<std::string> names = analysis::column_names(compiled_->network);
   const std::string text = analysis::operating_point_text(std::span(names).subspan(1), point.values);
-  std::size_t written = 0;
-  const int error_number = waveform::write_all(options_.output == "-" ? STDERR_FILENO : STDOUT_FILENO, text, written);
-  if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
-  if (error_number != 0) return fail(Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
-  return 0;
+  return print(text, messages_, options_.output == "-" ? Stream::error : Stream::output);
 }
 
 int Session::transient() {
@@ -224,9 +198,7 @@ int Session::conclude(const analysis::TransientRun& run) {
 int Session::write_statistics() {
   if (!statistics_file_) return 0;
   report_.notes = messages_.heads();
-  if (statistics_file_->write(analysis::statistics_json(report_)) && statistics_file_->commit()) return 0;
-  if (statistics_file_->closed_pipe()) return static_cast<int>(Status::closed_pipe);
-  return fail(Status::file_error, "E-cannot-write", fmt::format("{}: {}", statistics_file_->name(), statistics_file_->problem()));
+  return write_whole(*statistics_file_, analysis::statistics_json(report_), messages_);
 }
 
 }  // namespace

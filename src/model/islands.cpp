@@ -2,29 +2,13 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <optional>
+
+#include "model/disjoint_sets.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(int size) : parent_(static_cast<std::size_t>(size)) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int find(int i) {
-    while (parent_[static_cast<std::size_t>(i)] != i) {
-      auto& parent = parent_[static_cast<std::size_t>(i)];
-      parent = parent_[static_cast<std::size_t>(parent)];
-      i = parent;
-    }
-    return i;
-  }
-  void join(int a, int b) { parent_[static_cast<std::size_t>(std::max(find(a), find(b)))] = std::min(find(a), find(b)); }
-
- private:
-  std::vector<int> parent_;
-};
 
 /// Every node and element of the network as one numbered thing.
 class Things {

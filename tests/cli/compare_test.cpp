@@ -3,10 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "cli/run_in.hpp"
 #include "spice/comparison.hpp"
 #include "support/json.hpp"
-#include "support/scratch.hpp"
-#include "support/spawn.hpp"
 
 using namespace pwlsim;
 using namespace pwlsim::test;
@@ -25,14 +24,11 @@ const std::string rectifier =
     ".tran 1m 40m\n"
     ".end\n";
 
-Finished run_in(const Scratch& scratch, const Names& arguments) {
+Finished run_beside_ngspice(const Scratch& scratch, const Names& arguments) {
   SpawnOptions options;
-  options.folder = scratch.path().string();
   options.limit_memory = false;  // ngspice is its child
   options.seconds = 110.0;
-  Finished finished = run_program(arguments, options);
-  UNSCOPED_INFO("status " << finished.status << ", standard error: " << finished.err);
-  return finished;
+  return run_in(scratch, arguments, options);
 }
 
 /// PATH for the programs started meanwhile.
@@ -106,12 +102,12 @@ TEST_CASE("compare without ngspice says so and is done", "[unit]") {
   const Scratch scratch;
   scratch.write("c.net", rectifier);
   const Path path(scratch.path().string());
-  const Finished text = run_in(scratch, {"compare", "c.net", "--plot", "c.svg"});
+  const Finished text = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg"});
   CHECK(text.status == 0);
   CHECK(text.out.empty());
   CHECK_THAT(text.err, Contains("note[N-no-ngspice]") && Contains("apt install ngspice"));
   CHECK(scratch.names() == Names{"c.net"});
-  const Finished json = run_in(scratch, {"compare", "c.net", "--json"});
+  const Finished json = run_beside_ngspice(scratch, {"compare", "c.net", "--json"});
   CHECK(json.status == 0);
   CHECK_THAT(json.out, Contains("\"skipped\": \"ngspice is not installed"));
 }
@@ -119,17 +115,17 @@ TEST_CASE("compare without ngspice says so and is done", "[unit]") {
 TEST_CASE("compare refuses a deck without waveforms, and a wrong one", "[unit]") {
   const Scratch scratch;
   scratch.write("op.net", "t\nV1 a 0 1\nR1 a 0 1\n.op\n");
-  const Finished finished = run_in(scratch, {"compare", "op.net"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "op.net"});
   CHECK(finished.status == 2);
   CHECK_THAT(finished.err, Contains("error[E-no-transient]"));
-  CHECK(run_in(scratch, {"compare", "missing.net"}).status == 3);
-  CHECK(run_in(scratch, {"compare", "op.net", "--mode", "x"}).status == 2);
+  CHECK(run_beside_ngspice(scratch, {"compare", "missing.net"}).status == 3);
+  CHECK(run_beside_ngspice(scratch, {"compare", "op.net", "--mode", "x"}).status == 2);
 }
 
 TEST_CASE("a run that has no solution ends a comparison with status 1", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  const Finished finished = run_in(scratch, {"compare", netlist("paper/relay_wrong")});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("paper/relay_wrong")});
   CHECK(finished.status == 1);
   CHECK_THAT(finished.err, Contains("error[E-not-unique]"));
 }
@@ -140,7 +136,7 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
                                     "flyback_ideal", "freewheel", "rlcd", "paper/saturation", "paper/optimal_control");
   INFO(name);
   const Scratch scratch;
-  const Finished finished = run_in(scratch, {"compare", netlist(name), "--json", "--quiet"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist(name), "--json", "--quiet"});
   REQUIRE(finished.status == 0);
   const Json report = JsonReader(finished.out).read();
   REQUIRE(report["signals"].array.size() != 0);
@@ -157,7 +153,7 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
 TEST_CASE("an inelastic stop, which a smoothed diode turns into a spring, is not explained", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  const Finished finished = run_in(scratch, {"compare", netlist("carts")});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("carts")});
   CHECK(finished.status == 0);
   CHECK_THAT(finished.out, Contains("NOT explained"));
 }
@@ -166,7 +162,7 @@ TEST_CASE("compare reports in words, with the levels and the switching times, an
   if (!has_ngspice()) return;
   const Scratch scratch;
   scratch.write("c.net", rectifier);
-  const Finished finished = run_in(scratch, {"compare", "c.net", "--plot", "c.svg"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg"});
   REQUIRE(finished.status == 0);
   CHECK_THAT(finished.out,
              Contains("signal") && Contains("discretisation") && Contains("smoothing") && Contains("v(b)") && Contains("i(D1)"));

@@ -9,9 +9,8 @@
 #include <regex>
 #include <sstream>
 
+#include "cli/run_in.hpp"
 #include "support/json.hpp"
-#include "support/scratch.hpp"
-#include "support/spawn.hpp"
 
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
@@ -53,13 +52,6 @@ const std::string many_rows =
     "R1 a 0 1k\n"
     ".tran 1n 0.9\n"
     ".end\n";
-
-Finished run_in(const Scratch& scratch, const std::vector<std::string>& arguments, SpawnOptions options = {}) {
-  options.folder = scratch.path().string();
-  Finished finished = run_program(arguments, options);
-  UNSCOPED_INFO("status " << finished.status << ", standard error: " << finished.err);
-  return finished;
-}
 
 std::string lines_of(const std::string& text, std::size_t count) {
   std::size_t end = 0;
@@ -199,10 +191,10 @@ TEST_CASE("help and version go to standard output with status 0", "[unit]") {
 TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   const Scratch scratch;
   scratch.write("divider.net", divider);
-  const Names words =
-      GENERATE(Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "dense"},
-               Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
-               Names{"inspect", "divider.net", "--mode", "R1"}, Names{"export", "divider.net"}, Names{"compare", "divider.net", "--events"});
+  const Names words = GENERATE(
+      Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "dense"},
+      Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
+      Names{"inspect", "divider.net", "--mode", "R1"}, Names{"export", "divider.net"}, Names{"compare", "divider.net", "--events"});
   const Finished finished = run_in(scratch, words);
   CHECK(finished.status == 2);
   CHECK(finished.out.empty());

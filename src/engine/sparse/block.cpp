@@ -23,6 +23,7 @@ constexpr double whole = 1.0 - 1e-9;  ///< of a step: nothing to cut
 /// What changes of sides may do to a saved signal, in tolerances, before they are located.
 constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
+constexpr int absorbed_levels = 6;         ///< the Euler step behind such a step is so much shorter
 constexpr int longest_pause = 63;          ///< of such steps between two attempts
 constexpr std::size_t most_positions = 1u << 20;
 
@@ -118,7 +119,7 @@ bool Block::absorb(double h) {
   for (std::size_t i = 0; i < controls_.size(); ++i)
     if (margin(i, true, free_.end) < 0.0) return false;
   Point next;
-  if (stepper_.euler(free_.end, diagonal * ladder(std::min(level_ + 6, last_level)), next) != Solved::yes) return false;
+  if (stepper_.euler(free_.end, diagonal * ladder(std::min(level_ + absorbed_levels, last_level)), next) != Solved::yes) return false;
   if (next.on != free_.end.on || next.time > point_.time + remaining()) return false;
   certificate_.add_point(free_.end, ports_);
   stretch_.set(point_, free_.stage, next);

@@ -171,7 +171,7 @@ bool Block::jumps(double h, double motion) {
   Point brief;
   if (stepper_.euler(point_, h * std::ldexp(1.0, -deeper), brief, start_memory_) != Solved::yes) return true;
   std::vector<double> states;
-  for (const State& state : descriptor_.states()) states.push_back(state.measure(brief.z.data()));
+  descriptor_.measure_states(brief.z.data(), states);
   return difference(states, drawn_back()) <= std::max(unsettled_jump * motion, reltol_);
 }
 
@@ -191,10 +191,7 @@ bool Block::restart() {
   if (request_.events)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
   if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
-  if (!starting_) {
-    states_.clear();
-    for (const State& state : descriptor_.states()) states_.push_back(state.measure(point_.z.data()));
-  }
+  if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
   int level = level_ + restart_levels(reltol_);
   while (diagonal * ladder(level) > room_share * room) ++level;

@@ -16,7 +16,6 @@ using model::Term;
 
 /// Resistors below this fraction of R0 carry their own current.
 constexpr double low_resistance = 1e-6;
-constexpr double perfect_coupling = 1.0 - 1e-9;
 constexpr double tie_share = 1e-3;  ///< of what is around
 /// Start values of a loop of capacitors agree to this part of the largest voltage in it.
 constexpr double loop_tolerance = 1e-13;
@@ -333,25 +332,27 @@ Descriptor::Closing Descriptor::closing(double shift, const Position& on, double
   return closing;
 }
 
-std::vector<double> Descriptor::port_admittances(double shift) const {
-  const std::vector<double> admittances = node_admittances(shift);
+std::vector<double> Descriptor::port_admittances(double shift) const { return at_ports(node_admittances(shift)); }
+
+/// Of every port the larger value of its nodes.
+std::vector<double> Descriptor::at_ports(const std::vector<double>& of_nodes) const {
   std::vector<double> result(ports_.size(), 0.0);
   for (std::size_t i = 0; i < ports_.size(); ++i)
     for (const NodeIndex node : {ports_[i].p, ports_[i].n})
-      if (node != ground) result[i] = std::max(result[i], admittances[static_cast<std::size_t>(node)]);
+      if (node != ground) result[i] = std::max(result[i], of_nodes[static_cast<std::size_t>(node)]);
   return result;
 }
 
 double Descriptor::tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const {
-  const std::vector<double> around = port_admittances(shift);
+  const std::vector<double> admittances = node_admittances(shift);
+  const std::vector<double> around = at_ports(admittances);
   const double mean = mean_admittance(shift);
   for (const int port : ports) {
     const auto i = static_cast<std::size_t>(port);
     const double admittance = around[i] > 0.0 ? around[i] : mean;
     (on[i] != 0 ? closing.of_input : closing.of_slack)[i] = on[i] != 0 ? tie_share / admittance : tie_share * admittance;
   }
-  const std::vector<double> all = node_admittances(shift);
-  return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
+  return admittances.empty() ? 0.0 : *std::max_element(admittances.begin(), admittances.end());
 }
 
 void Descriptor::matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const {
@@ -372,9 +373,22 @@ double Descriptor::mean_admittance(double shift) const {
   return mean.value();
 }
 
+void Descriptor::measure_states(const double* z, std::vector<double>& states) const {
+  states.clear();
+  for (const State& state : states_) states.push_back(state.measure(z));
+}
+
 void Descriptor::rates(const double* z, const double* w, double* k) const {
+  rates_without_sources(z, k);
+  add_sources(w, k);
+}
+
+void Descriptor::rates_without_sources(const double* z, double* k) const {
   linalg::multiply(pattern_, g_, z, k);
   for (int i = 0; i < size_; ++i) k[i] = -k[i] - constant_[static_cast<std::size_t>(i)];
+}
+
+void Descriptor::add_sources(const double* w, double* k) const {
   for (const SourceEntry& entry : sources_) k[entry.row] -= entry.coefficient * w[entry.source];
 }
 

@@ -23,6 +23,9 @@ namespace pwlsim::engine::sparse {
 /// Which ports are on. Switches too: on is closed.
 using Position = std::vector<char>;
 
+/// A larger |k| is one: the currents of the two inductors are no states of their own.
+inline constexpr double perfect_coupling = 1.0 - 1e-9;
+
 /// value = Σ z-terms + Σ w-terms + constant.
 struct Form {
   struct Part {
@@ -105,8 +108,13 @@ class Descriptor {
   [[nodiscard]] double mean_admittance(double shift) const;
   /// k = −(G z + H w + g): what E z' is; zero in closing rows.
   void rates(const double* z, const double* w, double* k) const;
+  /// The same in two parts:  k = −(G z + g),  then  k −= H w.
+  void rates_without_sources(const double* z, double* k) const;
+  void add_sources(const double* w, double* k) const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
+  /// What every state measures of z.
+  void measure_states(const double* z, std::vector<double>& states) const;
   /// y = E z.
   void memory(const double* z, double* y) const { linalg::multiply(pattern_, e_, z, y); }
   /// Node potentials and currents, in z, near the solution with states given one by one: those of capacitors, where these leave it open of sources and
@@ -120,6 +128,7 @@ class Descriptor {
 
  private:
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;
+  [[nodiscard]] std::vector<double> at_ports(const std::vector<double>& of_nodes) const;
   void choose_scale();
   void number_unknowns();
   void scale_complementarities();

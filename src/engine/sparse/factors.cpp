@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/largest.hpp"
 #include "lcp/condition.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -127,9 +128,8 @@ void Factors::find_open(Entry& entry) {
     std::vector<double>& column = f.open_.emplace_back(static_cast<std::size_t>(descriptor_.size()), 0.0);
     column[static_cast<std::size_t>(ports[static_cast<std::size_t>(f.ties_[static_cast<std::size_t>(j)])].row)] = 1.0;
     f.solve_base(column);
-    double largest = 0.0;
-    for (const double value : column) largest = std::max(largest, std::abs(value));
-    for (double& value : column) value /= largest;
+    const double most = largest(column);
+    for (double& value : column) value /= most;
     for (std::size_t i = 0; i < ports.size(); ++i)
       free(static_cast<Eigen::Index>(i), j) = ports[i].response(entry.on[i] != 0, column.data());
   }
@@ -180,12 +180,9 @@ bool Factors::update(Entry& entry) {
 bool Factors::is_sound(const Factor& factor, const Entry& entry) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
   descriptor_.matrix(entry.shift, descriptor_.closing(entry.shift, entry.on, 0.0), 1.0, values_);
-  std::vector<double> solution(n), product(n), size(n);
+  std::vector<double> solution(n), right(n), product(n), size(n);
   for (std::size_t i = 0; i < n; ++i) solution[i] = 1.0 + static_cast<double>(i % 7) / 8.0;
-  const std::vector<double> right = [&] {
-    linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());
-    return product;
-  }();
+  linalg::multiply(descriptor_.pattern(), values_, solution.data(), right.data());
   solution = right;
   factor.solve(solution);
   linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/largest.hpp"
+
 namespace pwlsim::engine::sparse {
 
 namespace {
@@ -13,9 +15,8 @@ constexpr double to_boundary = 0.995;
 constexpr double end_gap = 1e-20, end_residual = 1e-10;
 constexpr double least_start = 1e-3;  ///< of the largest u, or s
 
-double largest(const std::vector<double>& values) {
-  double most = 0.0;
-  for (const double value : values) most = std::max(most, std::abs(value));
+double size_of(const std::vector<double>& values) {
+  const double most = largest(values);
   return most > 0.0 ? most : 1.0;
 }
 
@@ -37,7 +38,7 @@ void InteriorPoint::start(const Stage& stage, const Position& on) {
   direction(0.0, false);
   for (std::size_t i = 0; i < step_.size(); ++i) step_[i] += move_[i];
   take_residuals(stage, on);
-  const double most_u = largest(miss_u_), most_s = largest(miss_s_);
+  const double most_u = size_of(miss_u_), most_s = size_of(miss_s_);
   for (std::size_t i = 0; i < diodes; ++i) {
     const double u = miss_u_[i], s = miss_s_[i];
     u_[i] = std::max(std::abs(u), least_start * most_u);
@@ -123,9 +124,9 @@ bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& 
   if (!factored_) return false;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     take_residuals(stage, on);
-    const double most_u = std::max(largest(u_), scale.input), most_s = std::max(largest(s_), scale.slack), mean = gap(0.0);
+    const double most_u = std::max(size_of(u_), scale.input), most_s = std::max(size_of(s_), scale.slack), mean = gap(0.0);
     if (!std::isfinite(mean)) return false;
-    if (mean <= end_gap * most_u * most_s && largest(miss_u_) <= end_residual * most_u && largest(miss_s_) <= end_residual * most_s) {
+    if (mean <= end_gap * most_u * most_s && size_of(miss_u_) <= end_residual * most_u && size_of(miss_s_) <= end_residual * most_s) {
       for (std::size_t i = 0; i < u_.size(); ++i) on[i] = u_[i] / most_u > s_[i] / most_s;
       return true;
     }

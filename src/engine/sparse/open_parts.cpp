@@ -1,33 +1,23 @@
 #include "engine/sparse/open_parts.hpp"
 
 #include <cmath>
-#include <numeric>
+
+#include "model/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double perfect_coupling = 1.0 - 1e-9;
-
-/// Disjoint sets of nodes, ground the last.
-class Sets {
+/// Nodes that are one, ground among them as −1.
+class NodeSets {
  public:
-  explicit Sets(std::size_t nodes) : parent_(nodes + 1) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  explicit NodeSets(std::size_t nodes) : sets_(static_cast<int>(nodes) + 1) {}
   /// False: they were one already.
-  bool join(model::NodeIndex a, model::NodeIndex b) {
-    const std::size_t x = root(a), y = root(b);
-    if (x == y) return false;
-    parent_[x] = y;
-    return true;
-  }
+  bool join(model::NodeIndex a, model::NodeIndex b) { return sets_.join(a + 1, b + 1); }
 
  private:
-  std::size_t root(model::NodeIndex node) {
-    std::size_t i = node == model::ground ? parent_.size() - 1 : static_cast<std::size_t>(node);
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<std::size_t> parent_;
+  static_assert(model::ground == -1);
+  model::DisjointSets sets_;
 };
 
 }  // namespace
@@ -46,7 +36,7 @@ OpenParts::OpenParts(const model::Network& network) : nodes_(network.nodes.size(
 
 std::vector<int> OpenParts::ties(const Position& on) const {
   std::vector<int> result;
-  Sets parts(nodes_), loops(nodes_);
+  NodeSets parts(nodes_), loops(nodes_);
   for (const Link& link : solid_) parts.join(link.p, link.n);
   for (const Link& link : shorts_) {
     parts.join(link.p, link.n);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "base/largest.hpp"
 #include "engine/sparse/interior_point.hpp"
 #include "lcp/solve.hpp"
 
@@ -30,13 +31,6 @@ constexpr double far_away = 1e3;
 constexpr int most_iterations = 8;
 constexpr int most_decisions = 32;
 constexpr std::size_t few_disputed = 12;  ///< decided by a dense matrix of their own
-
-template <class Iterator>
-double largest(Iterator first, Iterator last) {
-  double most = 0.0;
-  for (; first != last; ++first) most = std::max(most, std::abs(*first));
-  return most;
-}
 
 std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({on.data(), on.size()}); }
 
@@ -112,10 +106,10 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
 void PortSolver::examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step,
                               std::vector<double>& z) {
   const auto& ports = descriptor_.ports();
-  const auto nodes = static_cast<std::ptrdiff_t>(descriptor_.nodes());
-  const double voltage = std::max(scale_.slack, largest(z.begin(), z.begin() + nodes));
-  const double current = std::max(scale_.input, largest(z.begin() + nodes, z.end()));
-  const double rounding = rounding_of_sums * factor.stiffest() * largest(step.begin(), step.begin() + nodes);
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double voltage = std::max(scale_.slack, largest(std::span(z).first(nodes)));
+  const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
+  const double rounding = rounding_of_sums * factor.stiffest() * largest(std::span(step).first(nodes));
   right_.assign(z.size(), 0.0);
   for (const int tie : factor.ties()) {
     const auto i = static_cast<std::size_t>(tie);
@@ -128,7 +122,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
   }
   if (contradicted_) {
     factor.solve(right_);
-    const double volts = largest(right_.begin(), right_.begin() + nodes), amperes = largest(right_.begin() + nodes, right_.end());
+    const double volts = largest(std::span(right_).first(nodes)), amperes = largest(std::span(right_).subspan(nodes));
     const double far = far_away * std::max(volts > 0.0 ? voltage / volts : 0.0, amperes > 0.0 ? current / amperes : 0.0);
     for (std::size_t i = 0; i < z.size(); ++i) z[i] += far * right_[i];
     return;
@@ -157,9 +151,9 @@ Solved PortSolver::solve_in(const Stage& stage, const Position& on, std::vector<
 /// contradicts the network, stays wrong however often.
 void PortSolver::refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z) {
   refined_ = z;
-  const auto nodes = static_cast<std::ptrdiff_t>(descriptor_.nodes());
-  const double voltage = std::max(scale_.slack, largest(z.begin(), z.begin() + nodes));
-  const double current = std::max(scale_.input, largest(z.begin() + nodes, z.end()));
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double voltage = std::max(scale_.slack, largest(std::span(z).first(nodes)));
+  const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
   double first = 0.0, last = 0.0;
   for (int round = 0; round <= most_corrections; ++round) {
     right_.assign(z.size(), 0.0);

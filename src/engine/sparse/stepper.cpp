@@ -53,14 +53,18 @@ Stepper::Stepper(const Descriptor& descriptor, PortSolver& ports, const Sources&
     : descriptor_(descriptor), ports_(ports), sources_(sources) {
   const auto n = static_cast<std::size_t>(descriptor.size());
   memory_.assign(n, 0.0);
+  rates_.resize(n);
   right_.resize(n);
 }
+
+void Stepper::start_from(const Point& from) { descriptor_.rates_without_sources(from.z.data(), rates_.data()); }
 
 /// (shift·E + G) (z − z0) = m − (G z0 + H w + g)  at at.time, from the position in `at`.
 Solved Stepper::stage(const Point& from, double shift, bool frozen, Point& at) {
   const std::size_t n = memory_.size();
   sources_.evaluate(at.time, at.w);
-  descriptor_.rates(from.z.data(), at.w.data(), right_.data());
+  right_ = rates_;
+  descriptor_.add_sources(at.w.data(), right_.data());
   for (std::size_t i = 0; i < n; ++i) right_[i] += memory_[i];
   const Stage stage{shift, from.z, right_, at.w};
   const Solved solved = frozen ? ports_.solve_in(stage, at.on, step_, at.z) : ports_.solve(stage, at.on, step_, at.z);
@@ -83,6 +87,7 @@ void Stepper::tr_bdf2(const Point& from, double h, const StateScale& scale, Tria
   trial.stage.time = from.time + first_stage * h;
   trial.end.time = from.time + h;
   trial.stage.on = trial.end.on = from.on;
+  start_from(from);
   memory_ = from.k;
   trial.solved = stage(from, shift, true, trial.stage);
   if (trial.solved != Solved::yes) return;
@@ -101,6 +106,7 @@ void Stepper::sdirk2(const Point& from, double h, const StateScale& scale, Trial
   trial.stage.time = from.time + d * h;
   trial.end.time = from.time + h;
   trial.stage.on = from.on;
+  start_from(from);
   std::fill(memory_.begin(), memory_.end(), 0.0);
   trial.solved = stage(from, shift, false, trial.stage);
   if (trial.solved != Solved::yes) return;
@@ -116,6 +122,7 @@ void Stepper::sdirk2(const Point& from, double h, const StateScale& scale, Trial
 Solved Stepper::euler(const Point& from, double h, Point& end, const std::vector<double>& more) {
   end.time = from.time + h;
   end.on = from.on;
+  start_from(from);
   std::fill(memory_.begin(), memory_.end(), 0.0);
   for (std::size_t i = 0; i < more.size(); ++i) memory_[i] = more[i] / h;
   return stage(from, 1.0 / h, false, end);

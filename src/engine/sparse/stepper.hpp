@@ -68,12 +68,15 @@ class Stepper {
   [[nodiscard]] Solved euler(const Point& from, double h, Point& end, const std::vector<double>& more = {});
 
  private:
+  /// One of the stages of a step from a point, whose rates come first.
+  void start_from(const Point& from);
   [[nodiscard]] Solved stage(const Point& from, double shift, bool frozen, Point& at);
   [[nodiscard]] double estimate(double shift, const Position& on, const StateScale& scale, const std::vector<double>& z);
 
   const Descriptor& descriptor_;
   PortSolver& ports_;
   const Sources& sources_;
+  std::vector<double> rates_;   ///< −(G z0 + g)
   std::vector<double> memory_;  ///< m of a stage:  k = shift·E (z − z0) − m
   std::vector<double> right_, step_;
 };

@@ -1,0 +1,17 @@
+#pragma once
+/// The largest magnitude among numbers.
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace pwlsim {
+
+/// max |xᵢ|, 0 of none.
+[[nodiscard]] inline double largest(std::span<const double> values) {
+  double most = 0.0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
+}
+
+}  // namespace pwlsim

@@ -1,0 +1,40 @@
+#include "cli/output.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace pwlsim::cli {
+
+int fail(Messages& messages, Status status, std::string id, std::string text) {
+  messages.report({Severity::error, std::move(id), {}, std::move(text)});
+  return static_cast<int>(status);
+}
+
+int print(const std::string& text, Messages& messages, Stream stream) {
+  std::size_t written = 0;
+  const int error_number = waveform::write_all(stream == Stream::error ? STDERR_FILENO : STDOUT_FILENO, text, written);
+  if (error_number == 0) return static_cast<int>(Status::done);
+  if (error_number == EPIPE) return static_cast<int>(Status::closed_pipe);
+  return fail(messages, Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
+}
+
+int open_output(const std::string& name, const std::string& deck, Messages& messages, std::optional<waveform::OutputFile>& file) {
+  if (name != "-" && waveform::same_file(name, deck))
+    return fail(messages, Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
+  std::string problem;
+  auto opened = waveform::OutputFile::open(name, problem);
+  if (!opened) return fail(messages, Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", name, problem));
+  file.emplace(std::move(*opened));
+  return static_cast<int>(Status::done);
+}
+
+int write_whole(waveform::OutputFile& file, const std::string& text, Messages& messages) {
+  if (file.write(text) && file.commit()) return static_cast<int>(Status::done);
+  if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);
+  return fail(messages, Status::file_error, "E-cannot-write", fmt::format("{}: {}", file.name(), file.problem()));
+}
+
+}  // namespace pwlsim::cli

@@ -1,0 +1,28 @@
+#pragma once
+/// Texts and files that a command writes, and what it says where that fails. Every function returns an exit status, 0 where all is well.
+
+#include <optional>
+#include <string>
+
+#include "cli/messages.hpp"
+#include "cli/status.hpp"
+#include "waveform/output_file.hpp"
+
+namespace pwlsim::cli {
+
+/// Reports an error; returns the status.
+int fail(Messages& messages, Status status, std::string id, std::string text);
+
+enum class Stream { output, error };
+
+/// The text on a standard stream, whole.
+[[nodiscard]] int print(const std::string& text, Messages& messages, Stream stream = Stream::output);
+
+/// Opens a file to write, which must not be the deck; "-" is standard output.
+[[nodiscard]] int open_output(const std::string& name, const std::string& deck, Messages& messages,
+                              std::optional<waveform::OutputFile>& file);
+
+/// Writes the text to the file and commits it.
+[[nodiscard]] int write_whole(waveform::OutputFile& file, const std::string& text, Messages& messages);
+
+}  // namespace pwlsim::cli

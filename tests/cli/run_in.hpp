@@ -1,0 +1,19 @@
+#pragma once
+/// The program, started in a folder of the test.
+
+#include <catch2/catch.hpp>
+
+#include "support/scratch.hpp"
+#include "support/spawn.hpp"
+
+namespace pwlsim::test {
+
+/// Failures of the test from here on show the status and the messages.
+inline Finished run_in(const Scratch& scratch, const std::vector<std::string>& arguments, SpawnOptions options = {}) {
+  options.folder = scratch.path().string();
+  Finished finished = run_program(arguments, options);
+  UNSCOPED_INFO("status " << finished.status << ", standard error: " << finished.err);
+  return finished;
+}
+
+}  // namespace pwlsim::test
