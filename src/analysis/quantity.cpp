@@ -29,4 +29,9 @@ std::string quantity(double value, std::string_view unit, int digits) {
   return fmt::format("{:.{}g} {}", value, digits, unit);
 }
 
+std::string_view unit_of_signal(std::string_view name) {
+  if (name.size() < 2 || name[1] != '(') return "";
+  return name[0] == 'v' || name[0] == 'V' ? "V" : name[0] == 'i' || name[0] == 'I' ? "A" : "";
+}
+
 }  // namespace pwlsim::analysis

@@ -10,4 +10,7 @@ namespace pwlsim::analysis {
 /// with an exponent.
 [[nodiscard]] std::string quantity(double value, std::string_view unit, int digits = 6);
 
+/// Of a saved signal by its name: "V" of `v(out)`, "A" of `i(L1)`, "" of a quantity of a raw system.
+[[nodiscard]] std::string_view unit_of_signal(std::string_view name);
+
 }  // namespace pwlsim::analysis

@@ -12,6 +12,7 @@
 #include "analysis/quantity.hpp"
 #include "analysis/row_grid.hpp"
 #include "waveform/csv.hpp"
+#include "waveform/raw_file.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -20,9 +21,9 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-class CsvSink : public engine::RowSink {
+class FileSink : public engine::RowSink {
  public:
-  CsvSink(waveform::OutputFile& file, const std::vector<std::string>& names) : writer_(file, names), columns_(names.size()) {}
+  FileSink(waveform::RowWriter& writer, std::size_t columns) : writer_(writer), columns_(columns) {}
 
   bool write(std::span<const double> values, std::size_t count) override {
     const auto start = Clock::now();
@@ -56,13 +57,18 @@ class CsvSink : public engine::RowSink {
     return count;
   }
 
-  waveform::CsvWriter writer_;
+  waveform::RowWriter& writer_;
   std::size_t columns_;
   std::uint64_t rows_ = 0;
   std::size_t bad_column_ = 0;
   double last_time_ = 0.0;
   double seconds_ = 0.0;
 };
+
+const char* raw_type(std::string_view signal) {
+  const std::string_view unit = unit_of_signal(signal);
+  return unit == "V" ? "voltage" : unit == "A" ? "current" : "notype";
+}
 
 engine::NonUnique non_unique(circuit::NonUniqueChoice choice) {
   switch (choice) {
@@ -76,7 +82,7 @@ engine::NonUnique non_unique(circuit::NonUniqueChoice choice) {
   return engine::NonUnique::error;
 }
 
-void judge(TransientRun& run, const CsvSink& sink, const std::vector<std::string>& names) {
+void judge(TransientRun& run, const FileSink& sink, const std::vector<std::string>& names) {
   run.id = run.answer.id;
   run.message = run.answer.message;
   switch (run.answer.outcome) {
@@ -102,7 +108,7 @@ void judge(TransientRun& run, const CsvSink& sink, const std::vector<std::string
   }
 }
 
-void complete(TransientRun& run, CsvSink& sink, waveform::OutputFile& file) {
+void complete(TransientRun& run, FileSink& sink, waveform::OutputFile& file) {
   if (sink.flush() && file.commit()) return;
   run.ending = file.closed_pipe() ? Ending::closed_pipe : Ending::write_failed;
   run.id = "E-cannot-write";
@@ -131,10 +137,18 @@ std::vector<std::string> column_names(const model::Network& network) {
   return names;
 }
 
-TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
-                           const RunControl& control) {
+std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled, waveform::OutputFile& file) {
   const std::vector<std::string> names = column_names(compiled.network);
-  CsvSink sink(file, names);
+  if (format == RowFormat::csv) return std::make_unique<waveform::CsvWriter>(file, names);
+  std::vector<waveform::RawVector> vectors{{names[0], "time"}};
+  for (std::size_t k = 1; k < names.size(); ++k) vectors.push_back({names[k], raw_type(names[k])});
+  return std::make_unique<waveform::RawWriter>(file, compiled.title, vectors);
+}
+
+TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
+                           waveform::RowWriter& writer, const RunControl& control) {
+  const std::vector<std::string> names = column_names(compiled.network);
+  FileSink sink(writer, names.size());
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
     run.ending = Ending::failed;

@@ -1,15 +1,17 @@
 #pragma once
-/// One transient run: deck and engine in, completed CSV out.
+/// One transient run: deck and engine in, completed file of rows out.
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "circuit/compile.hpp"
 #include "engine/run.hpp"
 #include "waveform/output_file.hpp"
+#include "waveform/row_writer.hpp"
 
 namespace pwlsim::analysis {
 
@@ -46,9 +48,15 @@ struct TransientRun {
 /// The column heads: `time` and the signals.
 [[nodiscard]] std::vector<std::string> column_names(const model::Network& network);
 
-/// Runs `compiled.analyses.transient`, which must be there, into `file`, and commits it unless writing fails.
+enum class RowFormat { csv, raw };
+
+/// Writes the rows of `compiled` into `file`, which must outlive it.
+[[nodiscard]] std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled,
+                                                              waveform::OutputFile& file);
+
+/// Runs `compiled.analyses.transient`, which must be there, through `writer` into `file`, and commits it unless writing fails.
 /// A value that is not finite ends the run as failed before its row is written; so does want of memory.
 [[nodiscard]] TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
-                                         const RunControl& control);
+                                         waveform::RowWriter& writer, const RunControl& control);
 
 }  // namespace pwlsim::analysis

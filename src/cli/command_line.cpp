@@ -68,7 +68,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.set_version_flag("--version", "pwlsim " + version, "Print the version and stop");
   app.add_option("circuit", raw.files, "The deck: a SPICE-like netlist")->type_name("FILE");
   app.add_option("-o,--output", raw.output,
-                 "The CSV file; '-' is standard output (default: the deck's name with .csv, in the current directory)")
+                 "The file of rows; '-' is standard output (default: the deck's name with .csv or .raw, in the current directory)")
       ->type_name("FILE");
   app.add_flag("--events", raw.events, "Add a row before and after every event");
   app.add_option("--engine", raw.engine, "auto, exact or sparse (default: auto, by size)")->type_name("NAME");
@@ -76,7 +76,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
                  "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
       ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
-  app.add_option("--format", raw.format, "csv (raw: not supported yet)")->type_name("NAME");
+  app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
   app.add_option("--plot", raw.plot, "Not supported yet")->type_name("FILE");
   app.add_option("--report", raw.report, "Not supported yet")->type_name("FILE");
   app.add_flag("--json", raw.json, "Not supported yet");
@@ -211,12 +211,11 @@ EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
   return EngineChoice::automatic;
 }
 
-void check_format(const std::string& format, Complaints& complaints) {
-  if (format == "raw") {
-    complaints.not_yet("--format raw", "`--format csv`");
-  } else if (!format.empty() && format != "csv") {
-    complaints.add("E-option-value", fmt::format("`--format {}` names no format; try csv", format));
-  }
+analysis::RowFormat row_format(const CLI::App& app, const std::string& format, Complaints& complaints) {
+  if (format == "raw") return analysis::RowFormat::raw;
+  if (app.count("--format") != 0 && format != "csv")
+    complaints.add("E-option-value", fmt::format("`--format {}` names no format; try csv or raw", format));
+  return analysis::RowFormat::csv;
 }
 
 /// 0 for what is none.
@@ -256,7 +255,6 @@ bool one_target(const std::string& a, const std::string& b) { return a == b || (
 RunOptions run_options(const Raw& raw) {
   RunOptions options;
   options.deck = raw.files[0];
-  options.output = raw.output.empty() ? default_output(options.deck) : raw.output;
   options.stats = raw.stats;
   options.events = raw.events;
   options.quiet = raw.quiet;
@@ -269,7 +267,7 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   check_file_name("--output", app, raw.output, complaints);
   check_file_name("--stats", app, raw.stats, complaints);
   const EngineChoice engine = engine_choice(raw.engine, complaints);
-  check_format(raw.format, complaints);
+  const analysis::RowFormat format = row_format(app, raw.format, complaints);
   std::optional<double> reltol;
   if (app.count("--reltol") != 0) reltol = relative_tolerance(raw.reltol, complaints);
   if (app.count("--plot") != 0) complaints.not_yet("--plot", "plotting the CSV file");
@@ -280,6 +278,8 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   if (complaints.any()) return complaints.refused();
   RunOptions options = run_options(raw);
   options.engine = engine;
+  options.format = format;
+  options.output = raw.output.empty() ? default_output(options.deck, format) : raw.output;
   options.reltol = reltol;
   if (one_target(options.output, options.stats)) {
     complaints.add("E-option-conflict", fmt::format("the rows and `--stats` would both go to `{}`; try two names", options.stats));
@@ -389,7 +389,9 @@ CommandLine read_subcommand(const Subcommand& subcommand, std::vector<std::strin
 
 }  // namespace
 
-std::string default_output(const std::string& deck) { return std::filesystem::path(deck).stem().string() + ".csv"; }
+std::string default_output(const std::string& deck, analysis::RowFormat format) {
+  return std::filesystem::path(deck).stem().string() + (format == analysis::RowFormat::raw ? ".raw" : ".csv");
+}
 
 CommandLine read_command_line(const std::vector<std::string>& arguments, const std::string& version) {
   Raw raw;

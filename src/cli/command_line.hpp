@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "analysis/transient.hpp"
 #include "base/diagnostic.hpp"
 
 namespace pwlsim::cli {
@@ -18,6 +19,7 @@ struct RunOptions {
   std::string deck;
   std::string output;  ///< never empty; "-" is standard output
   std::string stats;   ///< empty: none; "-" is standard output
+  analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol
   bool events = false;
@@ -67,7 +69,7 @@ using CommandLine = std::variant<RunOptions, InspectOptions, ExportOptions, Comp
 /// flag and names a subcommand is one; a file of that name is reached as `./inspect` or behind `--`.
 [[nodiscard]] CommandLine read_command_line(const std::vector<std::string>& arguments, const std::string& version);
 
-/// circuit.csv for any/path/circuit.net.
-[[nodiscard]] std::string default_output(const std::string& deck);
+/// circuit.csv, or circuit.raw, for any/path/circuit.net.
+[[nodiscard]] std::string default_output(const std::string& deck, analysis::RowFormat format = analysis::RowFormat::csv);
 
 }  // namespace pwlsim::cli

@@ -165,7 +165,8 @@ int Session::transient() {
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
     };
-    run = analysis::run_transient(*compiled_, simulate, *rows_file_, control);
+    const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
+    run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
   }
   if (sparse_) warn_of_sparse_engine();
   take_remarks(run.answer);

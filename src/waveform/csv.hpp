@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "waveform/row_writer.hpp"
+
 namespace pwlsim::waveform {
 
 class OutputFile;
@@ -20,15 +22,14 @@ class OutputFile;
 [[nodiscard]] std::string shortest(double value);
 
 /// Collects rows in a buffer and hands it to `file` when full. `file` must outlive the writer; it is neither opened nor committed here.
-class CsvWriter {
+class CsvWriter : public RowWriter {
  public:
   /// `names` are the column heads.
   CsvWriter(OutputFile& file, std::span<const std::string> names);
 
-  /// `values` holds whole rows, one after the other. False from the first failure to write on.
-  bool write(std::span<const double> values);
+  bool write(std::span<const double> values) override;
   /// Empties the buffer into the file.
-  bool flush();
+  bool flush() override;
 
  private:
   OutputFile& file_;

@@ -9,7 +9,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <utility>
+#include <vector>
 
 namespace pwlsim::waveform {
 namespace {
@@ -127,41 +129,78 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       partial_(std::move(other.partial_)),
       size_(other.size_),
       descriptor_(std::exchange(other.descriptor_, -1)),
+      destination_(std::exchange(other.destination_, -1)),
       failure_(other.failure_) {}
 
 OutputFile::~OutputFile() {
   if (descriptor_ < 0) return;
   if (!partial_.empty() && failure_ == 0) ::unlink(partial_.c_str());
-  if (descriptor_ != STDOUT_FILENO) ::close(descriptor_);
+  for (const int descriptor : {descriptor_, destination_})
+    if (descriptor >= 0 && descriptor != STDOUT_FILENO) ::close(descriptor);
 }
 
-bool OutputFile::write(std::string_view lines) {
+bool OutputFile::write(std::string_view bytes, std::size_t row_bytes) {
   if (failure_ != 0) return false;
   std::size_t written = 0;
-  const int error_number = write_all(descriptor_, lines, written);
+  const int error_number = write_all(descriptor_, bytes, written);
   if (error_number != 0) {
-    fail(error_number, lines.substr(0, written));
+    fail(error_number, row_bytes != 0 ? written / row_bytes * row_bytes : bytes.substr(0, written).rfind('\n') + 1);
     return false;
   }
   size_ += written;
   return true;
 }
 
-void OutputFile::fail(int error_number, std::string_view written_of_last_lines) {
+void OutputFile::fail(int error_number, std::uint64_t kept_of_last) {
   failure_ = error_number;
   if (partial_.empty()) return;
-  const std::size_t line_end = written_of_last_lines.rfind('\n');
-  const std::uint64_t whole = size_ + (line_end == std::string_view::npos ? 0 : line_end + 1);
-  (void)!::ftruncate(descriptor_, static_cast<off_t>(whole));
+  size_ += kept_of_last;
+  (void)!::ftruncate(descriptor_, static_cast<off_t>(size_));
+}
+
+bool OutputFile::hold() {
+  if (failure_ != 0) return false;
+  if (!partial_.empty() || destination_ >= 0) return true;
+  std::error_code unknown;
+  std::string name = (std::filesystem::temp_directory_path(unknown) / "pwlsim-XXXXXX").string();
+  const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) {
+    fail(errno);
+    return false;
+  }
+  ::unlink(name.c_str());
+  destination_ = std::exchange(descriptor_, descriptor);
+  return true;
+}
+
+bool OutputFile::overwrite(std::uint64_t at, std::string_view bytes) {
+  if (partial_.empty() && destination_ < 0) return false;
+  return ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(at)) == static_cast<ssize_t>(bytes.size());
+}
+
+/// What was held goes where it should.
+bool OutputFile::release() {
+  constexpr std::size_t piece = std::size_t{1} << 18;
+  std::vector<char> buffer(piece);
+  const int held = std::exchange(descriptor_, std::exchange(destination_, -1));
+  ssize_t count = 0;
+  for (off_t at = 0; failure_ == 0 && (count = ::pread(held, buffer.data(), piece, at)) > 0; at += count) {
+    std::size_t written = 0;
+    failure_ = write_all(descriptor_, {buffer.data(), static_cast<std::size_t>(count)}, written);
+  }
+  if (count < 0) failure_ = errno;
+  ::close(held);
+  return failure_ == 0;
 }
 
 bool OutputFile::commit() {
   if (failure_ != 0) return false;
+  if (destination_ >= 0 && !release()) return false;
   if (descriptor_ == STDOUT_FILENO) return true;
   // Renamed before it is closed: closing ends the lock. A file system that writes late reports it when a copy of the descriptor is closed.
   const int copy = ::dup(descriptor_);
   if (copy >= 0 && ::close(copy) != 0) {
-    fail(errno, {});
+    fail(errno);
   } else if (!partial_.empty() && ::rename(partial_.c_str(), target_.c_str()) != 0) {
     failure_ = errno;
   }

@@ -23,8 +23,15 @@ class OutputFile {
   /// Without commit() the temporary file is removed, unless writing failed: then what was written stays in it.
   ~OutputFile();
 
-  /// Writes whole lines. False from the first failure on; the temporary file then ends behind the last whole line that found room.
-  bool write(std::string_view lines);
+  /// Writes whole lines, or whole rows of `row_bytes` each. False from the first failure on; the temporary file then ends behind the last whole
+  /// line or row that found room.
+  bool write(std::string_view bytes, std::size_t row_bytes = 0);
+  /// From now on bytes can be overwritten: what would be written directly is held in a temporary file without a name until commit().
+  bool hold();
+  /// Replaces bytes that were written; after a failure to write too. False where that is not possible.
+  bool overwrite(std::uint64_t at, std::string_view bytes);
+  /// Bytes written.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
   /// Completes and renames. False where writing, now or before, or renaming failed.
   bool commit();
 
@@ -39,14 +46,16 @@ class OutputFile {
 
  private:
   OutputFile() = default;
-  void fail(int error_number, std::string_view written_of_last_lines);
+  void fail(int error_number, std::uint64_t kept_of_last = 0);
+  bool release();
 
   std::string given_;   // as the user wrote it
   std::string target_;  // with symbolic links followed
   std::string partial_;
   std::uint64_t size_ = 0;
   int descriptor_ = -1;
-  int failure_ = 0;  // errno
+  int destination_ = -1;  // of what is held; -1: nothing is
+  int failure_ = 0;       // errno
 };
 
 /// Whether both names lead to one existing file.

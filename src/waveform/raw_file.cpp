@@ -1,15 +1,45 @@
 #include "waveform/raw_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
 #include "base/names.hpp"
+#include "waveform/output_file.hpp"
 
 namespace pwlsim::waveform {
 namespace {
 
-constexpr std::string_view binary_mark = "Binary:\n";
-constexpr std::string_view names_mark = "Variables:\n";
+constexpr std::string_view binary_mark = "\nBinary:\n";
+constexpr std::string_view names_mark = "\nVariables:\n";
+
+constexpr std::string_view points_mark = "No. Points: ";
+/// Room for any number of points.
+constexpr int points_width = 20;
+
+/// A title is one line of text.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
+
+/// Names end at a blank.
+std::string one_word(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](unsigned char c) { return c <= ' '; }), text.end());
+  return text;
+}
+
+std::string head_of(const std::string& title, std::span<const RawVector> vectors) {
+  std::string head =
+      fmt::format("Title: {}\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: {}\n{}{:<{}}{}",
+                  one_line(title), vectors.size(), points_mark, 0, points_width, names_mark);
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < vectors.size(); ++k)
+    lines.push_back(fmt::format("\t{}\t{}\t{}", k, one_word(vectors[k].name), vectors[k].type));
+  return head += fmt::format("{}{}", fmt::join(lines, "\n"), binary_mark);
+}
 
 /// "\t1\tv(out)\tvoltage"
 std::string name_of(std::string_view line) {
@@ -49,6 +79,24 @@ std::optional<RawFile> read_raw(std::string_view bytes) {
   file.values.resize(body.size() / row * file.names.size());
   if (!file.values.empty()) std::memcpy(file.values.data(), body.data(), file.values.size() * sizeof(double));
   return file;
+}
+
+RawWriter::RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors)
+    : file_(file), row_bytes_(vectors.size() * sizeof(double)) {
+  const std::string head = head_of(title, vectors);
+  head_bytes_ = head.size();
+  count_at_ = head.find(fmt::format("\n{}", points_mark)) + 1 + points_mark.size();
+  if (file_.hold()) file_.write(head);
+}
+
+bool RawWriter::write(std::span<const double> values) {
+  return file_.write({reinterpret_cast<const char*>(values.data()), values.size_bytes()}, row_bytes_);
+}
+
+bool RawWriter::flush() {
+  if (file_.size() < head_bytes_) return false;
+  const std::uint64_t points = (file_.size() - head_bytes_) / row_bytes_;
+  return file_.overwrite(count_at_, fmt::format("{:<{}}", points, points_width)) && !file_.failed();
 }
 
 }  // namespace pwlsim::waveform

@@ -1,11 +1,15 @@
 #pragma once
-/// SPICE's binary raw file of real numbers: a text head with the names of the vectors, then one row of doubles a point.
+/// SPICE's binary raw file of real numbers: a text head with the names of the vectors, then one row of doubles a point (ngspice manual, "Binary
+/// rawfile format"; byte order of the machine).
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "waveform/row_writer.hpp"
 
 namespace pwlsim::waveform {
 
@@ -21,5 +25,28 @@ struct RawFile {
 
 /// Whole rows only: what a run that was cut short wrote is read as far as it goes. Empty where `bytes` is no such file.
 [[nodiscard]] std::optional<RawFile> read_raw(std::string_view bytes);
+
+class OutputFile;
+
+struct RawVector {
+  std::string name;
+  std::string type;  ///< "time", "voltage", "current", "notype"
+};
+
+/// Writes rows as they come, and their number, which the head holds, when they are complete: a pipe is sent nothing before. The date in
+/// the head is always that of the epoch, so that equal runs make equal files. `file` must outlive the writer; it is neither opened nor committed here.
+class RawWriter : public RowWriter {
+ public:
+  RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors);
+
+  bool write(std::span<const double> values) override;
+  bool flush() override;
+
+ private:
+  OutputFile& file_;
+  std::size_t row_bytes_;
+  std::size_t head_bytes_ = 0;
+  std::size_t count_at_ = 0;  ///< of the number of points in the head
+};
 
 }  // namespace pwlsim::waveform

@@ -51,7 +51,9 @@ TransientRun run(const Scratch& scratch, const analysis::Simulate& simulate, con
   std::string problem;
   auto file = waveform::OutputFile::open(scratch / "a.csv", problem);
   REQUIRE(file);
-  return analysis::run_transient(ramp(), simulate, *file, control);
+  const circuit::Compiled compiled = ramp();
+  const auto writer = analysis::row_writer(analysis::RowFormat::csv, compiled, *file);
+  return analysis::run_transient(compiled, simulate, *file, *writer, control);
 }
 
 const std::string all_rows = "time,\"v(a,b)\"\n0,0\n0.1,0.2\n0.2,0.4\n0.3,0.6\n0.4,0.8\n0.5,1\n";
@@ -83,7 +85,8 @@ TEST_CASE("the request carries what the deck and the command line asked", "[unit
     seen = request;
     return engine::Answer{};
   };
-  (void)analysis::run_transient(compiled, look, *file, {true, true, [](double) {}, &flag});
+  const auto writer = analysis::row_writer(analysis::RowFormat::csv, compiled, *file);
+  (void)analysis::run_transient(compiled, look, *file, *writer, {true, true, [](double) {}, &flag});
   CHECK(seen.stop == 0.5);
   CHECK(seen.grid.rows == 6);
   CHECK(seen.events);

@@ -91,6 +91,29 @@ TEST_CASE("a full disk keeps whole lines in the partial file and the target unto
   CHECK(read_file(scratch / "a.csv.partial") == "abc\ndef\n");
 }
 
+TEST_CASE("a full disk keeps whole rows of bytes, which can still be overwritten", "[unit]") {
+  const Scratch scratch;
+  {
+    OutputFile file = open(scratch / "a.raw");
+    const FileSizeLimit limit(11);
+    CHECK(file.write("n=0\n"));
+    CHECK_FALSE(file.write("ab\ncd\nef", 3));  // the limit leaves room for seven bytes: two rows
+    CHECK(file.size() == 10);
+    CHECK(file.overwrite(2, "2"));
+  }
+  CHECK(read_file(scratch / "a.raw.partial") == "n=2\nab\ncd\n");
+}
+
+TEST_CASE("what goes to a device is held back where it shall be overwritten", "[unit]") {
+  OutputFile file = open("/dev/full");
+  CHECK_FALSE(file.overwrite(0, "x"));
+  REQUIRE(file.hold());
+  CHECK(file.write("n=0\n"));
+  CHECK(file.overwrite(2, "1"));
+  CHECK_FALSE(file.commit());
+  CHECK(file.problem() == "No space left on device");
+}
+
 TEST_CASE("targets that cannot be written are refused and nothing is created", "[unit]") {
   const Scratch scratch;
   CHECK(problem_of(scratch / "missing/a.csv") == "No such file or directory");

@@ -4,6 +4,9 @@
 #include <cstring>
 #include <string>
 
+#include "support/scratch.hpp"
+#include "waveform/output_file.hpp"
+
 using namespace pwlsim::waveform;
 
 namespace {
@@ -41,4 +44,36 @@ TEST_CASE("what is no binary raw file is not read", "[unit]") {
   CHECK_FALSE(read_raw(""));
   CHECK_FALSE(read_raw("time,v(a)\n0,1\n"));
   CHECK_FALSE(read_raw("Binary:\n"));
+}
+
+TEST_CASE("rows are written as ngspice writes them, with their number in the head", "[unit]") {
+  const pwlsim::test::Scratch scratch;
+  std::string problem;
+  auto file = OutputFile::open(scratch / "a.raw", problem);
+  REQUIRE(file);
+  RawWriter writer(*file, "a\ntitle", std::vector<RawVector>{{"time", "time"}, {"v(Out)", "voltage"}});
+  REQUIRE(writer.write(std::vector<double>{0.0, 1.0}));
+  REQUIRE(writer.write(std::vector<double>{0.5, 2.0, 1.0, -3.0}));
+  REQUIRE(writer.flush());
+  REQUIRE(file->commit());
+  // The head is that of a file that ngspice 39 wrote, but for the title, the date and the padding of the number of points.
+  CHECK(pwlsim::test::read_file(scratch / "a.raw") ==
+        "Title: a title\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: 2\n"
+        "No. Points: 3                   \nVariables:\n\t0\ttime\ttime\n\t1\tv(Out)\tvoltage\nBinary:\n" +
+            bytes_of({0.0, 1.0, 0.5, 2.0, 1.0, -3.0}));
+}
+
+TEST_CASE("a title that looks like a line of the head does no harm", "[unit]") {
+  const pwlsim::test::Scratch scratch;
+  std::string problem;
+  auto file = OutputFile::open(scratch / "a.raw", problem);
+  REQUIRE(file);
+  RawWriter writer(*file, "Binary:\nNo. Points: 7", std::vector<RawVector>{{"time", "time"}});
+  REQUIRE(writer.write(std::vector<double>{0.5}));
+  REQUIRE(writer.flush());
+  REQUIRE(file->commit());
+  const auto raw = read_raw(pwlsim::test::read_file(scratch / "a.raw"));
+  REQUIRE(raw);
+  REQUIRE(raw->rows() == 1);
+  CHECK(raw->at(0, 0) == 0.5);
 }
