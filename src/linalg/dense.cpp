@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <array>
+#include <type_traits>
 #include <vector>
 
 #include "linalg/small.hpp"
@@ -27,10 +29,43 @@ void clean(M& m, const M& bound, Tolerance tolerance) {
       if (std::abs(m(i, j)) <= tolerance * bound(i, j)) m(i, j) = 0;
 }
 
+/// Larger left factors are read by rows, which then lie together in memory.
+constexpr Eigen::Index read_as_it_is = 256;  ///< entries
+
+/// Where rows of X begin, and how far their entries lie apart.
+template <class M>
+class Rows {
+ public:
+  explicit Rows(const M& x) : start_(x.data()), between_rows_(1), between_entries_(x.rows()) {
+    if (x.size() <= read_as_it_is) return;
+    transposed_ = x.transpose();
+    start_ = transposed_.data();
+    between_rows_ = x.cols();
+    between_entries_ = 1;
+  }
+  const typename M::Scalar* row(Eigen::Index i) const { return start_ + i * between_rows_; }
+  Eigen::Index step() const { return between_entries_; }
+
+ private:
+  M transposed_;
+  const typename M::Scalar* start_;
+  Eigen::Index between_rows_, between_entries_;
+};
+
+/// work(i, count) with a constant count, for the rows i … i + count − 1: sums of several rows do not wait for each other's additions.
+template <int most, class Work>
+void for_rows(Eigen::Index rows, const Work& work) {
+  Eigen::Index i = 0;
+  for (; i + most <= rows; i += most) work(i, std::integral_constant<int, most>{});
+  for (; i < rows; ++i) work(i, std::integral_constant<int, 1>{});
+}
+
 /// B + X·Y, cleaned. Entry by entry, so that sums of extended precision stay in registers: storing one costs as much as four additions.
 template <class M, class Scalar>
 M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
   const Eigen::Index rows = base.rows();
+  const Rows<M> left(x);
+  const Eigen::Index step = left.step();
   std::vector<Eigen::Index> used;
   used.reserve(static_cast<std::size_t>(x.cols()));
   for (Eigen::Index j = 0; j < base.cols(); ++j) {
@@ -40,16 +75,22 @@ M clean_sum_of(M base, const M& x, const M& y, Scalar tolerance) {
     for (Eigen::Index k = 0; k < x.cols(); ++k)
       if (factors[k] != 0) used.push_back(k);
     if (used.empty()) continue;
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      Scalar sum = column[i];
-      Scalar bound = std::abs(sum);
-      for (const Eigen::Index k : used) {
-        const Scalar term = x.data()[k * rows + i] * factors[k];
-        sum += term;
-        bound += std::abs(term);
+    for_rows<2>(rows, [&](Eigen::Index i, auto count) {
+      std::array<Scalar, count> sum, bound;
+      std::array<const Scalar*, count> row;
+      for (int r = 0; r < count; ++r) {
+        sum[r] = column[i + r];
+        bound[r] = std::abs(sum[r]);
+        row[r] = left.row(i + r);
       }
-      column[i] = std::abs(sum) <= tolerance * bound ? 0 : sum;
-    }
+      for (const Eigen::Index k : used)
+        for (int r = 0; r < count; ++r) {
+          const Scalar term = row[r][k * step] * factors[k];
+          sum[r] += term;
+          bound[r] += std::abs(term);
+        }
+      for (int r = 0; r < count; ++r) column[i + r] = std::abs(sum[r]) <= tolerance * bound[r] ? 0 : sum[r];
+    });
   }
   return base;
 }
@@ -62,15 +103,19 @@ template <class Function>
 WideMatrix product_of(const WideMatrix& x, const WideMatrix& y, Function f) {
   const Eigen::Index rows = x.rows();
   const Eigen::Index inner = x.cols();
+  const Rows<WideMatrix> left(x);
+  const Eigen::Index step = left.step();
   WideMatrix result(rows, y.cols());
   for (Eigen::Index j = 0; j < y.cols(); ++j) {
     const Wide* factors = y.data() + j * inner;
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const Wide* row = x.data() + i;
-      Wide sum = 0;
-      for (Eigen::Index k = 0; k < inner; ++k, row += rows) sum += f(*row) * f(factors[k]);
-      result(i, j) = sum;
-    }
+    for_rows<4>(rows, [&](Eigen::Index i, auto count) {
+      std::array<Wide, count> sum{};
+      std::array<const Wide*, count> row;
+      for (int r = 0; r < count; ++r) row[r] = left.row(i + r);
+      for (Eigen::Index k = 0; k < inner; ++k)
+        for (int r = 0; r < count; ++r) sum[r] += f(row[r][k * step]) * f(factors[k]);
+      for (int r = 0; r < count; ++r) result(i + r, j) = sum[r];
+    });
   }
   return result;
 }
