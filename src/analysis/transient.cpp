@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <new>
@@ -11,6 +12,7 @@
 
 #include "analysis/quantity.hpp"
 #include "analysis/row_grid.hpp"
+#include "analysis/run_recorder.hpp"
 #include "waveform/csv.hpp"
 #include "waveform/raw_file.hpp"
 
@@ -23,7 +25,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 class FileSink : public engine::RowSink {
  public:
-  FileSink(waveform::RowWriter& writer, std::size_t columns) : writer_(writer), columns_(columns) {}
+  FileSink(waveform::RowWriter& writer, std::size_t columns, RunRecorder* recorder)
+      : writer_(writer), columns_(columns), recorder_(recorder) {}
 
   bool write(std::span<const double> values, std::size_t count) override {
     const auto start = Clock::now();
@@ -31,6 +34,7 @@ class FileSink : public engine::RowSink {
     rows_ += good;
     if (good != 0) last_time_ = values[(good - 1) * columns_];
     const bool written = writer_.write(values.first(good * columns_));
+    if (recorder_ != nullptr) recorder_->take_rows(values, good);
     seconds_ += seconds_since(start);
     return written && good == count;
   }
@@ -59,6 +63,7 @@ class FileSink : public engine::RowSink {
 
   waveform::RowWriter& writer_;
   std::size_t columns_;
+  RunRecorder* recorder_;
   std::uint64_t rows_ = 0;
   std::size_t bad_column_ = 0;
   double last_time_ = 0.0;
@@ -128,6 +133,7 @@ engine::Request request_of(const circuit::Analyses& analyses, const RunControl& 
   request.non_unique = non_unique(analyses.non_unique);
   request.progress = control.progress;
   request.interrupt = control.interrupt;
+  request.watcher = control.recorder;
   return request;
 }
 
@@ -148,7 +154,7 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
 TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
                            waveform::RowWriter& writer, const RunControl& control) {
   const std::vector<std::string> names = column_names(compiled.network);
-  FileSink sink(writer, names.size());
+  FileSink sink(writer, names.size(), control.recorder);
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
     run.ending = Ending::failed;
@@ -163,6 +169,7 @@ TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& si
   } catch (...) {  // a defect of the program: the rows up to it are still worth keeping
     broken("E-internal", "the engine met a state it should never reach");
   }
+  if (control.recorder != nullptr) control.recorder->end(std::max(run.answer.time, sink.last_time()));
   complete(run, sink, file);
   run.rows = sink.rows();
   run.seconds_write = sink.seconds();

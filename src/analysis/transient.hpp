@@ -15,6 +15,8 @@
 
 namespace pwlsim::analysis {
 
+class RunRecorder;
+
 /// The engine, prepared for one network.
 using Simulate = std::function<engine::Answer(const engine::Request&, engine::RowSink&)>;
 
@@ -23,6 +25,7 @@ struct RunControl {
   bool jumps = false;                           ///< keep what jumped
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
+  RunRecorder* recorder = nullptr;              ///< is told of rows and events; may be null
 };
 
 enum class Ending {

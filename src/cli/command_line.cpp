@@ -77,7 +77,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
       ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
-  app.add_option("--plot", raw.plot, "Not supported yet")->type_name("FILE");
+  app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Not supported yet")->type_name("FILE");
   app.add_flag("--json", raw.json, "Not supported yet");
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
@@ -203,6 +203,14 @@ void check_file_name(std::string_view option, const CLI::App& app, const std::st
   }
 }
 
+/// The kind of picture is told by its name.
+void check_plot_name(const CLI::App& app, const std::string& value, Complaints& complaints) {
+  check_file_name("--plot", app, value, complaints);
+  const std::string extension = without_case(std::filesystem::path(value).extension().string());
+  if (!value.empty() && extension != ".svg")
+    complaints.add("E-option-value", fmt::format("`--plot {}` names no SVG file; try --plot out.svg", value));
+}
+
 EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
   if (engine == "sparse") return EngineChoice::sparse;
   if (engine == "exact") return EngineChoice::exact;
@@ -250,12 +258,26 @@ std::filesystem::path resolved(const std::string& name) {
   return unresolved ? absolute : canonical;
 }
 
-bool one_target(const std::string& a, const std::string& b) { return a == b || (!a.empty() && !b.empty() && resolved(a) == resolved(b)); }
+bool one_target(const std::string& a, const std::string& b) { return !a.empty() && !b.empty() && (a == b || resolved(a) == resolved(b)); }
+
+struct Target {
+  std::string_view what;
+  const std::string& name;
+};
+
+void check_targets(const std::vector<Target>& targets, Complaints& complaints) {
+  for (auto first = targets.begin(); first != targets.end(); ++first)
+    for (auto second = first + 1; second != targets.end(); ++second)
+      if (one_target(first->name, second->name))
+        complaints.add("E-option-conflict",
+                       fmt::format("{} and {} would both go to `{}`; try two names", first->what, second->what, second->name));
+}
 
 RunOptions run_options(const Raw& raw) {
   RunOptions options;
   options.deck = raw.files[0];
   options.stats = raw.stats;
+  options.plot = raw.plot;
   options.events = raw.events;
   options.quiet = raw.quiet;
   options.verbose = raw.verbose;
@@ -270,7 +292,7 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   const analysis::RowFormat format = row_format(app, raw.format, complaints);
   std::optional<double> reltol;
   if (app.count("--reltol") != 0) reltol = relative_tolerance(raw.reltol, complaints);
-  if (app.count("--plot") != 0) complaints.not_yet("--plot", "plotting the CSV file");
+  check_plot_name(app, raw.plot, complaints);
   if (app.count("--report") != 0) complaints.not_yet("--report", "`--stats`");
   if (raw.json) complaints.not_yet("--json", "`--stats`");
   if (raw.quiet && raw.verbose) complaints.add("E-option-conflict", "`--quiet` and `--verbose` contradict each other; try one of them");
@@ -281,10 +303,8 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   options.format = format;
   options.output = raw.output.empty() ? default_output(options.deck, format) : raw.output;
   options.reltol = reltol;
-  if (one_target(options.output, options.stats)) {
-    complaints.add("E-option-conflict", fmt::format("the rows and `--stats` would both go to `{}`; try two names", options.stats));
-    return complaints.refused();
-  }
+  check_targets({{"the rows", options.output}, {"`--stats`", options.stats}, {"`--plot`", options.plot}}, complaints);
+  if (complaints.any()) return complaints.refused();
   return options;
 }
 
@@ -341,8 +361,7 @@ CommandLine checked_export(const CLI::App& app, const Raw& raw, Complaints& comp
 CommandLine checked_compare(const CLI::App& app, const Raw& raw, Complaints& complaints) {
   CompareOptions options;
   check_files(raw, complaints);
-  check_file_name("--plot", app, raw.plot, complaints);
-  if (raw.plot == "-") complaints.add("E-option-value", "`--plot -` would mix the picture with the report; try --plot out.svg");
+  check_plot_name(app, raw.plot, complaints);
   options.sharpness = read_sharpness(app, raw.smooth, complaints);
   if (complaints.any()) return complaints.refused();
   options.deck = raw.files[0];

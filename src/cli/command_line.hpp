@@ -19,6 +19,7 @@ struct RunOptions {
   std::string deck;
   std::string output;  ///< never empty; "-" is standard output
   std::string stats;   ///< empty: none; "-" is standard output
+  std::string plot;    ///< empty: none; a file .svg
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol

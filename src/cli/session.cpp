@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "analysis/report.hpp"
+#include "analysis/run_figure.hpp"
+#include "analysis/run_recorder.hpp"
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/output.hpp"
@@ -38,6 +40,8 @@ class Session {
     if (status != 0) return status;
     if (compiled_->analyses.operating_point) status = operating_point();
     if (compiled_->analyses.transient) status = std::max(status, transient());
+    if (status != static_cast<int>(Status::file_error) && status != static_cast<int>(Status::closed_pipe))
+      status = std::max(status, write_plot());
     report_.seconds.total = since(start_);
     return std::max(status, write_statistics());
   }
@@ -62,6 +66,7 @@ class Session {
   int operating_point();
   int transient();
   int conclude(const analysis::TransientRun& run);
+  int write_plot();
   int write_statistics();
   void take_remarks(const engine::Answer& answer);
 
@@ -73,7 +78,8 @@ class Session {
   std::shared_ptr<const engine::ExactModel> exact_;
   std::shared_ptr<const engine::sparse::SparseModel> sparse_;
   double reltol_ = engine::sparse::default_tolerance;
-  std::optional<OutputFile> rows_file_, statistics_file_;
+  std::optional<OutputFile> rows_file_, statistics_file_, plot_file_;
+  std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
 };
 
@@ -130,6 +136,9 @@ int Session::check_tolerance() {
 int Session::open_files() {
   int status = 0;
   if (compiled_->analyses.transient) status = open_output(options_.output, options_.deck, messages_, rows_file_);
+  if (!options_.plot.empty() && !compiled_->analyses.transient)
+    status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
+  if (status == 0 && !options_.plot.empty()) status = open_output(options_.plot, options_.deck, messages_, plot_file_);
   if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, options_.deck, messages_, statistics_file_);
   return status;
 }
@@ -165,6 +174,8 @@ int Session::transient() {
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
     };
+    if (plot_file_)
+      control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->network.signals.size());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
   }
@@ -194,6 +205,13 @@ int Session::conclude(const analysis::TransientRun& run) {
       break;
   }
   return fail(Status::file_error, run.id, run.message);
+}
+
+int Session::write_plot() {
+  if (!plot_file_) return 0;
+  const std::vector<std::string> names = analysis::column_names(compiled_->network);
+  return write_whole(*plot_file_, waveform::svg(analysis::run_figure(compiled_->title, {names.begin() + 1, names.end()}, *recorder_)),
+                     messages_);
 }
 
 int Session::write_statistics() {

@@ -24,6 +24,22 @@ class RowSink {
   virtual bool write(std::span<const double> values, std::size_t count) = 0;
 };
 
+/// An instant of an event in (0, stop], or within rounding of 0.
+struct Event {
+  double time = 0.0;  ///< s
+  bool source_edge = false, mode_change = false, jump = false;
+};
+
+/// Told of events as they happen, besides the rows.
+class EventWatcher {
+ public:
+  virtual ~EventWatcher() = default;
+  /// Right of t = 0: the elements whose ports the engine runs, one a port, and which ports conduct (a switch: is closed).
+  virtual void begin(std::span<const std::string> elements, std::span<const char> on) = 0;
+  /// Which conduct right of the event. Events come in the order of their times.
+  virtual void happened(const Event& event, std::span<const char> on) = 0;
+};
+
 enum class NonUnique { error, first, stay };
 
 struct Request {
@@ -33,6 +49,7 @@ struct Request {
   bool jumps = false;                   ///< keep what jumped (Answer::jumps)
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
+  EventWatcher* watcher = nullptr;              ///< may be null
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
 };

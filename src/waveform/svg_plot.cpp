@@ -13,6 +13,9 @@ namespace {
 
 constexpr double width = 900.0, left = 80.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
 constexpr double plot_width = width - left - right;
+constexpr double row_height = 16.0, bar_height = 11.0;
+constexpr int columns_per_unit = 2;  ///< of marks and lanes
+constexpr std::string_view pale = "#dddddd", dark = "#666666";
 constexpr std::array<std::string_view, 6> colours{"#1f5fbf", "#d1480a", "#1b7f3b", "#7a3fa0", "#8a6d00", "#b0154f"};
 
 std::string escaped(std::string_view text) {
@@ -78,18 +81,25 @@ class Picture {
     for (const Panel& panel : figure.panels)
       for (const Curve& curve : panel.curves)
         for (double x : curve.x) times.take(x);
+    if (figure.panels.empty()) {
+      for (const Lane& lane : figure.lanes)
+        for (double x : lane.times) times.take(x);
+    }
     across_ = {times.opened(0.0), left, plot_width};
   }
 
   std::string draw() {
-    const double height = top + static_cast<double>(figure_.panels.size()) * (panel_height + gap) - gap + bottom;
+    const double strip = top + static_cast<double>(figure_.panels.size()) * (panel_height + gap) - gap + (rows() > 0 ? row_height : 0.0);
+    const double axis = strip + static_cast<double>(rows()) * row_height;
     text_ = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" "
         "font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-        width, height);
+        width, axis + bottom);
     label(left, 20.0, figure_.title, "font-size=\"14\" font-weight=\"bold\"");
     for (std::size_t k = 0; k < figure_.panels.size(); ++k)
-      draw_panel(figure_.panels[k], top + static_cast<double>(k) * (panel_height + gap), k + 1 == figure_.panels.size());
+      draw_panel(figure_.panels[k], top + static_cast<double>(k) * (panel_height + gap));
+    draw_strip(strip);
+    draw_axis(axis);
     return std::move(text_) + "</svg>\n";
   }
 
@@ -102,12 +112,14 @@ class Picture {
     text_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x1, y1, x2, y2, colour);
   }
 
-  void draw_panel(const Panel& panel, double y, bool last) {
+  [[nodiscard]] std::size_t rows() const { return figure_.marks.size() + figure_.lanes.size(); }
+
+  void draw_panel(const Panel& panel, double y) {
     Span values;
     for (const Curve& curve : panel.curves)
       for (double value : curve.y) values.take(value);
     const Scale up{values.opened(0.05), y + panel_height, -panel_height};
-    draw_grid(up, y, last);
+    draw_grid(up, y, panel.unit);
     label(left, y - 6.0, panel.title, "fill=\"#333\"");
     draw_legend(panel, y);
     for (std::size_t k = 0; k < panel.curves.size(); ++k) draw_curve(panel.curves[k], up, colour_of(panel, k));
@@ -119,24 +131,84 @@ class Picture {
     return colours[static_cast<std::size_t>(first - panel.curves.begin()) % colours.size()];
   }
 
-  void draw_grid(const Scale& up, double y, bool last) {
-    constexpr std::string_view pale = "#dddddd", dark = "#666666";
-    const Prefix in_x = prefix_for(across_.span), in_y = prefix_for(up.span);
-    for (double tick : round_ticks(across_.span.from, across_.span.to, 10)) {
-      line(across_.at(tick), y, across_.at(tick), y + panel_height, pale);
-      if (last) label(across_.at(tick), y + panel_height + 16.0, number(tick / in_x.factor), "text-anchor=\"middle\"");
+  /// Lines up to the panel or the strip above are drawn there.
+  void draw_axis(double y) {
+    const Prefix in_x = prefix_for(across_.span);
+    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
+      label(across_.at(tick), y + 16.0, number(tick / in_x.factor), "text-anchor=\"middle\"");
+    label(left + 0.5 * plot_width, y + 36.0, fmt::format("{} ({}{})", figure_.x_name, in_x.text, figure_.x_unit), "text-anchor=\"middle\"");
+  }
+
+  void draw_strip(double y) {
+    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
+      if (rows() > 0) line(across_.at(tick), y, across_.at(tick), y + static_cast<double>(rows()) * row_height, pale);
+    for (const Marks& marks : figure_.marks) {
+      row_label(marks.name, y);
+      double drawn = -1.0;
+      for (double x : marks.x) {
+        const double at = std::floor(columns_per_unit * across_.at(x)) / columns_per_unit;
+        if (at != drawn && inside(x)) line(at, y + 2.0, at, y + 2.0 + bar_height, colours[1]);
+        drawn = at;
+      }
+      y += row_height;
     }
+    for (const Lane& lane : figure_.lanes) {
+      row_label(lane.name, y);
+      draw_bars(lane, y + 2.0);
+      y += row_height;
+    }
+  }
+
+  /// The end of a long name tells more than its beginning.
+  void row_label(const std::string& name, double y) {
+    constexpr std::size_t most_letters = 13;
+    const std::string text = name.size() <= most_letters ? name : "…" + name.substr(name.size() - most_letters + 1);
+    label(left - 6.0, y + bar_height, text, "text-anchor=\"end\" font-size=\"11\"");
+  }
+
+  [[nodiscard]] bool inside(double x) const { return x >= across_.span.from && x <= across_.span.to; }
+
+  /// How much of each column of the picture the lane is on.
+  [[nodiscard]] std::vector<double> column_shares(const Lane& lane) const {
+    constexpr auto columns = static_cast<std::size_t>(columns_per_unit * plot_width);
+    std::vector<double> shares(columns, 0.0);
+    for (std::size_t k = 0; k < lane.times.size(); ++k) {
+      if (lane.shares[k] == 0.0) continue;
+      const double begin = columns_per_unit * (across_.at(lane.times[k]) - left);
+      const double end = columns_per_unit * (across_.at(k + 1 < lane.times.size() ? lane.times[k + 1] : across_.span.to) - left);
+      for (auto c = static_cast<std::size_t>(std::max(0.0, begin)); c < columns && static_cast<double>(c) < end; ++c)
+        shares[c] += lane.shares[k] * (std::min(end, static_cast<double>(c + 1)) - std::max(begin, static_cast<double>(c)));
+    }
+    return shares;
+  }
+
+  void draw_bars(const Lane& lane, double y) {
+    constexpr double shades = 16.0;
+    const std::vector<double> shares = column_shares(lane);
+    for (std::size_t c = 0; c < shares.size();) {
+      const double shade = std::ceil(shades * shares[c] - 1e-6) / shades;
+      const std::size_t first = c;
+      while (c < shares.size() && std::ceil(shades * shares[c] - 1e-6) / shades == shade) ++c;
+      if (shade > 0.0)
+        text_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" fill-opacity=\"{}\"/>\n",
+                             left + static_cast<double>(first) / columns_per_unit, y, static_cast<double>(c - first) / columns_per_unit,
+                             bar_height, colours[0], std::min(shade, 1.0));
+    }
+  }
+
+  void draw_grid(const Scale& up, double y, std::string_view unit) {
+    const Prefix in_y = prefix_for(up.span);
+    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
+      line(across_.at(tick), y, across_.at(tick), y + panel_height, pale);
     for (double tick : round_ticks(up.span.from, up.span.to, 5)) {
       line(left, up.at(tick), left + plot_width, up.at(tick), tick == 0.0 ? dark : pale);
       label(left - 6.0, up.at(tick) + 4.0,
-            fmt::format("{}{}{}", number(tick / in_y.factor), tick == 0.0 || in_y.text.empty() ? "" : " ", tick == 0.0 ? "" : in_y.text),
+            fmt::format("{}{}{}{}", number(tick / in_y.factor), tick == 0.0 || (in_y.text.empty() && unit.empty()) ? "" : " ",
+                        tick == 0.0 ? "" : in_y.text, tick == 0.0 ? "" : unit),
             "text-anchor=\"end\"");
     }
     text_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"{}\"/>\n", left, y, plot_width,
                          panel_height, dark);
-    if (last)
-      label(left + 0.5 * plot_width, y + panel_height + 36.0, fmt::format("{} ({}{})", figure_.x_name, in_x.text, figure_.x_unit),
-            "text-anchor=\"middle\"");
   }
 
   void draw_legend(const Panel& panel, double y) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Curves as a self-contained SVG picture: panels one above the other with a common horizontal axis.
+/// Curves as a self-contained SVG picture: panels one above the other, then marks and lanes, with a common horizontal axis.
 
 #include <string>
 #include <vector>
@@ -16,12 +16,28 @@ struct Curve {
 struct Panel {
   std::string title;
   std::vector<Curve> curves;
+  std::string unit = {};  ///< of the vertical axis
+};
+
+/// A row of ticks.
+struct Marks {
+  std::string name;
+  std::vector<double> x;  ///< ascending
+};
+
+/// A row of bars, for something that is on or off.
+struct Lane {
+  std::string name;
+  std::vector<double> times;   ///< ascending, the first is where the lane begins
+  std::vector<double> shares;  ///< as many: from each time to the next, or the picture's end, on for this share of it
 };
 
 struct Figure {
   std::string title;
   std::string x_name, x_unit;  ///< "time", "s": the axis takes a prefix for the unit
   std::vector<Panel> panels;
+  std::vector<Marks> marks = {};
+  std::vector<Lane> lanes = {};
 };
 
 /// Curves of more points than the picture has columns are drawn by their extremes in each column: nothing that stands out is lost.

@@ -193,7 +193,7 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   scratch.write("divider.net", divider);
   const Names words = GENERATE(
       Names{}, Names{"divider.net", "divider.net"}, Names{"divider.net", "--evnts"}, Names{"divider.net", "--engine", "dense"},
-      Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.svg"}, Names{"divider.net", "--reltol", "0"},
+      Names{"divider.net", "-o"}, Names{"divider.net", "--plot", "p.gif"}, Names{"divider.net", "--reltol", "0"},
       Names{"inspect", "divider.net", "--mode", "R1"}, Names{"export", "divider.net"}, Names{"compare", "divider.net", "--events"});
   const Finished finished = run_in(scratch, words);
   CHECK(finished.status == 2);

@@ -61,3 +61,25 @@ TEST_CASE("what is not finite is left out", "[unit]") {
   const std::string text = svg(figure_of({"", {0, 1, 2}, {0, std::numeric_limits<double>::quiet_NaN(), 1}, false}));
   CHECK_THAT(text, Contains("points=\"80.00,211.82 880.00,48.18 \"") && !Contains("nan"));
 }
+
+TEST_CASE("a lane is a bar where it is on, shaded where it is on for a share of the time", "[unit]") {
+  Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
+  figure.lanes = {{"D<1>", {0.0, 0.25, 0.5}, {1.0, 0.0, 0.5}}};
+  const std::string text = svg(figure);
+  // The panel ends at 220; 16 below it the strip begins. 800 units of width are one second.
+  CHECK_THAT(text, Contains("<rect x=\"80\" y=\"238\" width=\"200\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"1\"/>"));
+  CHECK_THAT(text, Contains("<rect x=\"480\" y=\"238\" width=\"400\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"0.5\"/>"));
+  CHECK(count(text, "fill-opacity") == 2);
+  CHECK_THAT(text, Contains("D&lt;1&gt;"));
+}
+
+TEST_CASE("marks are ticks, one for all that fall into one column", "[unit]") {
+  Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
+  const std::size_t without = count(svg(figure), "#d1480a");
+  figure.marks = {{"jumps", {0.5, 0.50001, 0.75, 2.0}}};
+  CHECK(count(svg(figure), "#d1480a") == without + 2);
+}
+
+TEST_CASE("the values of a panel carry its unit", "[unit]") {
+  CHECK_THAT(svg({"", "time", "s", {{"", {{"", {0, 1}, {0, 2e-3}, false}}, "V"}}}), Contains(">1 mV<") && Contains(">0<"));
+}

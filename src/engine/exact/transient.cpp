@@ -59,7 +59,11 @@ std::vector<std::string> differing_elements(const model::System& system, const s
 }  // namespace
 
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
-    : model_(exact_model), request_(request), sink_(sink), jump_recorder_(exact_model.islands, request.jumps) {
+    : model_(exact_model),
+      request_(request),
+      sink_(sink),
+      jump_recorder_(exact_model.islands, request.jumps),
+      port_watch_(islands_, request.watcher) {
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
@@ -124,6 +128,7 @@ bool Transient::begin(const Start& start) {
     recorder_.start(island.model(), island.x.data());
   }
   if (!settle(instant, true)) return false;
+  port_watch_.begin();
   if (instant.jumps > 0 && request_.use_initial_conditions) answer_.remarks.push_back(projected_start());
   return true;
 }
@@ -174,6 +179,7 @@ bool Transient::handle(double time) {
   if (!happened) return watch_crowd(instant);  // nothing but a corner of a source
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
+  port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
   if (has_rows) {
     // On the grid the row's own time is written.
     const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;

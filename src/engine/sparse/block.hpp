@@ -45,6 +45,9 @@ class Block {
   [[nodiscard]] const std::optional<Instant>& instant() const { return instant_; }
   [[nodiscard]] const std::vector<double>& signals_before() const { return signals_before_; }
 
+  /// The ports' position at time().
+  [[nodiscard]] const Position& position() const { return point_.on; }
+
   /// Outcome, id, message and elements after a failure.
   [[nodiscard]] const Answer& failure() const { return failure_; }
   void add_statistics(Statistics& statistics) const;

@@ -54,6 +54,7 @@ bool Transient::begin() {
     order_.push_back(i);
   }
   std::make_heap(order_.begin(), order_.end(), is_later());
+  watch_start();
   if (projected) answer_.remarks.push_back(projected_start());
   return true;
 }
@@ -63,6 +64,7 @@ bool Transient::advance_least() {
   Track& track = *tracks_[order_.front()];
   if (!rows_before(track.block.time(), false)) return false;
   if (!track.block.advance()) return fail(track.block.failure());
+  watch(track);
   if (!event_rows(track)) return false;
   std::pop_heap(order_.begin(), order_.end(), is_later());
   if (track.block.finished())
@@ -122,6 +124,29 @@ bool Transient::rows_before(double time, bool inclusive) {
     if (next_row_ < request_.grid.rows) row_time_ = request_.grid.time(next_row_);
   }
   return true;
+}
+
+/// All ports, track by track.
+void Transient::watch_start() {
+  if (request_.watcher == nullptr) return;
+  std::vector<std::string> elements;
+  for (const auto& track : tracks_) {
+    for (const Port& port : track->part.descriptor.ports()) elements.push_back(port.name);
+    on_.insert(on_.end(), track->block.position().begin(), track->block.position().end());
+  }
+  request_.watcher->begin(elements, on_);
+}
+
+void Transient::watch(const Track& track) {
+  const auto& instant = track.block.instant();
+  if (request_.watcher == nullptr || !instant) return;
+  auto place = on_.begin();
+  for (const auto& before : tracks_) {
+    if (before.get() == &track) break;
+    place += static_cast<std::ptrdiff_t>(before->block.position().size());
+  }
+  std::copy(track.block.position().begin(), track.block.position().end(), place);
+  request_.watcher->happened({instant->time, instant->source_edge, instant->mode_change, instant->jump}, on_);
 }
 
 /// A row before and one after what the part's last step came upon.

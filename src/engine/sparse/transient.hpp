@@ -35,6 +35,8 @@ class Transient {
   bool fail(const Answer& failure);
   bool rows_before(double time, bool inclusive);
   bool event_rows(Track& track);
+  void watch_start();
+  void watch(const Track& track);
   bool push_row();
   bool flush();
   bool interrupted();
@@ -52,6 +54,7 @@ class Transient {
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -1.0;
   double sink_seconds_ = 0.0;
+  std::vector<char> on_;  ///< of all ports
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -1,0 +1,68 @@
+#include "analysis/run_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "analysis/quantity.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+constexpr std::size_t most_panels = 8, most_curves = 6;
+/// Of the names of one panel, so that they find room above it.
+constexpr std::size_t most_letters = 60;
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& names) {
+  std::vector<std::vector<std::size_t>> panels;
+  for (const std::string_view unit : std::array<std::string_view, 3>{"V", "A", ""}) {
+    std::size_t letters = 0;
+    bool open = false;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      if (unit_of_signal(names[k]) != unit) continue;
+      if (!open || panels.back().size() == most_curves || letters + names[k].size() > most_letters) {
+        panels.emplace_back();
+        letters = 0;
+        open = true;
+      }
+      panels.back().push_back(k);
+      letters += names[k].size();
+    }
+  }
+  return panels;
+}
+
+std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& events) {
+  std::array<waveform::Marks, 3> marks{{{"source edges", {}}, {"mode changes", {}}, {"jumps", {}}}};
+  for (const engine::Event& event : events) {
+    if (event.source_edge) marks[0].x.push_back(event.time);
+    if (event.mode_change) marks[1].x.push_back(event.time);
+    if (event.jump) marks[2].x.push_back(event.time);
+  }
+  std::vector<waveform::Marks> result;
+  for (waveform::Marks& each : marks)
+    if (!each.x.empty()) result.push_back(std::move(each));
+  return result;
+}
+
+waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder) {
+  const waveform::ThinnedRows::Rows rows = recorder.rows();
+  const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(rows.columns.size()));
+  waveform::Figure figure{title, "time", "s", {}, event_marks(recorder.events()), recorder.lanes()};
+  std::size_t drawn = 0;
+  for (const auto& members : panels_of(kept)) {
+    if (figure.panels.size() == most_panels) break;
+    waveform::Panel panel{"", {}, std::string(unit_of_signal(kept[members.front()]))};
+    for (const std::size_t k : members) panel.curves.push_back({kept[k], rows.times, rows.columns[k], false});
+    drawn += members.size();
+    figure.panels.push_back(std::move(panel));
+  }
+  if (drawn < names.size()) figure.title += fmt::format(" ({} of {} signals)", drawn, names.size());
+  return figure;
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,21 @@
+#pragma once
+/// A run as a picture: its signals in panels by unit, its events and which ports conduct below.
+
+#include <string>
+#include <vector>
+
+#include "analysis/run_recorder.hpp"
+#include "waveform/svg_plot.hpp"
+
+namespace pwlsim::analysis {
+
+/// `names`: the saved signals. At most eight panels of six curves are drawn; the title says how many signals are left.
+[[nodiscard]] waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder);
+
+/// Numbers of signals that share a panel: of one unit, volts first, at most six together.
+[[nodiscard]] std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& names);
+
+/// Times of events by kind: source edges, mode changes, jumps; kinds without events are left out.
+[[nodiscard]] std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& events);
+
+}  // namespace pwlsim::analysis

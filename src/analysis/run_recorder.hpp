@@ -1,0 +1,78 @@
+#pragma once
+/// What the pictures of a run need, kept in bounded memory while it runs: its rows, its events, which ports conduct.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+#include "waveform/svg_plot.hpp"
+#include "waveform/thinned_rows.hpp"
+
+namespace pwlsim::analysis {
+
+/// An event with what changed at it.
+struct ToldEvent {
+  engine::Event event;
+  std::vector<std::string> changes;  ///< "D1 on", "S1 off"; at most a dozen
+  std::size_t more_changes = 0;
+};
+
+class RunRecorder : public engine::EventWatcher {
+ public:
+  /// Rows and events from `from` to `to` are kept. The first `most_signals` of the signals are.
+  RunRecorder(double from, double to, std::size_t signals);
+  static constexpr std::size_t most_signals = 200, most_lanes = 64, most_told = 1000;
+
+  /// Whole rows of all signals.
+  void take_rows(std::span<const double> values, std::size_t count);
+  void begin(std::span<const std::string> elements, std::span<const char> on) override;
+  void happened(const engine::Event& event, std::span<const char> on) override;
+  /// The run has ended here.
+  void end(double time);
+
+  [[nodiscard]] double from() const { return from_; }
+  [[nodiscard]] double to() const { return end_; }
+  [[nodiscard]] waveform::ThinnedRows::Rows rows() const { return rows_.rows(); }
+  [[nodiscard]] bool rows_thinned() const { return rows_.thinned(); }
+  /// One a port, of the first `most_lanes`. Where there were too many changes to keep, the share of each of many pieces of time.
+  [[nodiscard]] std::vector<waveform::Lane> lanes() const;
+  [[nodiscard]] std::size_t ports() const { return last_.size(); }
+  /// Every event, or where there were too many the first in each of many pieces of time, with what happened anywhere in it.
+  [[nodiscard]] const std::vector<engine::Event>& events() const { return events_; }
+  [[nodiscard]] std::uint64_t event_count() const { return event_count_; }
+  /// The first `most_told`.
+  [[nodiscard]] const std::vector<ToldEvent>& told() const { return told_; }
+
+ private:
+  struct Track {
+    std::string name;
+    bool on = false;              ///< now
+    bool on_first = false;        ///< at from_
+    double since = 0.0;           ///< when it came to be so, or from_
+    std::vector<double> changes;  ///< times, until they are too many
+    std::vector<double> on_time;  ///< of each piece, from then on
+  };
+  [[nodiscard]] double piece_length() const;
+  [[nodiscard]] std::size_t piece_of(double time) const;
+  void tell(const engine::Event& event, std::span<const char> on);
+  void keep(const engine::Event& event);
+  void change(Track& track, bool on, double time);
+  void fold_changes();
+  void add_on_time(Track& track, double from, double to) const;
+  [[nodiscard]] waveform::Lane lane(const Track& track) const;
+
+  double from_, to_, end_;
+  std::size_t signals_, kept_signals_;
+  waveform::ThinnedRows rows_;
+  std::vector<std::string> elements_;
+  std::vector<char> last_;  ///< position of all ports
+  std::vector<Track> tracks_;
+  std::size_t change_count_ = 0;
+  bool changes_folded_ = false, events_folded_ = false;
+  std::vector<engine::Event> events_;
+  std::uint64_t event_count_ = 0;
+  std::vector<ToldEvent> told_;
+};
+
+}  // namespace pwlsim::analysis

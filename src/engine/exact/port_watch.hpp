@@ -1,0 +1,28 @@
+#pragma once
+/// Tells an EventWatcher which ports conduct, over all islands.
+
+#include <string>
+#include <vector>
+
+#include "engine/exact/island_run.hpp"
+#include "engine/run.hpp"
+
+namespace pwlsim::engine {
+
+class PortWatch {
+ public:
+  /// Nothing is told where `watcher` is null.
+  PortWatch(const std::vector<IslandRun>& islands, EventWatcher* watcher) : islands_(islands), watcher_(watcher) {}
+
+  void begin();
+  void happened(const Event& event);
+
+ private:
+  void read_ports();
+
+  const std::vector<IslandRun>& islands_;
+  EventWatcher* watcher_;
+  std::vector<char> on_;
+};
+
+}  // namespace pwlsim::engine
