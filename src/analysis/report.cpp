@@ -68,10 +68,15 @@ std::string jump_text(const engine::Jump& jump) {
 }  // namespace
 
 std::string statistics_json(const RunReport& report) {
+  JsonWriter json;
+  write_statistics(json, report);
+  return json.take();
+}
+
+void write_statistics(JsonWriter& json, const RunReport& report) {
   const engine::Statistics& s = report.statistics;
   const engine::Certificate& c = report.certificate;
   const Seconds& t = report.seconds;
-  JsonWriter json;
   const auto count = [&](std::string_view name, std::uint64_t value) { json.member(name, std::to_string(value)); };
   const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
   json.begin_object();
@@ -116,7 +121,6 @@ std::string statistics_json(const RunReport& report) {
   for (const std::string& note : report.notes) json.value(json_string(note));
   json.end_array();
   json.end_object();
-  return json.take();
 }
 
 std::string summary(const RunReport& report, const std::string& output, double stop) {

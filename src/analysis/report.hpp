@@ -32,6 +32,10 @@ struct RunReport {
 /// One JSON object with the keys of the reference (docs/reference/output.md), ended by a line feed. What is not finite is null.
 [[nodiscard]] std::string statistics_json(const RunReport& report);
 
+class JsonWriter;
+/// The same as a value of a larger object.
+void write_statistics(JsonWriter& json, const RunReport& report);
+
 /// "wrote out.csv: 501 rows, 1000 events to t = 5 ms in 420 µs; worst residuals: complementarity …, KCL/KVL …, energy …; passive".
 [[nodiscard]] std::string summary(const RunReport& report, const std::string& output, double stop);
 

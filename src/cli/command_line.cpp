@@ -79,7 +79,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
   app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Not supported yet")->type_name("FILE");
-  app.add_flag("--json", raw.json, "Not supported yet");
+  app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
   app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
   app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
@@ -269,8 +269,8 @@ void check_targets(const std::vector<Target>& targets, Complaints& complaints) {
   for (auto first = targets.begin(); first != targets.end(); ++first)
     for (auto second = first + 1; second != targets.end(); ++second)
       if (one_target(first->name, second->name))
-        complaints.add("E-option-conflict",
-                       fmt::format("{} and {} would both go to `{}`; try two names", first->what, second->what, second->name));
+        complaints.add("E-option-conflict", fmt::format("{} and {} would both go to {}; try two files", first->what, second->what,
+                                                        first->name == "-" ? "standard output" : '`' + second->name + '`'));
 }
 
 RunOptions run_options(const Raw& raw) {
@@ -278,6 +278,7 @@ RunOptions run_options(const Raw& raw) {
   options.deck = raw.files[0];
   options.stats = raw.stats;
   options.plot = raw.plot;
+  options.json = raw.json;
   options.events = raw.events;
   options.quiet = raw.quiet;
   options.verbose = raw.verbose;
@@ -294,7 +295,6 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   if (app.count("--reltol") != 0) reltol = relative_tolerance(raw.reltol, complaints);
   check_plot_name(app, raw.plot, complaints);
   if (app.count("--report") != 0) complaints.not_yet("--report", "`--stats`");
-  if (raw.json) complaints.not_yet("--json", "`--stats`");
   if (raw.quiet && raw.verbose) complaints.add("E-option-conflict", "`--quiet` and `--verbose` contradict each other; try one of them");
   check_files(raw, complaints);
   if (complaints.any()) return complaints.refused();
@@ -303,7 +303,9 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   options.format = format;
   options.output = raw.output.empty() ? default_output(options.deck, format) : raw.output;
   options.reltol = reltol;
-  check_targets({{"the rows", options.output}, {"`--stats`", options.stats}, {"`--plot`", options.plot}}, complaints);
+  // As if it were the name of a file: standard output is one.
+  const std::string json = options.json ? "-" : "";
+  check_targets({{"the rows", options.output}, {"`--stats`", options.stats}, {"`--plot`", options.plot}, {"`--json`", json}}, complaints);
   if (complaints.any()) return complaints.refused();
   return options;
 }

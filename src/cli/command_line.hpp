@@ -23,6 +23,7 @@ struct RunOptions {
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol
+  bool json = false;
   bool events = false;
   bool quiet = false;
   bool verbose = false;

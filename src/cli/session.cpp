@@ -12,6 +12,7 @@
 
 #include "analysis/report.hpp"
 #include "analysis/run_figure.hpp"
+#include "analysis/run_json.hpp"
 #include "analysis/run_recorder.hpp"
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
@@ -35,6 +36,15 @@ class Session {
   explicit Session(const RunOptions& options) : options_(options), messages_(options.quiet) {}
 
   int run() {
+    outcome_.deck = options_.deck;
+    outcome_.status = run_analyses();
+    report_.seconds.total = since(start_);
+    outcome_.status = std::max(outcome_.status, write_statistics());
+    return options_.json ? std::max(outcome_.status, print_json()) : outcome_.status;
+  }
+
+ private:
+  int run_analyses() {
     int status = prepare();
     if (status == 0) status = open_files();
     if (status != 0) return status;
@@ -42,11 +52,9 @@ class Session {
     if (compiled_->analyses.transient) status = std::max(status, transient());
     if (status != static_cast<int>(Status::file_error) && status != static_cast<int>(Status::closed_pipe))
       status = std::max(status, write_plot());
-    report_.seconds.total = since(start_);
-    return std::max(status, write_statistics());
+    return status;
   }
 
- private:
   static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
   int fail(Status status, std::string id, std::string text) { return cli::fail(messages_, status, std::move(id), std::move(text)); }
@@ -68,6 +76,8 @@ class Session {
   int conclude(const analysis::TransientRun& run);
   int write_plot();
   int write_statistics();
+  int print_json();
+  void note_rows(const analysis::TransientRun& run);
   void take_remarks(const engine::Answer& answer);
 
   const RunOptions& options_;
@@ -81,6 +91,7 @@ class Session {
   std::optional<OutputFile> rows_file_, statistics_file_, plot_file_;
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
+  analysis::RunOutcome outcome_;
 };
 
 int Session::prepare() {
@@ -89,6 +100,8 @@ int Session::prepare() {
   report_.seconds.flatten = reading.seconds_flatten;
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
+  outcome_.title = compiled_->title;
+  for (const model::Signal& signal : compiled_->network.signals) outcome_.signals.push_back(signal.name);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
@@ -159,8 +172,9 @@ int Session::operating_point() {
   const engine::OperatingPoint point = sparse_ ? engine::sparse::operating_point(*sparse_) : engine::operating_point(*exact_);
   take_remarks(point.answer);
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
-  const std::vector<std::string> names = analysis::column_names(compiled_->network);
-  const std::string text = analysis::operating_point_text(std::span(names).subspan(1), point.values);
+  outcome_.operating_point = point.values;
+  if (options_.json) return 0;
+  const std::string text = analysis::operating_point_text(outcome_.signals, point.values);
   return print(text, messages_, options_.output == "-" ? Stream::error : Stream::output);
 }
 
@@ -169,7 +183,7 @@ int Session::transient() {
   analysis::TransientRun run;
   {
     Progress progress(options_.progress, stop);
-    analysis::RunControl control{options_.events, options_.events || !options_.stats.empty(), {}, &caught_signal()};
+    analysis::RunControl control{options_.events, options_.events || options_.json || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
@@ -184,7 +198,14 @@ int Session::transient() {
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;
   report_.seconds.total = since(start_);
+  note_rows(run);
   return conclude(run);
+}
+
+void Session::note_rows(const analysis::TransientRun& run) {
+  const bool lost = run.ending == Ending::write_failed && !rows_file_->partial_name().empty();
+  outcome_.rows = {lost ? rows_file_->partial_name() : rows_file_->name(), options_.format == analysis::RowFormat::raw ? "raw" : "csv",
+                   run.ending == Ending::completed, run.answer.time};
 }
 
 int Session::conclude(const analysis::TransientRun& run) {
@@ -209,15 +230,20 @@ int Session::conclude(const analysis::TransientRun& run) {
 
 int Session::write_plot() {
   if (!plot_file_) return 0;
-  const std::vector<std::string> names = analysis::column_names(compiled_->network);
-  return write_whole(*plot_file_, waveform::svg(analysis::run_figure(compiled_->title, {names.begin() + 1, names.end()}, *recorder_)),
-                     messages_);
+  const int status = write_whole(*plot_file_, waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)), messages_);
+  if (status == 0) outcome_.plot = plot_file_->name();
+  return status;
 }
 
 int Session::write_statistics() {
-  if (!statistics_file_) return 0;
   report_.notes = messages_.heads();
+  if (!statistics_file_) return 0;
   return write_whole(*statistics_file_, analysis::statistics_json(report_), messages_);
+}
+
+int Session::print_json() {
+  report_.notes = messages_.heads();
+  return print(analysis::run_json(outcome_, report_), messages_);
 }
 
 }  // namespace

@@ -1,0 +1,66 @@
+#include "analysis/run_json.hpp"
+
+#include "analysis/json.hpp"
+#include "analysis/quantity.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+std::string text_or_null(const std::string& text) { return text.empty() ? "null" : json_string(text); }
+
+void write_rows(JsonWriter& json, const RunOutcome& outcome, const RunReport& run) {
+  if (!outcome.rows) {
+    json.member("output", "null");
+    return;
+  }
+  json.member("output", json_line({{"file", json_string(outcome.rows->file)},
+                                   {"format", json_string(outcome.rows->format)},
+                                   {"rows", std::to_string(run.statistics.rows)},
+                                   {"end", json_number(outcome.rows->end)},
+                                   {"complete", json_truth(outcome.rows->complete)}}));
+}
+
+void write_signals(JsonWriter& json, const std::vector<std::string>& signals) {
+  json.key("signals");
+  json.begin_array();
+  for (const std::string& name : signals) json.value(json_line({{"name", json_string(name)}, {"unit", json_string(unit_of_signal(name))}}));
+  json.end_array();
+}
+
+void write_operating_point(JsonWriter& json, const RunOutcome& outcome) {
+  if (!outcome.operating_point) {
+    json.member("operating_point", "null");
+    return;
+  }
+  json.key("operating_point");
+  json.begin_object();
+  for (std::size_t k = 0; k < outcome.signals.size(); ++k) json.member(outcome.signals[k], json_number((*outcome.operating_point)[k]));
+  json.end_object();
+}
+
+}  // namespace
+
+std::string run_json(const RunOutcome& outcome, const RunReport& run) {
+  JsonWriter json;
+  json.begin_object();
+  json.member("deck", json_string(outcome.deck));
+  json.member("title", text_or_null(outcome.title));
+  json.member("status", std::to_string(outcome.status));
+  write_rows(json, outcome, run);
+  json.member("plot", text_or_null(outcome.plot));
+  write_signals(json, outcome.signals);
+  write_operating_point(json, outcome);
+  json.key("notes");
+  json.begin_array();
+  for (const std::string& note : run.notes) json.value(json_string(note));
+  json.end_array();
+  json.key("stats");
+  if (run.engine.empty())
+    json.value("null");
+  else
+    write_statistics(json, run);
+  json.end_object();
+  return json.take();
+}
+
+}  // namespace pwlsim::analysis

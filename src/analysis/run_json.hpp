@@ -1,0 +1,32 @@
+#pragma once
+/// A run as one JSON object, for scripts: what was asked, what came of it, where the files are.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/report.hpp"
+
+namespace pwlsim::analysis {
+
+/// What a session did, as far as it came.
+struct RunOutcome {
+  struct Rows {
+    std::string file;       ///< where they are; "NAME.partial" where writing failed
+    std::string format;     ///< "csv" or "raw"
+    bool complete = false;  ///< the run reached Tstop and its rows are in `file`
+    double end = 0.0;       ///< time reached, s
+  };
+
+  std::string deck, title;
+  int status = 0;  ///< of the program at its exit
+  std::optional<Rows> rows;
+  std::vector<std::string> signals;
+  std::optional<std::vector<double>> operating_point;  ///< of the signals
+  std::string plot;                                    ///< file written, or empty
+};
+
+/// Ended by a line feed; keys in docs/reference/output.md. Statistics are null where no model came about (`run.engine` is empty).
+[[nodiscard]] std::string run_json(const RunOutcome& outcome, const RunReport& run);
+
+}  // namespace pwlsim::analysis
