@@ -48,6 +48,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   json.member("status", std::to_string(outcome.status));
   write_rows(json, outcome, run);
   json.member("plot", text_or_null(outcome.plot));
+  json.member("report", text_or_null(outcome.report));
   write_signals(json, outcome.signals);
   write_operating_point(json, outcome);
   json.key("notes");

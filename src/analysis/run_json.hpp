@@ -23,7 +23,7 @@ struct RunOutcome {
   std::optional<Rows> rows;
   std::vector<std::string> signals;
   std::optional<std::vector<double>> operating_point;  ///< of the signals
-  std::string plot;                                    ///< file written, or empty
+  std::string plot, report;                            ///< files written, or empty
 };
 
 /// Ended by a line feed; keys in docs/reference/output.md. Statistics are null where no model came about (`run.engine` is empty).

@@ -78,7 +78,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
   app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes")->type_name("FILE.svg");
-  app.add_option("--report", raw.report, "Not supported yet")->type_name("FILE");
+  app.add_option("--report", raw.report, "Write a web page with waveforms, measurements, events, certificate")->type_name("FILE.html");
   app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
   app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
@@ -277,6 +277,7 @@ RunOptions run_options(const Raw& raw) {
   RunOptions options;
   options.deck = raw.files[0];
   options.stats = raw.stats;
+  options.report = raw.report;
   options.plot = raw.plot;
   options.json = raw.json;
   options.events = raw.events;
@@ -294,7 +295,8 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   std::optional<double> reltol;
   if (app.count("--reltol") != 0) reltol = relative_tolerance(raw.reltol, complaints);
   check_plot_name(app, raw.plot, complaints);
-  if (app.count("--report") != 0) complaints.not_yet("--report", "`--stats`");
+  check_file_name("--report", app, raw.report, complaints);
+  if (raw.report == "-") complaints.add("E-option-value", "`--report -` would mix the page with other results; try --report out.html");
   if (raw.quiet && raw.verbose) complaints.add("E-option-conflict", "`--quiet` and `--verbose` contradict each other; try one of them");
   check_files(raw, complaints);
   if (complaints.any()) return complaints.refused();
@@ -305,7 +307,12 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   options.reltol = reltol;
   // As if it were the name of a file: standard output is one.
   const std::string json = options.json ? "-" : "";
-  check_targets({{"the rows", options.output}, {"`--stats`", options.stats}, {"`--plot`", options.plot}, {"`--json`", json}}, complaints);
+  check_targets({{"the rows", options.output},
+                 {"`--stats`", options.stats},
+                 {"`--plot`", options.plot},
+                 {"`--report`", options.report},
+                 {"`--json`", json}},
+                complaints);
   if (complaints.any()) return complaints.refused();
   return options;
 }

@@ -20,6 +20,7 @@ struct RunOptions {
   std::string output;  ///< never empty; "-" is standard output
   std::string stats;   ///< empty: none; "-" is standard output
   std::string plot;    ///< empty: none; a file .svg
+  std::string report;  ///< empty: none
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol

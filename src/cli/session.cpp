@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "analysis/html_report.hpp"
 #include "analysis/report.hpp"
 #include "analysis/run_figure.hpp"
 #include "analysis/run_json.hpp"
@@ -50,9 +51,9 @@ class Session {
     if (status != 0) return status;
     if (compiled_->analyses.operating_point) status = operating_point();
     if (compiled_->analyses.transient) status = std::max(status, transient());
-    if (status != static_cast<int>(Status::file_error) && status != static_cast<int>(Status::closed_pipe))
-      status = std::max(status, write_plot());
-    return status;
+    outcome_.status = status;
+    const bool rows_are_lost = status == static_cast<int>(Status::file_error) || status == static_cast<int>(Status::closed_pipe);
+    return rows_are_lost ? status : std::max(status, write_pictures());
   }
 
   static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -74,7 +75,8 @@ class Session {
   int operating_point();
   int transient();
   int conclude(const analysis::TransientRun& run);
-  int write_plot();
+  int write_pictures();
+  int write_picture(const std::string& text, std::optional<OutputFile>& file, std::string& written);
   int write_statistics();
   int print_json();
   void note_rows(const analysis::TransientRun& run);
@@ -88,7 +90,7 @@ class Session {
   std::shared_ptr<const engine::ExactModel> exact_;
   std::shared_ptr<const engine::sparse::SparseModel> sparse_;
   double reltol_ = engine::sparse::default_tolerance;
-  std::optional<OutputFile> rows_file_, statistics_file_, plot_file_;
+  std::optional<OutputFile> rows_file_, statistics_file_, plot_file_, report_file_;
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
   analysis::RunOutcome outcome_;
@@ -152,6 +154,7 @@ int Session::open_files() {
   if (!options_.plot.empty() && !compiled_->analyses.transient)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
   if (status == 0 && !options_.plot.empty()) status = open_output(options_.plot, options_.deck, messages_, plot_file_);
+  if (status == 0 && !options_.report.empty()) status = open_output(options_.report, options_.deck, messages_, report_file_);
   if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, options_.deck, messages_, statistics_file_);
   return status;
 }
@@ -183,12 +186,13 @@ int Session::transient() {
   analysis::TransientRun run;
   {
     Progress progress(options_.progress, stop);
-    analysis::RunControl control{options_.events, options_.events || options_.json || !options_.stats.empty(), {}, &caught_signal()};
+    analysis::RunControl control{
+        options_.events, options_.events || options_.json || report_file_ || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
     };
-    if (plot_file_)
+    if (plot_file_ || report_file_)
       control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->network.signals.size());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
@@ -228,11 +232,23 @@ int Session::conclude(const analysis::TransientRun& run) {
   return fail(Status::file_error, run.id, run.message);
 }
 
-int Session::write_plot() {
-  if (!plot_file_) return 0;
-  const int status = write_whole(*plot_file_, waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)), messages_);
-  if (status == 0) outcome_.plot = plot_file_->name();
-  return status;
+int Session::write_picture(const std::string& text, std::optional<OutputFile>& file, std::string& written) {
+  const int status = write_whole(*file, text, messages_);
+  if (status != 0) return status;
+  written = file->name();
+  messages_.remark(fmt::format("wrote {}\n", written));
+  return 0;
+}
+
+int Session::write_pictures() {
+  int status = 0;
+  if (plot_file_)
+    status = write_picture(waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)), plot_file_, outcome_.plot);
+  if (!report_file_) return status;
+  report_.notes = messages_.heads();
+  report_.seconds.total = since(start_);
+  return std::max(
+      status, write_picture(analysis::html_report(outcome_, report_, recorder_ ? &*recorder_ : nullptr), report_file_, outcome_.report));
 }
 
 int Session::write_statistics() {

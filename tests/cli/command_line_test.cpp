@@ -86,9 +86,6 @@ TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
   CHECK(accepted({"-o", "export", "c.net"}).output == "export");
 }
 
-TEST_CASE("what comes later is refused by its name", "[unit]") {
-  CHECK(refused({"c.net", "--report", "r.html"}).find("error[E-not-supported-yet]: `--report` is") == 0);
-}
 
 TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   const auto exported = [](const Words& arguments) {

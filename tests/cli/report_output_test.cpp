@@ -1,0 +1,145 @@
+// --report: a run as one web page, looked at in headless Chromium where that is installed.
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <regex>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+using Names = std::vector<std::string>;
+
+namespace {
+
+/// v(a) is a triangle from 0 to 2 V and back within 2 s; i(R1) a thousandth of it; D2 conducts while v(a) is above 1 V.
+const std::string triangle =
+    "triangle </script><b>\n"
+    "V1 a 0 PWL(0 0 1 2 2 0)\n"
+    "R1 a 0 1k\n"
+    "R2 a b 1\n"
+    ".model DI D\n"
+    ".tran 0.01 2\n"
+    ".save v(a) i(R1) i(D2)\n"
+    "D2 b d DI\n"
+    "V3 d 0 1\n";
+const std::string many_rows = "many rows\nV1 a 0 SIN(0 1 50)\nD1 a b DI\nR1 b 0 1k\n.model DI D\n.tran 1n 0.9\n.end\n";
+
+std::string between(const std::string& text, const std::string& from, const std::string& to) {
+  const std::size_t begin = text.find(from);
+  REQUIRE(begin != std::string::npos);
+  const std::size_t start = begin + from.size();
+  return text.substr(start, text.find(to, start) - start);
+}
+
+Json data_of(const std::string& page) { return read_json(between(page, "<script type=\"application/json\" id=\"run\">", "</script>")); }
+
+/// The page as it stands when its scripts have run; empty where there is no Chromium.
+std::string shown(const Scratch& scratch, const std::string& page, const std::string& view = "") {
+  if (std::system("command -v chromium > /dev/null 2>&1") != 0) {
+    WARN("chromium is not installed: this test is skipped");
+    return "";
+  }
+  const std::string command =
+      "cd '" + scratch.path().string() + "' && HOME=\"$PWD\" timeout 60 chromium --headless --no-sandbox --disable-gpu " +
+      "--window-size=1200,1000 --virtual-time-budget=10000 --dump-dom 'file://" + (scratch / page) + view + "' > dom.html 2> chromium.log";
+  REQUIRE(std::system(command.c_str()) == 0);
+  return read_file(scratch / "dom.html");
+}
+
+}  // namespace
+
+TEST_CASE("a report is one page that asks nothing of any network", "[unit]") {
+  const Scratch scratch;
+  scratch.write("t.net", triangle);
+  REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
+  CHECK(scratch.names() == Names{"r.html", "t.csv", "t.net"});
+  const std::string page = read_file(scratch / "r.html");
+  CHECK_THAT(page, Catch::Matchers::StartsWith("<!DOCTYPE html>") && Catch::Matchers::EndsWith("</html>\n"));
+  CHECK_THAT(page, Contains("default-src 'none'"));
+  for (const char* fetching : {"src=", "href=", "url(", "@import", "fetch(", "XMLHttpRequest", "WebSocket", "sendBeacon", "import("})
+    CHECK_THAT(page, !Contains(fetching));
+  CHECK_THAT(page, !Contains("@data@") && !Contains("@script@") && !Contains("@style@"));
+}
+
+TEST_CASE("a report holds the rows, the events, the modes and the run itself", "[unit]") {
+  const Scratch scratch;
+  scratch.write("t.net", triangle);
+  REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
+  const Json data = data_of(read_file(scratch / "r.html"));
+  CHECK(data["times"].array.size() == 201);
+  REQUIRE(data["signals"].array.size() == 3);
+  CHECK(data["signals"][0]["values"][100].number == 2.0);
+  CHECK(data["signals"][1]["values"][50].number == 0.001);
+  CHECK(data["panels"].array.size() == 2);
+  // D2 conducts from 0.5 s to 1.5 s.
+  CHECK(data["eventCount"].number == 2.0);
+  CHECK(data["events"][0]["time"].number == Approx(0.5));
+  CHECK(data["events"][0]["changes"].string == "D2 on");
+  CHECK(data["run"]["output"]["file"].string == "t.csv");
+  CHECK(data["run"]["stats"]["certificate"]["passive"].truth);
+  CHECK(data["run"]["title"].string == "triangle ?/script>?b>");  // our reader shows every \\u as a question mark
+}
+
+TEST_CASE("Chromium draws the waveforms and measures between the cursors", "[unit]") {
+  const Scratch scratch;
+  scratch.write("t.net", triangle);
+  REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
+  const std::string page = shown(scratch, "r.html", "#A=0.5&B=1");
+  if (page.empty()) return;
+  CHECK_THAT(page, Contains("data-plots=\"2\"") && Contains("data-drawn=\"2\"") && Contains("data-ready=\"true\""));
+  CHECK_THAT(page, Contains("data-lanes=\"1\""));
+  CHECK_THAT(page, Contains("triangle &lt;/script&gt;&lt;b&gt;"));
+  CHECK_THAT(page, Contains("B − A = 500 ms") && Contains("1/|B − A| = 2 Hz"));
+  // From 1 V to 2 V along a straight line: mean 1.5 V, RMS sqrt(7/3) V.
+  CHECK_THAT(page, Contains("<tr><td>v(a)</td><td>1 V</td><td>2 V</td><td>1 V</td><td>1 V</td><td>2 V</td><td>1 V</td><td>1.5 "
+                            "V</td><td>1.52753 V</td></tr>"));
+  CHECK_THAT(page, Contains("<td>500 ms</td><td>mode change</td><td>D2 on</td>"));
+}
+
+TEST_CASE("a view in the address is what the page shows", "[unit]") {
+  const Scratch scratch;
+  scratch.write("t.net", triangle);
+  REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
+  const std::string page = shown(scratch, "r.html", "#from=1.5&to=2");
+  if (page.empty()) return;
+  CHECK_THAT(page,
+             Contains("visible: 1.5 s to 2 s") && Contains("<tr><td>v(a)</td><td>–</td><td>–</td><td>–</td><td>0 V</td><td>1 V</td>"));
+}
+
+TEST_CASE("a report without .tran shows the operating point", "[unit]") {
+  const Scratch scratch;
+  scratch.write("op.net", "op\nV1 a 0 3\nR1 a 0 1k\n.op\n.save v(a)\n");
+  REQUIRE(run_in(scratch, {"op.net", "--report", "r.html"}).status == 0);
+  const std::string page = shown(scratch, "r.html");
+  if (!page.empty()) CHECK_THAT(page, Contains("<tr><td>v(a)</td><td>3 V</td></tr>"));
+}
+
+TEST_CASE("a report of a run that fails or is interrupted holds the rows up to then and says why", "[unit]") {
+  const Scratch scratch;
+  scratch.write("many.net", many_rows);
+  Spawned program({"many.net", "--report", "r.html", "--plot", "p.svg", "--format", "raw"}, {.folder = scratch.path().string()});
+  REQUIRE(wait_until(30, [&] { return scratch.holds("many.raw.partial"); }));
+  pause(500);
+  program.send(SIGTERM);
+  CHECK(program.finish().status == 128 + SIGTERM);
+  CHECK(scratch.names() == Names{"many.net", "many.raw", "p.svg", "r.html"});
+  const Json data = data_of(read_file(scratch / "r.html"));
+  CHECK(data["run"]["status"].number == 128 + SIGTERM);
+  CHECK_THAT(data["run"]["notes"].array.back().string, Contains("E-interrupted"));
+  CHECK(data["times"].array.size() > 1);
+  CHECK(data["times"].array.size() <= 40'000);
+}
+
+TEST_CASE("a report that finds no room has status 3, and an older one stays", "[unit]") {
+  const Scratch scratch;
+  scratch.write("t.net", triangle);
+  scratch.write("r.html", "old\n");
+  const Finished finished = run_in(scratch, {"t.net", "--report", "r.html"}, {.file_size = 50'000});
+  CHECK(finished.status == 3);
+  CHECK_THAT(finished.err, Contains("error[E-cannot-write]: r.html"));
+  CHECK(read_file(scratch / "r.html") == "old\n");
+  CHECK(scratch.holds("t.csv"));
+}
