@@ -70,6 +70,10 @@ bool Exosystem::is_piecewise_linear() const {
   return std::none_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.is_curved(); });
 }
 
+bool Exosystem::is_polyline() const {
+  return is_piecewise_linear() && std::all_of(tracks_.begin(), tracks_.end(), [](const TrackBlock& t) { return t.track.is_continuous(); });
+}
+
 int Exosystem::add_block(Block block) {
   block.first = states_;
   states_ += block.size();
@@ -198,8 +202,7 @@ bool Exosystem::advance(Phase& phase, double time, double tolerance) const {
     auto& cursor = phase.cursors[i];
     if (cursor.next > time + tolerance) continue;
     const double before = cursor.at(cursor.next);
-    // A ramp meets the segment behind it up to the rounding of its value and of the times it runs between.
-    const double rounding = 4.0 * epsilon * (std::abs(cursor.slope) * (std::abs(time) + std::abs(cursor.start)) + std::abs(before));
+    const double rounding = cursor.rounding_at(cursor.next);
     while (cursor.next <= time + tolerance) tracks_[i].track.advance(cursor);
     if (tracks_[i].may_jump && std::abs(cursor.at(cursor.start) - before) > rounding + std::abs(cursor.slope) * tolerance) jumped = true;
   }

@@ -29,6 +29,8 @@ class Track {
   double after_loop = 0.0;  ///< value after the last repetition
 
   [[nodiscard]] double largest_slope() const;
+  /// Every segment begins where the one before it ends.
+  [[nodiscard]] bool is_continuous() const;
 
   /// A place on the track: the segment in force and the time of the next one.
   struct Cursor {
@@ -36,6 +38,8 @@ class Track {
     double next = forever;
     double period_index = 0.0;
     std::size_t item = 0;  ///< of the next segment; counts through prefix, then loop
+    /// A ramp meets the segment behind it up to the rounding of its value and of the times it runs between.
+    [[nodiscard]] double rounding_at(double time) const;
     [[nodiscard]] double at(double time) const { return slope == 0.0 ? value : value + slope * (time - start); }
   };
   /// Left limit at `time`: breakpoints at `time` itself are still to come.
@@ -77,6 +81,8 @@ class Exosystem {
   /// Largest rate of a block that is curved in time; 0 where none is.
   [[nodiscard]] double fastest() const;
   [[nodiscard]] bool is_piecewise_linear() const;
+  /// Piecewise linear, and nothing jumps at a breakpoint.
+  [[nodiscard]] bool is_polyline() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
 

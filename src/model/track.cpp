@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/exosystem.hpp"
 
@@ -93,6 +94,24 @@ Track::Cursor Track::before(double time) const {
     advance(cursor);
   }
   return cursor;
+}
+
+bool Track::is_continuous() const {
+  Cursor cursor = before(0.0);
+  for (std::size_t left = prefix.size() + 2 * loop.size() + 1; left > 0 && cursor.next < forever; --left) {
+    const double end = cursor.at(cursor.next);
+    const double rounding = cursor.rounding_at(cursor.next);
+    advance(cursor);
+    if (std::abs(cursor.value - end) > rounding) return false;
+  }
+  if (loop.empty() || loop_count == forever) return true;
+  const Segment& last = loop.back();
+  const Cursor behind{.start = last.start, .value = last.value, .slope = last.slope};
+  return std::abs(behind.at(loop_period) - after_loop) <= behind.rounding_at(loop_period);
+}
+
+double Track::Cursor::rounding_at(double time) const {
+  return 4.0 * std::numeric_limits<double>::epsilon() * (std::abs(slope) * (std::abs(time) + std::abs(start)) + std::abs(at(time)));
 }
 
 Track make_track(const Pulse& pulse) {

@@ -199,3 +199,51 @@ TEST_CASE("a switch that drives a switch", "[unit]") {
   }
   CHECK(run.answer.statistics.events == 1);
 }
+
+namespace {
+
+model::Pulse trapezoid(double cycles = model::forever) {
+  model::Pulse pulse = clock(0.25, 0.3, 1.0);
+  pulse.rise = 0.1;
+  pulse.fall = 0.2;
+  pulse.cycles = cycles;
+  return pulse;
+}
+
+model::Pwl through(std::vector<model::Pwl::Point> points) {
+  model::Pwl pwl;
+  pwl.points = std::move(points);
+  return pwl;
+}
+
+struct GateCase {
+  model::SourceFunction gate;
+  double threshold, time_on;
+  std::uint64_t events;
+};
+
+}  // namespace
+
+// While the switch is on, C = 1 F charges from 10 V through 2 Ohm: v = 10 (1 − exp(−t_on/2)). A gate that nothing else reads has corners that are
+// no instants of the run, unless the switch sees them.
+TEST_CASE("a switch follows the corners of its gate, whether anything else reads the gate or not", "[unit]") {
+  const auto c =
+      GENERATE(GateCase{trapezoid(), 0.5, 4 * 0.45, 8}, GateCase{trapezoid(2.0), 0.5, 2 * 0.45, 4},
+               GateCase{trapezoid(), 1.0, 0.0, 0},   // reaches the threshold, and does not pass it
+               GateCase{trapezoid(), 0.0, 3.75, 1},  // never falls below the threshold again
+               GateCase{through({{0, 0}, {0.5, 0.5}, {1, 2}, {2, 0.5}, {3, 0}}), 0.5, 1.5, 2},  // passes at corners
+               GateCase{through({{0, 0}, {1, 0.5}, {2, 0}}), 0.5, 0.0, 0}, GateCase{through({{0, 1}, {1, 0.5}, {2, 1}}), 0.5, 4.0, 0});
+  const bool is_read = GENERATE(false, true);
+  CAPTURE(c.threshold, c.time_on, is_read);
+  Circuit circuit;
+  circuit.v("in", "0", model::Dc{10.0});
+  circuit.v("g", "0", c.gate);
+  circuit.s("in", "m", "g", "0", c.threshold);
+  circuit.r("m", "out", 2.0);
+  circuit.c("out", "0", 1.0);
+  circuit.save_v("out");
+  if (is_read) circuit.save_v("g");
+  const Run run = run_grid(circuit, 4.0, 4);
+  CHECK(run.answer.statistics.events == c.events);
+  CHECK(run.at(4, 0) == Approx(-10.0 * std::expm1(-c.time_on / 2.0)).epsilon(tight).margin(tight));
+}

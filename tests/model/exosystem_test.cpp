@@ -309,3 +309,22 @@ TEST_CASE("breakpoints within the tolerance are taken together", "[unit]") {
   CHECK(system.advance(phase, 1.0, 1e-12));
   CHECK(phase.next == 3.0);
 }
+
+TEST_CASE("sources whose segments meet are polylines", "[unit]") {
+  Pulse trapezoid = square(0.5, 1.0, 3.0);
+  trapezoid.rise = 0.1;
+  Pulse steep_end = trapezoid;
+  trapezoid.fall = 0.3;
+  Pulse once = trapezoid;
+  once.cycles = 1.0;
+  Pwl corners, step;
+  Sin wave;
+  wave.amplitude = wave.frequency = 1.0;
+  corners.points = {{0.1, 0.2}, {0.3, 0.7}, {0.7, -0.1}};
+  step.points = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
+  CHECK(Exosystem({trapezoid, once, corners, Dc{3.0}}, true).is_polyline());
+  CHECK_FALSE(Exosystem({trapezoid, square(0.5, 1.0, 3.0)}, true).is_polyline());
+  CHECK_FALSE(Exosystem({steep_end}, true).is_polyline());
+  CHECK_FALSE(Exosystem({step}, true).is_polyline());
+  CHECK_FALSE(Exosystem({wave}, true).is_polyline());
+}

@@ -17,6 +17,7 @@ constexpr std::uint64_t worth_building = 4;
 constexpr double row_noise = 1e-12;
 /// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
 constexpr double threshold_noise = 3e-14;
+constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
 
 }  // namespace
 
@@ -33,6 +34,7 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
   outputs_.resize(system_.outputs.size());
   control_rows_.resize(system_.controls.size());
   control_departures_.resize(system_.controls.size());
+  only_gates_ = is_static() && system_.outputs.empty() && system_.exosystem->is_polyline();
   for (const auto& control : system_.controls) {
     const double largest = std::max(control.value.state.cwiseAbs().maxCoeff(), 1e-300);
     const double ports = control.value.input.size() ? control.value.input.cwiseAbs().maxCoeff() : 0.0;
@@ -51,11 +53,41 @@ void IslandRun::set_switch(int port, bool closed) {
 double IslandRun::certify(double end) {
   if (event_.found && event_time_ <= end) return event_time_;
   if (event_.found) return end;
+  for (int corners = 0; corner_ahead_ && phase_.next < end; ++corners) {
+    event_ = locator_.locate(segment_, phase_.next - segment_.anchor);
+    if (event_.found) {
+      event_time_ = std::min(phase_.next, segment_.anchor + event_.tau);
+      return event_time_;
+    }
+    if (corners == most_corners || !pass_corner()) return phase_.next;
+  }
   if (segment_.anchor + segment_.certified >= end) return end;
   event_ = locator_.locate(segment_, end - segment_.anchor);
   if (!event_.found) return end;
   event_time_ = std::min(end, segment_.anchor + event_.tau);
   return event_time_;
+}
+
+/// Goes on behind a corner, unless a switch is at its threshold there: then it is an instant of the run.
+bool IslandRun::pass_corner() {
+  const double time = phase_.next;
+  const double* y = segment_.y0.data();
+  linalg::multiply(mode->flow.a(), y, work_.data());
+  for (const int row : segment_.rows) {
+    double value = 0.0, size = 0.0;
+    for (int i = 0; i < mode->ny; ++i) {
+      const double term = mode->guards(row, i) * (y[i] + (time - segment_.anchor) * work_[static_cast<std::size_t>(i)]);
+      value += term;
+      size += std::abs(term);
+    }
+    if (value <= threshold_noise * size) {
+      corner_ahead_ = false;
+      return false;
+    }
+  }
+  take_breakpoints(time);
+  begin_segment(time);
+  return true;
 }
 
 void IslandRun::open(double time) {
@@ -99,11 +131,11 @@ void IslandRun::take_limit(double time, double* out) const {
   system_.exosystem->evaluate(phase_, time, out + system_.n);
 }
 
-bool IslandRun::take_breakpoints(double time, double tolerance) {
+bool IslandRun::take_breakpoints(double time) {
   // Between breakpoints ζ has come along with the state, and a located guard is zero at it; evaluating it anew at the rounded time
   // would move a steep ramp off its threshold.
-  if (phase_.next > time + tolerance) return false;
-  const bool jumped = system_.exosystem->advance(phase_, time, tolerance);
+  if (phase_.next > time + tolerance_) return false;
+  const bool jumped = system_.exosystem->advance(phase_, time, tolerance_);
   system_.exosystem->evaluate(phase_, time, x.data() + system_.n);
   return jumped;
 }
@@ -156,8 +188,7 @@ double IslandRun::source_departure(const model::Control& control, bool is_on) {
   const double level = is_on ? control.off_level : control.on_level;
   const double sign = is_on ? 1.0 : -1.0;
   const double* row = control.value.state.data() + system_.n;
-  double* z = scratch_.data();
-  std::copy_n(x.begin() + system_.n, nz, z);
+  const double* z = x.data() + system_.n;
   double offset = level;
   for (std::size_t order = 0; order <= nz; ++order) {
     double value = -offset;
@@ -168,7 +199,8 @@ double IslandRun::source_departure(const model::Control& control, bool is_on) {
     }
     if (std::abs(value) > threshold_noise * size) return sign * value;
     linalg::multiply(system_.exosystem->a(), z, work_.data());
-    std::copy_n(work_.begin(), nz, z);
+    std::copy_n(work_.begin(), nz, scratch_.begin());
+    z = scratch_.data();
     offset = 0.0;
   }
   return 0.0;
@@ -235,6 +267,14 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
 void IslandRun::close(double time, const std::vector<char>& on) {
   open_ = false;
   event_ = {};
+  begin_segment(time);
+  choose_guards(on);
+  selector_.mark_visited(*mode);
+  row_valid_ = false;
+}
+
+/// From x in the mode as it is.
+void IslandRun::begin_segment(double time) {
   const auto ny = static_cast<std::size_t>(mode->ny);
   segment_.mode = segment_.whole = mode;
   segment_.part = nullptr;
@@ -249,9 +289,7 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   segment_.intervals = 0;
   segment_.turns = 0;
   segment_.sampled = false;
-  choose_guards(on);
-  selector_.mark_visited(*mode);
-  row_valid_ = false;
+  corner_ahead_ = only_gates_;
 }
 
 void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out) {

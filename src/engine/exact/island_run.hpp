@@ -22,8 +22,8 @@ class IslandRun {
   [[nodiscard]] const Segment& segment() const { return segment_; }
   [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
 
-  /// Time of the next source breakpoint.
-  [[nodiscard]] double next_break() const { return phase_.next; }
+  /// Time of the next source breakpoint that is an instant of the run.
+  [[nodiscard]] double next_break() const { return corner_ahead_ ? model::forever : phase_.next; }
   /// Certifies the segment up to absolute time `end`, or finds the first event before it; returns its time, else `end`.
   double certify(double end);
   [[nodiscard]] bool has_event() const { return event_.found; }
@@ -38,8 +38,10 @@ class IslandRun {
   [[nodiscard]] bool is_at_limit(double time) const { return at_limit_ && event_time_ == time; }
   [[nodiscard]] AccumulationWatch& accumulation() { return accumulation_; }
 
+  /// Breakpoints closer than `tolerance` are one.
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
   /// Takes the breakpoints at `time`; true if a source value jumped.
-  bool take_breakpoints(double time, double tolerance);
+  bool take_breakpoints(double time);
   /// ζ at `time` from the sources themselves.
   void evaluate_sources(double time) { system_.exosystem->evaluate(phase_, time, x.data() + system_.n); }
   /// Selects the mode that follows at x; `set` is the wanted active set.
@@ -70,9 +72,11 @@ class IslandRun {
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
+  bool pass_corner();
   [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void take_limit(double time, double* out) const;
+  void begin_segment(double time);
   void choose_guards(const std::vector<char>& on);
   void outputs_from(const model::Mode& m, const double* y, double* out);
   void advance_row(const model::Matrix& m, double factor);
@@ -83,6 +87,9 @@ class IslandRun {
   Locator locator_;
   model::Verifier verifier_;
   model::Exosystem::Phase phase_;
+  double tolerance_ = 0.0;
+  bool only_gates_ = false;    ///< polylines that nothing but switches reads
+  bool corner_ahead_ = false;  ///< the next breakpoint is a corner of such a source, which the switches may not see
   Segment segment_;
   Located event_;
   double event_time_ = 0.0;

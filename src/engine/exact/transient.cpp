@@ -78,6 +78,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   row_before_.resize(width_);
   tolerance_ = merge_fraction * request.stop;
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
+  for (auto& island : islands_) island.set_tolerance(tolerance_);
   if (request.grid.rows > 2)
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
 }
@@ -103,7 +104,7 @@ Answer Transient::run(const Start& start) {
   flush();
   answer_.time = now_;
   for (const auto& island : islands_)
-    if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), now_ - island.segment().anchor);
+    if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
   finish();
   return std::move(answer_);
@@ -124,7 +125,7 @@ bool Transient::begin(const Start& start) {
   for (auto& island : islands_) {
     island.evaluate_sources(0.0);
     jump_recorder_.before(number_of(island), island.x);
-    island.take_breakpoints(0.0, tolerance_);
+    island.take_breakpoints(0.0);
     recorder_.start(island.model(), island.x.data());
   }
   if (!settle(instant, true)) return false;
@@ -148,7 +149,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   island.open(instant.time);
   jump_recorder_.before(number_of(island), island.x);
-  if (island.take_breakpoints(instant.time, tolerance_)) instant.source_edge = true;
+  if (island.take_breakpoints(instant.time)) instant.source_edge = true;
 }
 
 void Transient::open_event_islands(double time, Instant& instant) {
