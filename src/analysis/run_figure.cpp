@@ -37,7 +37,7 @@ std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& 
 }
 
 std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& events) {
-  std::array<waveform::Marks, 3> marks{{{"source edges", {}}, {"mode changes", {}}, {"jumps", {}}}};
+  std::array<waveform::Marks, 3> marks{{{"edges", {}}, {"switching", {}}, {"jumps", {}}}};
   for (const engine::Event& event : events) {
     if (event.source_edge) marks[0].x.push_back(event.time);
     if (event.mode_change) marks[1].x.push_back(event.time);

@@ -15,7 +15,7 @@ namespace pwlsim::analysis {
 /// Numbers of signals that share a panel: of one unit, volts first, at most six together.
 [[nodiscard]] std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& names);
 
-/// Times of events by kind: source edges, mode changes, jumps; kinds without events are left out.
+/// Times of events by kind: edges of sources, changes of mode, jumps; kinds without events are left out.
 [[nodiscard]] std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& events);
 
 }  // namespace pwlsim::analysis

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/names.hpp"
+#include "cli/picture_file.hpp"
 #include "spice/deck.hpp"
 
 namespace pwlsim::cli {
@@ -77,7 +78,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
       ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
-  app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes")->type_name("FILE.svg");
+  app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes, as SVG or PNG")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Write a web page with waveforms, measurements, events, certificate")->type_name("FILE.html");
   app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
@@ -206,9 +207,9 @@ void check_file_name(std::string_view option, const CLI::App& app, const std::st
 /// The kind of picture is told by its name.
 void check_plot_name(const CLI::App& app, const std::string& value, Complaints& complaints) {
   check_file_name("--plot", app, value, complaints);
-  const std::string extension = without_case(std::filesystem::path(value).extension().string());
-  if (!value.empty() && extension != ".svg")
-    complaints.add("E-option-value", fmt::format("`--plot {}` names no SVG file; try --plot out.svg", value));
+  const std::string kind = picture_kind(value);
+  if (!value.empty() && kind != ".svg" && kind != ".png")
+    complaints.add("E-option-value", fmt::format("`--plot {}` names no picture; try --plot out.svg or out.png", value));
 }
 
 EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {

@@ -19,7 +19,7 @@ struct RunOptions {
   std::string deck;
   std::string output;  ///< never empty; "-" is standard output
   std::string stats;   ///< empty: none; "-" is standard output
-  std::string plot;    ///< empty: none; a file .svg
+  std::string plot;    ///< empty: none; a file .svg or .png
   std::string report;  ///< empty: none
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;

@@ -10,7 +10,7 @@
 #include "analysis/json.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/deck_reader.hpp"
-#include "cli/output.hpp"
+#include "cli/picture_file.hpp"
 #include "cli/signals.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
@@ -103,7 +103,7 @@ class CompareSession {
       return fail(Status::wrong_input, "E-no-transient",
                   "the deck has no .tran: there are no waveforms to compare; try pwlsim " + options_.deck);
     if (!options_.plot.empty())
-      if (const int status = open_output(options_.plot, options_.deck, messages_, plot_); status != 0) return status;
+      if (const int status = plot_.open(options_.plot, options_.deck, messages_); status != 0) return status;
     const auto program = spice::find_ngspice();
     if (!program) return skip();
     int status = run_exact();
@@ -200,17 +200,17 @@ class CompareSession {
   }
 
   int write_plot() {
-    if (!plot_) return 0;
+    if (!plot_.is_open()) return 0;
     std::vector<std::string> names;
     for (const model::Signal& signal : compiled_->network.signals) names.push_back(signal.name);
-    return write_whole(*plot_, compare_svg(report_, names), messages_);
+    return plot_.write(compare_svg(report_, names), messages_);
   }
 
   const CompareOptions& options_;
   Messages messages_;
   SourceStore sources_;
   const circuit::Compiled* compiled_ = nullptr;
-  std::optional<waveform::OutputFile> plot_;
+  PictureFile plot_;
   std::vector<double> times_;
   spice::ExactRun exact_;
   CompareReport report_;

@@ -17,7 +17,7 @@
 #include "analysis/run_recorder.hpp"
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
-#include "cli/output.hpp"
+#include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "engine/exact/exact.hpp"
@@ -76,7 +76,7 @@ class Session {
   int transient();
   int conclude(const analysis::TransientRun& run);
   int write_pictures();
-  int write_picture(const std::string& text, std::optional<OutputFile>& file, std::string& written);
+  int written(int status, const std::string& name, std::string& noted);
   int write_statistics();
   int print_json();
   void note_rows(const analysis::TransientRun& run);
@@ -90,7 +90,8 @@ class Session {
   std::shared_ptr<const engine::ExactModel> exact_;
   std::shared_ptr<const engine::sparse::SparseModel> sparse_;
   double reltol_ = engine::sparse::default_tolerance;
-  std::optional<OutputFile> rows_file_, statistics_file_, plot_file_, report_file_;
+  std::optional<OutputFile> rows_file_, statistics_file_, report_file_;
+  PictureFile plot_file_;
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
   analysis::RunOutcome outcome_;
@@ -153,7 +154,7 @@ int Session::open_files() {
   if (compiled_->analyses.transient) status = open_output(options_.output, options_.deck, messages_, rows_file_);
   if (!options_.plot.empty() && !compiled_->analyses.transient)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
-  if (status == 0 && !options_.plot.empty()) status = open_output(options_.plot, options_.deck, messages_, plot_file_);
+  if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, options_.deck, messages_);
   if (status == 0 && !options_.report.empty()) status = open_output(options_.report, options_.deck, messages_, report_file_);
   if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, options_.deck, messages_, statistics_file_);
   return status;
@@ -192,7 +193,7 @@ int Session::transient() {
     const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
     };
-    if (plot_file_ || report_file_)
+    if (plot_file_.is_open() || report_file_)
       control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->network.signals.size());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
@@ -232,23 +233,24 @@ int Session::conclude(const analysis::TransientRun& run) {
   return fail(Status::file_error, run.id, run.message);
 }
 
-int Session::write_picture(const std::string& text, std::optional<OutputFile>& file, std::string& written) {
-  const int status = write_whole(*file, text, messages_);
+int Session::written(int status, const std::string& name, std::string& noted) {
   if (status != 0) return status;
-  written = file->name();
-  messages_.remark(fmt::format("wrote {}\n", written));
+  noted = name;
+  messages_.remark(fmt::format("wrote {}\n", name));
   return 0;
 }
 
 int Session::write_pictures() {
   int status = 0;
-  if (plot_file_)
-    status = write_picture(waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)), plot_file_, outcome_.plot);
+  if (plot_file_.is_open()) {
+    const std::string svg = waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_));
+    status = written(plot_file_.write(svg, messages_), plot_file_.name(), outcome_.plot);
+  }
   if (!report_file_) return status;
   report_.notes = messages_.heads();
   report_.seconds.total = since(start_);
-  return std::max(
-      status, write_picture(analysis::html_report(outcome_, report_, recorder_ ? &*recorder_ : nullptr), report_file_, outcome_.report));
+  const std::string page = analysis::html_report(outcome_, report_, recorder_ ? &*recorder_ : nullptr);
+  return std::max(status, written(write_whole(*report_file_, page, messages_), report_file_->name(), outcome_.report));
 }
 
 int Session::write_statistics() {

@@ -1,22 +1,17 @@
 #pragma once
 /// One run of ngspice in batch mode.
 
-#include <atomic>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/process.hpp"
 #include "waveform/raw_file.hpp"
 
 namespace pwlsim::spice {
 
 /// Where the program is, by PATH; empty where it is not installed.
 [[nodiscard]] std::optional<std::string> find_ngspice();
-
-struct RunLimits {
-  double seconds = 60.0;                        ///< of wall time
-  const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
-};
 
 struct NgspiceRun {
   std::optional<waveform::RawFile> raw;  ///< what was written, also by a run that failed
@@ -27,6 +22,6 @@ struct NgspiceRun {
 };
 
 /// Writes `deck` into a folder of its own under the system's temporary one, which is removed afterwards. Reads no user's .spiceinit.
-[[nodiscard]] NgspiceRun run_ngspice(const std::string& program, const std::string& deck, const RunLimits& limits = {});
+[[nodiscard]] NgspiceRun run_ngspice(const std::string& program, const std::string& deck, const ProcessLimits& limits = {});
 
 }  // namespace pwlsim::spice

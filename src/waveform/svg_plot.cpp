@@ -161,7 +161,7 @@ class Picture {
 
   /// The end of a long name tells more than its beginning.
   void row_label(const std::string& name, double y) {
-    constexpr std::size_t most_letters = 13;
+    constexpr std::size_t most_letters = 11;
     const std::string text = name.size() <= most_letters ? name : "…" + name.substr(name.size() - most_letters + 1);
     label(left - 6.0, y + bar_height, text, "text-anchor=\"end\" font-size=\"11\"");
   }

@@ -2,9 +2,12 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <cstdlib>
 
 #include "cli/run_in.hpp"
+#include "waveform/png.hpp"
 
+using namespace pwlsim;
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
 using Names = std::vector<std::string>;
@@ -36,7 +39,7 @@ TEST_CASE("--plot draws the signals in panels by unit, events and modes below", 
   CHECK(scratch.names() == Names{"r.csv", "r.net", "r.svg"});
   const std::string picture = read_file(scratch / "r.svg");
   CHECK_THAT(picture, Catch::Matchers::StartsWith("<svg ") && Catch::Matchers::EndsWith("</svg>\n"));
-  CHECK_THAT(picture, Contains("rectifier") && Contains(">v(b)<") && Contains(">i(D1)<") && Contains(">mode changes<") &&
+  CHECK_THAT(picture, Contains("rectifier") && Contains(">v(b)<") && Contains(">i(D1)<") && Contains(">switching<") &&
                           Contains(">D1<") && Contains("time (ms)"));
   CHECK(count(picture, "<polyline") == 2);
   // The diode conducts in the two positive half periods of 10 ms, 200 of 800 units each.
@@ -60,7 +63,7 @@ TEST_CASE("the sparse engine's runs are drawn too", "[unit]") {
   const Scratch scratch;
   scratch.write("r.net", rectifier);
   REQUIRE(run_in(scratch, {"r.net", "--plot", "r.svg", "--engine", "sparse"}).status == 0);
-  CHECK_THAT(read_file(scratch / "r.svg"), Contains(">D1<") && Contains(">mode changes<"));
+  CHECK_THAT(read_file(scratch / "r.svg"), Contains(">D1<") && Contains(">switching<"));
 }
 
 TEST_CASE("a run that is interrupted draws what it has", "[unit]") {
@@ -102,4 +105,52 @@ TEST_CASE("a deck without .tran has nothing to draw", "[golden]") {
   CHECK(finished.status == 2);
   CHECK(finished.err == "error[E-no-transient]: the deck has no .tran: there are no waveforms to draw; try without --plot\n");
   CHECK(scratch.names() == Names{"op.net"});
+}
+
+TEST_CASE("a name that ends in .png gives a PNG picture", "[unit]") {
+  if (!waveform::find_png_converter()) {
+    WARN("rsvg-convert is not installed: this test is skipped");
+    return;
+  }
+  const Scratch scratch;
+  scratch.write("r.net", rectifier);
+  REQUIRE(run_in(scratch, {"r.net", "--plot", "p.PNG"}).status == 0);
+  CHECK(scratch.names() == Names{"p.PNG", "r.csv", "r.net"});
+  const std::string bytes = read_file(scratch / "p.PNG");
+  REQUIRE(bytes.size() > 10'000);
+  // PNG (ISO/IEC 15948) 5.2 and 11.2.2: the signature, then IHDR with width and height. The picture is 900 units wide.
+  CHECK(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+  CHECK(bytes.substr(12, 8) == std::string("IHDR\0\0\x07\x08", 8));
+}
+
+TEST_CASE("without a converter a PNG picture is refused before the run", "[golden]") {
+  const Scratch scratch;
+  scratch.write("r.net", rectifier);
+  const char* path = std::getenv("PATH");
+  const std::string before = path != nullptr ? path : "";
+  ::setenv("PATH", scratch.path().c_str(), 1);
+  const Finished finished = run_in(scratch, {"r.net", "--plot", "p.png"});
+  ::setenv("PATH", before.c_str(), 1);
+  CHECK(finished.status == 3);
+  CHECK(finished.err ==
+        "error[E-no-png]: p.png: a PNG picture needs rsvg-convert, and no program of that name is in PATH; try apt install librsvg2-bin, "
+        "or a name that ends in .svg\n");
+  CHECK(scratch.names() == Names{"r.net"});
+}
+
+TEST_CASE("a converter that fails has status 3 and its words", "[unit]") {
+  const Scratch scratch;
+  scratch.write("r.net", rectifier);
+  REQUIRE(std::system(("printf '#!/bin/sh\\necho no colours left\\nexit 1\\n' > '" + (scratch / "rsvg-convert") + "' && chmod +x '" +
+                       (scratch / "rsvg-convert") + "'")
+                          .c_str()) == 0);
+  const char* path = std::getenv("PATH");
+  const std::string before = path != nullptr ? path : "";
+  ::setenv("PATH", scratch.path().c_str(), 1);
+  const Finished finished = run_in(scratch, {"r.net", "--plot", "p.png"});
+  ::setenv("PATH", before.c_str(), 1);
+  CHECK(finished.status == 3);
+  CHECK_THAT(finished.err, Contains("error[E-cannot-write]: p.png: rsvg-convert fails: no colours left; try a name that ends in .svg"));
+  CHECK_FALSE(scratch.holds("p.png"));
+  CHECK(scratch.holds("r.csv"));
 }

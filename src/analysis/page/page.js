@@ -187,7 +187,7 @@
     let y = 2;
     const label = name => {
       context.fillStyle = "#222";
-      context.fillText(name.length > 13 ? "…" + name.slice(-12) : name, axisWidth - 6, y + rowHeight / 2);
+      context.fillText(name.length > 11 ? "…" + name.slice(-10) : name, axisWidth - 6, y + rowHeight / 2);
     };
     for (const marks of data.marks) {
       label(marks.name);

@@ -1,0 +1,28 @@
+#pragma once
+/// The file of --plot: SVG, or PNG through a converter.
+
+#include <optional>
+#include <string>
+
+#include "cli/output.hpp"
+
+namespace pwlsim::cli {
+
+class PictureFile {
+ public:
+  /// The kind goes by the name: .svg or .png. 0, or an exit status where it cannot be written.
+  [[nodiscard]] int open(const std::string& name, const std::string& deck, Messages& messages);
+  [[nodiscard]] bool is_open() const { return file_.has_value(); }
+  /// Writes the picture and commits it; an exit status.
+  [[nodiscard]] int write(const std::string& svg, Messages& messages);
+  [[nodiscard]] std::string name() const { return file_->name(); }
+
+ private:
+  std::optional<waveform::OutputFile> file_;
+  std::optional<std::string> converter_;  ///< of a PNG
+};
+
+/// ".svg", ".png", in lower case, or whatever else ends the name.
+[[nodiscard]] std::string picture_kind(const std::string& name);
+
+}  // namespace pwlsim::cli
