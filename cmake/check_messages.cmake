@@ -1,4 +1,5 @@
-# cmake -DSOURCES=<src> -DPAGE=<messages.md> -P check_messages.cmake: fails unless the page has a row for every message id in the sources, and no other.
+# cmake -DSOURCES=<src> -DPAGE=<messages.md> -DEXAMPLES=<message-examples.md> -P check_messages.cmake: fails unless the page has a row with a cure
+# for every message id in the sources, and no other, and the other page a section.
 cmake_minimum_required(VERSION 3.25)
 cmake_path(ABSOLUTE_PATH SOURCES)
 
@@ -19,9 +20,20 @@ list(REMOVE_DUPLICATES used)
 
 file(STRINGS ${PAGE} rows REGEX "^\\| `[EWN]-")
 set(explained "")
+set(without_cure "")
 foreach(row IN LISTS rows)
   string(REGEX MATCH "[EWN]-[a-z0-9-]+" id "${row}")
   list(APPEND explained ${id})
+  if(row MATCHES "\\| *\\|$")
+    list(APPEND without_cure ${id})
+  endif()
+endforeach()
+
+file(STRINGS ${EXAMPLES} sections REGEX "^### `[EWN]-")
+set(without_example ${used})
+foreach(section IN LISTS sections)
+  string(REGEX MATCH "[EWN]-[a-z0-9-]+" id "${section}")
+  list(REMOVE_ITEM without_example ${id})
 endforeach()
 
 set(missing ${used})
@@ -31,5 +43,8 @@ list(REMOVE_ITEM gone ${used})
 if(NOT used OR missing OR gone)
   message(FATAL_ERROR "${PAGE}: ids without a row: ${missing}; rows of ids that no source has: ${gone}")
 endif()
+if(without_cure OR without_example)
+  message(FATAL_ERROR "${PAGE}: rows without a cure: ${without_cure}; ids without a section in ${EXAMPLES}: ${without_example}")
+endif()
 list(LENGTH used count)
-message(NOTICE "all ${count} message ids are explained")
+message(NOTICE "all ${count} message ids are explained, with a cure and an example")

@@ -432,3 +432,12 @@ TEST_CASE("the example of the reference is what inspect prints", "[golden]") {
     if (line.find("KYP residual") == std::string::npos) CHECK(shown == (line.empty() ? "" : "    " + line));
   }
 }
+
+TEST_CASE("a current switch with a band closes at It+Ih and opens at It-Ih", "[unit]") {
+  const Scratch scratch;
+  // The control rises to 1 A within 1 s and falls back: 0.75 A at 0.75 s, 0.25 A at 1.75 s.
+  scratch.write("w.net",
+                "w\nI1 0 c PWL(0 0 1 1 2 0)\nV0 c 0 0\nV1 a 0 1\nW1 a b V0 M\nR1 b 0 1\n.model M CSW(It=0.5 Ih=0.25)\n.tran 1 2\n.save v(b)\n");
+  REQUIRE(run_in(scratch, {"w.net", "--events"}).status == 0);
+  CHECK(read_file(scratch / "w.csv") == "time,v(b)\n0,0\n0.75,0\n0.75,1\n1,1\n1.75,1\n1.75,0\n2,0\n");
+}
