@@ -38,6 +38,31 @@ void write_operating_point(JsonWriter& json, const RunOutcome& outcome) {
   json.end_object();
 }
 
+void write_measurements(JsonWriter& json, const measure::Results& results) {
+  json.key("measurements");
+  json.begin_array();
+  for (const measure::Result& result : results.list)
+    json.value(json_line({{"name", json_string(result.name)},
+                          {"value", result.failure.empty() ? json_number(result.value) : "null"},
+                          {"unit", json_string(result.unit)},
+                          {"failure", text_or_null(result.failure)}}));
+  json.end_array();
+  json.key("fourier");
+  json.begin_array();
+  for (const measure::FourierResult& result : results.fourier) {
+    std::vector<std::string> harmonics;
+    for (const measure::Harmonic& h : result.harmonics)
+      harmonics.push_back(
+          json_line({{"frequency", json_number(h.frequency)}, {"magnitude", json_number(h.magnitude)}, {"phase", json_number(h.phase)}}));
+    json.value(json_line({{"signal", json_string(result.column)},
+                          {"thd", result.failure.empty() ? json_number(result.total_distortion) : "null"},
+                          {"thd_of_listed", result.failure.empty() ? json_number(result.listed_distortion) : "null"},
+                          {"failure", text_or_null(result.failure)},
+                          {"harmonics", json_line(harmonics)}}));
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 std::string run_json(const RunOutcome& outcome, const RunReport& run) {
@@ -51,6 +76,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   json.member("report", text_or_null(outcome.report));
   write_signals(json, outcome.signals);
   write_operating_point(json, outcome);
+  write_measurements(json, outcome.measurements);
   json.key("notes");
   json.begin_array();
   for (const std::string& note : run.notes) json.value(json_string(note));

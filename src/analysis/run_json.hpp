@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/report.hpp"
+#include "measure/measuring.hpp"
 
 namespace pwlsim::analysis {
 
@@ -23,6 +24,7 @@ struct RunOutcome {
   std::optional<Rows> rows;
   std::vector<std::string> signals;
   std::optional<std::vector<double>> operating_point;  ///< of the signals
+  measure::Results measurements;
   std::string plot, report;                            ///< files written, or empty
 };
 

@@ -121,6 +121,51 @@ void complete(TransientRun& run, FileSink& sink, waveform::OutputFile& file) {
   if (!file.partial_name().empty()) run.message += fmt::format("; the rows written are in {}", file.partial_name());
 }
 
+class NoRows : public engine::RowSink {
+ public:
+  bool write(std::span<const double>, std::size_t) override { return true; }
+};
+
+/// The run with its measurements: once with rows, and again for those that need results of the first.
+class MeasuredRun {
+ public:
+  MeasuredRun(const circuit::Compiled& compiled, const Simulate& simulate)
+      : compiled_(compiled),
+        simulate_(simulate),
+        measuring_(compiled.measurements, compiled.analyses.transient->start.seconds, compiled.analyses.transient->stop.seconds) {}
+
+  engine::Answer run(engine::Request request, engine::RowSink& sink) {
+    request.unsaved_signals = compiled_.measured_signals;
+    if (compiled_.measurements.empty()) return simulate_(request, sink);
+    (void)measuring_.begin_pass();
+    request.probes = measuring_.probes();
+    engine::Answer answer = simulate_(request, sink);
+    measuring_.end_pass(answer.time);
+    if (answer.outcome == engine::Outcome::completed) run_again(request);
+    return answer;
+  }
+
+  [[nodiscard]] measure::Results results() const { return measuring_.results(); }
+
+ private:
+  void run_again(engine::Request request) {
+    NoRows sink;
+    request.grid = {};
+    request.events = request.jumps = false;
+    request.watcher = nullptr;
+    while (measuring_.begin_pass()) {
+      request.probes = measuring_.probes();
+      const engine::Answer answer = simulate_(request, sink);
+      measuring_.end_pass(answer.time);
+      if (answer.outcome != engine::Outcome::completed) return;
+    }
+  }
+
+  const circuit::Compiled& compiled_;
+  const Simulate& simulate_;
+  measure::Measuring measuring_;
+};
+
 }  // namespace
 
 engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control) {
@@ -137,14 +182,14 @@ engine::Request request_of(const circuit::Analyses& analyses, const RunControl& 
   return request;
 }
 
-std::vector<std::string> column_names(const model::Network& network) {
+std::vector<std::string> column_names(const circuit::Compiled& compiled) {
   std::vector<std::string> names{"time"};
-  for (const model::Signal& signal : network.signals) names.push_back(signal.name);
+  for (std::size_t k = 0; k < compiled.saved_signals(); ++k) names.push_back(compiled.network.signals[k].name);
   return names;
 }
 
 std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled, waveform::OutputFile& file) {
-  const std::vector<std::string> names = column_names(compiled.network);
+  const std::vector<std::string> names = column_names(compiled);
   if (format == RowFormat::csv) return std::make_unique<waveform::CsvWriter>(file, names);
   std::vector<waveform::RawVector> vectors{{names[0], "time"}};
   for (std::size_t k = 1; k < names.size(); ++k) vectors.push_back({names[k], raw_type(names[k])});
@@ -153,8 +198,9 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
 
 TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
                            waveform::RowWriter& writer, const RunControl& control) {
-  const std::vector<std::string> names = column_names(compiled.network);
+  const std::vector<std::string> names = column_names(compiled);
   FileSink sink(writer, names.size(), control.recorder);
+  MeasuredRun measured(compiled, simulate);
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
     run.ending = Ending::failed;
@@ -162,7 +208,7 @@ TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& si
     run.message = fmt::format("{} after t = {}", what, quantity(sink.last_time(), "s"));
   };
   try {
-    run.answer = simulate(request_of(compiled.analyses, control), sink);
+    run.answer = measured.run(request_of(compiled.analyses, control), sink);
     judge(run, sink, names);
   } catch (const std::bad_alloc&) {
     broken("E-out-of-memory", "no memory is left");
@@ -171,6 +217,7 @@ TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& si
   }
   if (control.recorder != nullptr) control.recorder->end(std::max(run.answer.time, sink.last_time()));
   complete(run, sink, file);
+  run.measurements = measured.results();
   run.rows = sink.rows();
   run.seconds_write = sink.seconds();
   return run;

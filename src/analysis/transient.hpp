@@ -10,6 +10,7 @@
 
 #include "circuit/compile.hpp"
 #include "engine/run.hpp"
+#include "measure/measuring.hpp"
 #include "waveform/output_file.hpp"
 #include "waveform/row_writer.hpp"
 
@@ -43,13 +44,14 @@ struct TransientRun {
   engine::Answer answer;
   std::uint64_t rows = 0;  ///< handed to the file
   double seconds_write = 0.0;
+  measure::Results measurements;
 };
 
 /// What the deck asks of an engine, on its own grid.
 [[nodiscard]] engine::Request request_of(const circuit::Analyses& analyses, const RunControl& control);
 
 /// The column heads: `time` and the signals.
-[[nodiscard]] std::vector<std::string> column_names(const model::Network& network);
+[[nodiscard]] std::vector<std::string> column_names(const circuit::Compiled& compiled);
 
 enum class RowFormat { csv, raw };
 
@@ -58,6 +60,7 @@ enum class RowFormat { csv, raw };
                                                               waveform::OutputFile& file);
 
 /// Runs `compiled.analyses.transient`, which must be there, through `writer` into `file`, and commits it unless writing fails.
+/// What the deck wants measured is measured on the way; where that takes results of other measurements, the run is done again without rows.
 /// A value that is not finite ends the run as failed before its row is written; so does want of memory.
 [[nodiscard]] TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
                                          waveform::RowWriter& writer, const RunControl& control);

@@ -28,12 +28,13 @@ class Assembler {
     if (circuit_.instances.empty() && !reporter_.failed()) reporter_.error("E-no-elements", {}, "the deck has no element");
     for (Instance& instance : circuit_.instances) resolve_references(instance);
     const std::vector<SignalSource> signals = resolve_signals(circuit_, names_, reporter_);
+    const std::vector<SignalSource> probes = resolve_probes(circuit_, names_, reporter_);
     resolve_conditions();
     if (!reporter_.failed()) check_complete();
     if (!circuit_.has_gaps) report_floating(circuit_, reporter_);
     if (reporter_.failed()) return std::nullopt;
     emit();
-    for (const SignalSource& signal : signals) builder_.add(signal_of(signal, emitted_));
+    add_signals(signals, probes);
     if (reporter_.failed()) return std::nullopt;
     return builder_.take();
   }
@@ -146,6 +147,23 @@ class Assembler {
     check_couplings();
     add_current_conditions();
     warn_of_unused_ic();
+  }
+
+  /// Saved ones first, then those that are measured only.
+  void add_signals(std::vector<SignalSource> signals, const std::vector<SignalSource>& probes) {
+    const std::size_t saved = signals.size();
+    auto& numbers = circuit_.measurements.probe_signals;
+    for (const SaveRequest& probe : circuit_.probes)
+      circuit_.measurements.probe_quantities.push_back(probe.kind == SaveRequest::Kind::voltage   ? Quantity::voltage
+                                                       : probe.kind == SaveRequest::Kind::current ? Quantity::current
+                                                                                                  : Quantity::other);
+    for (const SignalSource& probe : probes) {
+      const auto known = std::find_if(signals.begin(), signals.end(), [&](const SignalSource& other) { return other.is_same(probe); });
+      numbers.push_back(static_cast<int>(known - signals.begin()));
+      if (known == signals.end()) signals.push_back(probe);
+    }
+    circuit_.measured_signals = signals.size() - saved;
+    for (const SignalSource& signal : signals) builder_.add(signal_of(signal, emitted_));
   }
 
   void each(elements::Emission& emission, void (*elements::Kind::*step)(elements::Emission&)) {

@@ -17,8 +17,10 @@ enum class CardRole {
   options,
   transient,
   operating_point,
-  save,        ///< .save, .probe
-  print,       ///< .print tran …
+  save,   ///< .save, .probe
+  print,  ///< .print tran …
+  measurement,
+  fourier,
   raw_system,  ///< .lcs
   silent,      ///< accepted, means nothing here
   ignored,     ///< one warning

@@ -17,6 +17,7 @@
 
 #include "base/source.hpp"
 #include "circuit/analyses.hpp"
+#include "circuit/measurement.hpp"
 #include "elements/kind.hpp"
 #include "model/network.hpp"
 
@@ -48,6 +49,9 @@ class Circuit {
   std::vector<elements::Instance> instances;
   std::vector<elements::Model> models;
   std::vector<SaveRequest> saves;  ///< none: all
+  Measurements measurements;
+  std::vector<SaveRequest> probes;   ///< signals that measurements read
+  std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
   std::vector<InitialCondition> conditions;
   Analyses analyses;
   bool has_gaps = false;  ///< some element could not be read: what it connects is not known

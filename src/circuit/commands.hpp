@@ -1,5 +1,5 @@
 #pragma once
-/// The cards of the deck that ask for something: .options, .tran, .op, .save and its like.
+/// The cards of the deck that ask for something: .options, .tran, .op, .save, .meas and their like.
 
 #include "circuit/census.hpp"
 #include "circuit/circuit.hpp"
@@ -21,5 +21,8 @@ struct Options {
 void read_analyses(const Definitions& definitions, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
 void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
+
+/// .meas and .four into `circuit`.
+void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 
 }  // namespace pwlsim::circuit

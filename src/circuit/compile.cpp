@@ -1,5 +1,7 @@
 #include "circuit/compile.hpp"
 
+#include <utility>
+
 #include "circuit/assemble.hpp"
 #include "circuit/flatten.hpp"
 
@@ -13,7 +15,10 @@ std::optional<Compiled> compile(const netlist::Deck& deck, const SourceStore& so
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
+  if (!options.measure) network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
+  if (options.measure) compiled.measurements = circuit.measurements;
+  compiled.measured_signals = circuit.measured_signals;
   if (options.keep_circuit) compiled.circuit = std::move(circuit);
   return compiled;
 }

@@ -15,15 +15,20 @@ namespace pwlsim::circuit {
 
 struct CompileOptions {
   bool analysis_required = true;  ///< a deck without .tran and .op is an error (not so for `inspect`)
+  bool measure = false;           ///< .meas and .four are asked for; else they are only checked
   bool keep_circuit = false;      ///< for what works on elements, not on the network
 };
 
-/// `network.signals` are the columns of the output after `time`, in order.
+/// `network.signals` are the columns of the output after `time`, in order; the last `measured_signals` are measured only.
 struct Compiled {
   std::string title;
   model::Network network;
   Analyses analyses;
   std::optional<Circuit> circuit;  ///< where it was to be kept
+  Measurements measurements{};
+  std::size_t measured_signals = 0;
+
+  [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
 };
 
 /// Every error of meaning goes to `diagnostics`, all in one go. The answer is empty exactly when `diagnostics` holds an error on return;

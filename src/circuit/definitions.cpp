@@ -113,6 +113,10 @@ class Reader {
         return read_analysis(card, result_.saves);
       case CardRole::print:
         return read_print(card);
+      case CardRole::measurement:
+        return read_analysis(card, result_.measurements);
+      case CardRole::fourier:
+        return read_analysis(card, result_.fourier_analyses);
       case CardRole::raw_system:
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:

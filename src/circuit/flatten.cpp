@@ -20,6 +20,7 @@ Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_r
   const Options options = read_options(definitions, top, reporter, circuit.analyses);
   read_analyses(definitions, top, reporter, analysis_required, circuit);
   read_saves(definitions, reporter, circuit);
+  read_measurements(definitions, top, reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;
   Models models(circuit, options.settings, reporter);
   Binder binder(circuit, definitions, models, reporter);

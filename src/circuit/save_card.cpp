@@ -5,6 +5,7 @@
 
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -25,12 +26,15 @@ bool holds_words(const Item& group, std::size_t least, std::size_t most) {
   return true;
 }
 
+bool is_whole_number(std::string_view text) {
+  return !text.empty() && text.size() <= 6 && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 /// x(name,1), u(name,1), y(name,1)
 bool is_raw_signal(const Item& item) {
   if (item.kind != ItemKind::group || !(same_name(item.text, "x") || same_name(item.text, "u") || same_name(item.text, "y"))) return false;
   if (!holds_words(item, 2, 2)) return false;
-  const std::string& number = item.items[1].text;
-  return number.size() <= 6 && std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return is_whole_number(item.items[1].text);
 }
 
 /// As the deck spells it, unless it runs over a line.
@@ -42,7 +46,9 @@ std::string column_name(const Item& group, const Reporter& reporter) {
   return name + ")";
 }
 
-void read_save(const Item& item, Reporter& reporter, std::vector<SaveRequest>& saves) {
+}  // namespace
+
+std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
   SaveRequest request;
   if (is_word(item, "all")) {
     request.kind = SaveRequest::Kind::all;
@@ -57,7 +63,7 @@ void read_save(const Item& item, Reporter& reporter, std::vector<SaveRequest>& s
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
     reporter.error("E-unknown-signal", item.span, fmt::format("'{}' is no signal: they are {}{}", reporter.text(item.span), usage, cure));
-    return;
+    return std::nullopt;
   }
   if (request.kind != SaveRequest::Kind::all) {
     request.column = column_name(item, reporter);
@@ -66,10 +72,32 @@ void read_save(const Item& item, Reporter& reporter, std::vector<SaveRequest>& s
     if (item.items.size() > 1) request.second = item.items[1].text;
     if (item.items.size() > 1) request.second_span = item.items[1].span;
   }
-  saves.push_back(std::move(request));
+  return request;
 }
 
-}  // namespace
+std::optional<SaveRequest> signal_request(const netlist::Expression& call, Reporter& reporter) {
+  SaveRequest request;
+  const std::size_t count = call.arguments.size();
+  const bool is_voltage = same_name(call.text, "v");
+  const bool is_current = same_name(call.text, "i");
+  const bool is_raw = !is_voltage && !is_current;
+  const bool fits = is_voltage ? count == 1 || count == 2 : is_current ? count == 1 : count == 2 && is_whole_number(call.arguments[1].text);
+  if (!fits) {
+    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is no signal: they are {}", reporter.text(call.span), usage));
+    return std::nullopt;
+  }
+  request.kind = is_voltage ? SaveRequest::Kind::voltage : is_current ? SaveRequest::Kind::current : SaveRequest::Kind::raw;
+  request.column = std::string(reporter.text(call.span));
+  request.first = call.arguments[0].text;
+  request.first_span = call.arguments[0].span;
+  if (count > 1) request.second = call.arguments[1].text;
+  if (count > 1) request.second_span = call.arguments[1].span;
+  if (is_raw) {
+    request.quantity = lower_letter(call.text[0]);
+    request.number = std::stoi(request.second);
+  }
+  return request;
+}
 
 void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit) {
   for (const Card* card : definitions.saves) {
@@ -79,7 +107,8 @@ void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& cir
     }
     for (const Item& item : card->items) {
       const bool analysis_name = print && &item == &card->items[0] && is_word(item, "tran");
-      if (!analysis_name && !is_word(item, "time")) read_save(item, reporter, circuit.saves);
+      if (analysis_name || is_word(item, "time")) continue;
+      if (std::optional<SaveRequest> request = save_request(item, reporter)) circuit.saves.push_back(std::move(*request));
     }
   }
 }

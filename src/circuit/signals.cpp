@@ -25,26 +25,32 @@ class SignalList {
 
   std::vector<SignalSource> read() {
     if (circuit_.saves.empty()) add_all();
-    for (const SaveRequest& request : circuit_.saves) {
-      switch (request.kind) {
-        case SaveRequest::Kind::all:
-          add_all();
-          break;
-        case SaveRequest::Kind::voltage:
-          add_voltage(request);
-          break;
-        case SaveRequest::Kind::current:
-          add_current(request);
-          break;
-        case SaveRequest::Kind::raw:
-          add_raw(request);
-          break;
-      }
+    for (const SaveRequest& request : circuit_.saves) add(request);
+    return std::move(list_);
+  }
+
+  std::vector<SignalSource> read_probes() {
+    for (const SaveRequest& request : circuit_.probes) {
+      seen_.clear();  // every probe keeps its place
+      add(request);
     }
     return std::move(list_);
   }
 
  private:
+  void add(const SaveRequest& request) {
+    switch (request.kind) {
+      case SaveRequest::Kind::all:
+        return add_all();
+      case SaveRequest::Kind::voltage:
+        return add_voltage(request);
+      case SaveRequest::Kind::current:
+        return add_current(request);
+      case SaveRequest::Kind::raw:
+        return add_raw(request);
+    }
+  }
+
   void add(SignalSource source) {
     if (seen_.insert(column_key(source.column)).second) list_.push_back(std::move(source));
   }
@@ -128,6 +134,10 @@ class SignalList {
 
 std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
   return SignalList(circuit, names, reporter).read();
+}
+
+std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
+  return SignalList(circuit, names, reporter).read_probes();
 }
 
 model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted) {

@@ -17,10 +17,17 @@ struct SignalSource {
   int element = -1;       ///< -1: a voltage
   char quantity = ' ';    ///< x, u or y of a raw system
   std::size_t index = 0;  ///< and which, from 0
+
+  [[nodiscard]] bool is_same(const SignalSource& other) const {
+    return p == other.p && n == other.n && element == other.element && quantity == other.quantity && index == other.index;
+  }
 };
 
 /// In the order of the columns, each once. Unknown names are errors, with the nearest.
 [[nodiscard]] std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
+
+/// Of what measurements read, in the order of Circuit::probes.
+[[nodiscard]] std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
 
 [[nodiscard]] model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted);
 

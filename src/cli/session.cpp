@@ -75,6 +75,7 @@ class Session {
   int operating_point();
   int transient();
   int conclude(const analysis::TransientRun& run);
+  int report_measurements(const measure::Results& results);
   int write_pictures();
   int written(int status, const std::string& name, std::string& noted);
   int write_statistics();
@@ -98,13 +99,14 @@ class Session {
 };
 
 int Session::prepare() {
-  DeckReading reading = read_deck(options_.deck, {}, sources_, messages_);
+  DeckReading reading = read_deck(options_.deck, {.measure = true}, sources_, messages_);
   report_.seconds.parse = reading.seconds_parse;
   report_.seconds.flatten = reading.seconds_flatten;
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
   outcome_.title = compiled_->title;
-  for (const model::Signal& signal : compiled_->network.signals) outcome_.signals.push_back(signal.name);
+  const std::vector<std::string> names = analysis::column_names(*compiled_);
+  outcome_.signals.assign(names.begin() + 1, names.end());
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
@@ -177,8 +179,9 @@ int Session::operating_point() {
   take_remarks(point.answer);
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
   outcome_.operating_point = point.values;
+  outcome_.operating_point->resize(outcome_.signals.size());
   if (options_.json) return 0;
-  const std::string text = analysis::operating_point_text(outcome_.signals, point.values);
+  const std::string text = analysis::operating_point_text(outcome_.signals, *outcome_.operating_point);
   return print(text, messages_, options_.output == "-" ? Stream::error : Stream::output);
 }
 
@@ -194,7 +197,7 @@ int Session::transient() {
       return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
     };
     if (plot_file_.is_open() || report_file_)
-      control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->network.signals.size());
+      control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->saved_signals());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
   }
@@ -204,7 +207,23 @@ int Session::transient() {
   report_.seconds.write = run.seconds_write;
   report_.seconds.total = since(start_);
   note_rows(run);
-  return conclude(run);
+  const int status = conclude(run);
+  outcome_.measurements = std::move(run.measurements);
+  return std::max(status, report_measurements(outcome_.measurements));
+}
+
+/// Measurements that failed do not make the run one that failed.
+int Session::report_measurements(const measure::Results& results) {
+  if (results.empty()) return 0;
+  const auto warn = [&](std::string text, const SourceSpan& span) {
+    messages_.report({Severity::warning, "W-measurement-failed", span, std::move(text)}, sources_);
+  };
+  for (const measure::Result& result : results.list)
+    if (!result.failure.empty()) warn(fmt::format("measurement {} failed: {}", result.name, result.failure), result.span);
+  for (const measure::FourierResult& result : results.fourier)
+    if (!result.failure.empty()) warn(fmt::format("Fourier analysis of {} failed: {}", result.column, result.failure), {});
+  if (options_.json) return 0;
+  return print(measure::results_text(results), messages_, options_.output == "-" ? Stream::error : Stream::output);
 }
 
 void Session::note_rows(const analysis::TransientRun& run) {

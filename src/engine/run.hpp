@@ -1,6 +1,7 @@
 #pragma once
 /// What an engine is asked and what it answers; the same for every engine.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -20,7 +21,7 @@ struct RowGrid {
 class RowSink {
  public:
   virtual ~RowSink() = default;
-  /// `count` rows, each `1 + signals` values: time, then the signals. Returns false to stop the run (closed pipe, full disk).
+  /// `count` rows, each `1 + saved signals` values: time, then the signals. Returns false to stop the run (closed pipe, full disk).
   virtual bool write(std::span<const double> values, std::size_t count) = 0;
 };
 
@@ -40,6 +41,34 @@ class EventWatcher {
   virtual void happened(const Event& event, std::span<const char> on) = 0;
 };
 
+/// A stretch of the run without an event, over which the probed signals are polynomials: to rounding (exact engine), or as its rows (sparse).
+struct Piece {
+  double from = 0.0, to = 0.0;       ///< what it stands for, s
+  double begin = 0.0, length = 0.0;  ///< where its points lie, s: [begin, begin + length] holds [from, to] and may reach beyond
+  std::span<const double> values;    ///< probe by probe, at the sixteen Gauss–Legendre points (linalg/legendre.hpp)
+};
+
+/// Receives what lies between events, in order and without gaps.
+class PieceSink {
+ public:
+  virtual ~PieceSink() = default;
+  /// The probes just before t = 0, where the run starts from an operating point.
+  virtual void before_start(std::span<const double> values) = 0;
+  virtual void take(const Piece& piece) = 0;
+};
+
+/// Signals that are followed between the rows. Nothing is computed for them outside of [from, to], nor where there is no sink.
+struct Probes {
+  std::vector<int> signals;  ///< numbers of Network::signals
+  double from = 0.0, to = 0.0;
+  PieceSink* sink = nullptr;
+};
+
+/// Rows of `width` values become rows of the first `kept` of them, in place.
+inline void keep_columns(double* rows, std::size_t count, std::size_t width, std::size_t kept) {
+  for (std::size_t row = 1; row < count && kept != width; ++row) std::copy_n(rows + row * width, kept, rows + row * kept);
+}
+
 enum class NonUnique { error, first, stay };
 
 struct Request {
@@ -49,7 +78,9 @@ struct Request {
   bool jumps = false;                   ///< keep what jumped (Answer::jumps)
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
-  EventWatcher* watcher = nullptr;              ///< may be null
+  EventWatcher* watcher = nullptr;  ///< may be null
+  std::size_t unsaved_signals = 0;  ///< the last so many signals have no columns in rows: they are there for probes
+  Probes probes;
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
 };

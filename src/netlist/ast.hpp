@@ -21,6 +21,11 @@
 /// A value that may be an expression without braces is a word where `read_number` takes it ("2", "-5", "10k", "inf"), a string
 /// where quoted, else an expression (a lone name is an Expression of kind name). So it is with all assignments of `.param`,
 /// `.subckt` and X cards, with the body of `.func`, and with V=, I=, VALUE=, VOL=, CUR= of B, E, F, G and H cards.
+/// On a card that measures stand, behind its name, keywords (words) and expressions, without the equals signs:
+///
+///     .meas tran p AVG v(a)*i(b) FROM=1m     words tran, p, AVG; expression; words FROM, 1m
+///     .meas t FIND v(a) WHEN v(b)=2*v(c)     words t, FIND; expression; word WHEN; two expressions
+///
 /// On .subckt and X cards `params:p=1` reads as the word `params:` and the assignment.
 ///
 /// Guarantees: the text of a word, group or card name is never altered; an expression item has an expression; a card on which

@@ -269,6 +269,48 @@ void parse_function(const char*& first, const char* last, State& state, std::vec
   }
 }
 
+/// A word, where one stands here; the text of a card's words is never altered.
+bool take_word(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  const char* const begin = first;
+  if (!x3::parse(first, last, +word_byte_)) return false;
+  Item item;
+  item.text.assign(part(begin, first));
+  item.span = item.text_span = state.context.line.span(part(begin, first));
+  items.push_back(std::move(item));
+  return true;
+}
+
+/// A keyword is followed by something other than a parenthesis, which would make a function of it; but the first may have its argument in one.
+bool take_keyword(const char*& first, const char* last, bool is_first, State& state, std::vector<Item>& items) {
+  const char* at = first;
+  if (!x3::parse(at, last, name) || !is_measurement_keyword(part(first, at))) return false;
+  if (!is_first && at != last && *at == '(') return false;
+  const std::string_view text = part(first, at);
+  Item item;
+  item.text.assign(text);
+  item.span = item.text_span = state.context.line.span(text);
+  items.push_back(std::move(item));
+  first = at;
+  return true;
+}
+
+/// `.meas [tran] name AVG v(a)*i(b) FROM=1m TO 2m`: the equals signs are left out.
+void parse_measurement(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  const auto skip = [&] { x3::parse(first, last, *blank); };
+  skip();
+  if (!take_word(first, last, state, items)) return;
+  skip();
+  if (is_analysis_name(items[0].text) && take_word(first, last, state, items)) skip();
+  for (bool is_first = true; first != last; is_first = false) {
+    if (!take_keyword(first, last, is_first, state, items)) {
+      Item item;
+      if (!x3::parse(first, last, x3::with<state_tag>(state)[braced | OpenExpression{}], item)) break;
+      items.push_back(std::move(item));
+    }
+    x3::parse(first, last, *(blank | x3::lit('=') | x3::lit(',')));
+  }
+}
+
 }  // namespace
 
 std::string_view card_name(std::string_view line) {
@@ -295,6 +337,9 @@ bool parse_card(const ParseContext& context, Card& card) {
   const char* first = name_text.data() + name_text.size();
   if (state.style.is_function()) {
     parse_function(first, line.end(), state, card.items);
+  }
+  if (state.style.is_measurement()) {
+    parse_measurement(first, line.end(), state, card.items);
   }
   x3::parse(first, line.end(), x3::with<state_tag>(state)[list], card.items);
   assert(first == line.end() || state.stopped);

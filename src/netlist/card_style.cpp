@@ -20,9 +20,22 @@ CardStyle::CardStyle(std::string_view name) {
   const char letter = lower_letter(name.front());
   dot_ = letter == '.';
   function_ = same_name(name, ".func");
+  measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
   parameters_ = takes_params_ || same_name(name, ".param");
   source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
+}
+
+bool is_measurement_keyword(std::string_view word) {
+  static constexpr std::array<std::string_view, 29> keywords{
+      "avg",  "min", "max",  "pp",   "rms",   "integ", "integral", "find",  "deriv",  "derivative", "when", "at",   "from", "to",  "trig",
+      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3"};
+  return is_one_of(word, keywords);
+}
+
+bool is_analysis_name(std::string_view word) {
+  static constexpr std::array<std::string_view, 8> names{"tran", "ac", "dc", "op", "noise", "tf", "sp", "four"};
+  return is_one_of(word, names);
 }
 
 bool CardStyle::open_expression(std::string_view left) const {

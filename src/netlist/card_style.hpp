@@ -11,6 +11,8 @@ class CardStyle {
 
   /// The card defines a function, whose body needs no braces.
   [[nodiscard]] bool is_function() const { return function_; }
+  /// The card measures: keywords and expressions without braces stand in a row.
+  [[nodiscard]] bool is_measurement() const { return measurement_; }
   /// `params:` is a word of its own, even without a blank behind it.
   [[nodiscard]] bool takes_params() const { return takes_params_; }
   /// What is assigned to `left` may be an expression without braces.
@@ -21,9 +23,15 @@ class CardStyle {
  private:
   bool dot_ = false;
   bool function_ = false;
+  bool measurement_ = false;
   bool takes_params_ = false;
   bool parameters_ = false;
   bool source_values_ = false;
 };
+
+/// A word of a card that measures, where an expression might stand too: AVG, FROM, WHEN, …
+[[nodiscard]] bool is_measurement_keyword(std::string_view word);
+/// The analysis that a card that measures may name first: tran, ac, …
+[[nodiscard]] bool is_analysis_name(std::string_view word);
 
 }  // namespace pwlsim::netlist

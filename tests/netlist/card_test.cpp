@@ -63,8 +63,12 @@ TEST_CASE("cards become generic trees", "[unit]") {
       Row{".tran {T/100} {T}", ".tran {(T/100)} {T}"},
       Row{".options reltol = 1e-4 nonunique=first", ".options reltol=1e-4 nonunique=first"}, Row{".global vdd $G_x", ".global vdd $G_x"},
       Row{".step param R list 1 2 3", ".step param R list 1 2 3"}, Row{".backanno", ".backanno"},
-      Row{".meas tran x FIND V(out) WHEN V(in)=5 RISE=1", ".meas tran x FIND V(out) WHEN V(in)=5 RISE=1"}, Row{".op", ".op"},
-      Row{".meas tran p AVG V(a)*I(R1) FROM=1m", ".meas tran p AVG V(a) *I(R1) FROM=1m"}, Row{".four 1k v(out)", ".four 1k v(out)"},
+      Row{".meas tran x FIND V(out) WHEN V(in)=5 RISE=1", ".meas tran x FIND {V(out)} WHEN {V(in)} 5 RISE 1"}, Row{".op", ".op"},
+      Row{".meas tran p AVG V(a)*I(R1) FROM=1m", ".meas tran p AVG {(V(a)*I(R1))} FROM 1m"},
+      Row{".meas p AVG V(a) FROM 1m TO {2*t}", ".meas p AVG {V(a)} FROM 1m TO {(2*t)}"},
+      Row{".MEASURE max MAX max(V(a),V(b))", ".MEASURE max MAX {max(V(a),V(b))}"},
+      Row{".meas x TRIG V(a) VAL=0.5 TD=1u FALL=LAST TARG time=2m", ".meas x TRIG {V(a)} VAL 0.5 TD 1u FALL LAST TARG {time} 2m"},
+      Row{".meas x WHEN V(a) = 3 * V(b) cross = 3", ".meas x WHEN {V(a)} {(3*V(b))} cross 3"}, Row{".four 1k v(out)", ".four 1k v(out)"},
       Row{".dot name \"file.lcs\"", ".dot name \"file.lcs\""}, Row{".title don't (mind", ".title"});
   CAPTURE(row.text);
   CHECK(card(row.text) == row.tree);

@@ -279,6 +279,7 @@ void IslandRun::begin_segment(double time) {
   segment_.mode = segment_.whole = mode;
   segment_.part = nullptr;
   segment_.anchor = time;
+  ++segment_number_;
   if (segment_.y0.size() < x.size()) {
     segment_.y0.resize(x.size());
     segment_.y.resize(x.size());

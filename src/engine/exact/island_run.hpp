@@ -20,6 +20,8 @@ class IslandRun {
   [[nodiscard]] const model::Selector& selector() const { return selector_; }
   [[nodiscard]] const Locator& locator() const { return locator_; }
   [[nodiscard]] const Segment& segment() const { return segment_; }
+  /// Counts segments.
+  [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
   [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
 
   /// Time of the next source breakpoint that is an instant of the run.
@@ -91,6 +93,7 @@ class IslandRun {
   bool only_gates_ = false;    ///< polylines that nothing but switches reads
   bool corner_ahead_ = false;  ///< the next breakpoint is a corner of such a source, which the switches may not see
   Segment segment_;
+  std::uint64_t segment_number_ = 0;
   Located event_;
   double event_time_ = 0.0;
   AccumulationWatch accumulation_;

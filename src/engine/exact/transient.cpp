@@ -63,7 +63,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       request_(request),
       sink_(sink),
       jump_recorder_(exact_model.islands, request.jumps),
-      port_watch_(islands_, request.watcher) {
+      port_watch_(islands_, request.watcher),
+      pieces_(exact_model.islands, request.probes) {
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
@@ -102,6 +103,7 @@ Answer Transient::run(const Start& start) {
   }
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   flush();
+  pieces_.advance(islands_, now_);
   answer_.time = now_;
   for (const auto& island : islands_)
     if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
@@ -113,6 +115,7 @@ Answer Transient::run(const Start& start) {
 /// t = 0: states as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
   on_ = start.on;
+  pieces_.before_start(start.signals);
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     std::copy(start.xi[i].begin(), start.xi[i].end(), islands_[i].x.begin());
     islands_[i].open_at_start();
@@ -147,6 +150,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
+  pieces_.advance(islands_, instant.time);
   island.open(instant.time);
   jump_recorder_.before(number_of(island), island.x);
   if (island.take_breakpoints(instant.time)) instant.source_edge = true;
@@ -414,7 +418,9 @@ bool Transient::push_row() {
 bool Transient::flush() {
   if (buffered_ == 0) return true;
   const auto clock = Clock::now();
-  const bool accepted = sink_.write({rows_.data(), buffered_ * width_}, buffered_);
+  const std::size_t columns = width_ - request_.unsaved_signals;
+  keep_columns(rows_.data(), buffered_, width_, columns);
+  const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
   sink_seconds_ += seconds_since(clock);
   buffered_ = 0;
   if (!accepted && answer_.outcome == Outcome::completed) fail(Outcome::sink_stopped, "", "", {});

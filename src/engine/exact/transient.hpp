@@ -7,6 +7,7 @@
 #include "engine/exact/certificate.hpp"
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
+#include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/start.hpp"
 
@@ -69,6 +70,7 @@ class Transient {
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
   PortWatch port_watch_;
+  PieceMaker pieces_;
   std::uint64_t several_ = 0;  ///< selections that had a choice, and the first of them in words
   std::string several_text_;
   double tolerance_ = 0.0;  ///< instants closer than this are one

@@ -59,6 +59,15 @@ void Block::signals(double time, double* values) {
   for (std::size_t i = 0; i < signals_.size(); ++i) values[i] = Form::sum(signals_[i].w, w_.data(), stretch_.value(signals_[i], weights));
 }
 
+void Block::signals(double time, std::span<const int> numbers, double* values) {
+  const auto weights = stretch_.weights(time);
+  if (signals_read_sources_) sources_.evaluate(time, w_);
+  for (const int number : numbers) {
+    const Form& form = signals_[static_cast<std::size_t>(number)];
+    *values++ = Form::sum(form.w, w_.data(), stretch_.value(form, weights));
+  }
+}
+
 bool Block::advance() {
   instant_.reset();
   if (restart_due_ || sources_.next_break() <= point_.time + break_tolerance_) return restart();

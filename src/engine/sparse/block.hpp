@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <unordered_set>
 
 #include "engine/sparse/certificate.hpp"
@@ -35,6 +36,8 @@ class Block {
   bool advance();
   /// The saved signals at a time in the last step.
   void signals(double time, double* values);
+  /// Some of them, by number.
+  void signals(double time, std::span<const int> numbers, double* values);
 
   struct Instant {
     double time = 0.0;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/remarks.hpp"
+#include "linalg/legendre.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -26,11 +27,27 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
                      RowSink& sink)
     : request_(request), reltol_(reltol), sink_(sink) {
-  for (const auto& part : parts) tracks_.push_back(std::make_unique<Track>(*part, request, reltol));
+  for (const auto& part : parts) {
+    tracks_.push_back(std::make_unique<Track>(*part, request, reltol));
+    find_shares(*tracks_.back());
+  }
   width_ = 1 + signals;
   rows_.resize(rows_per_block * width_);
   tolerance_ = merge_fraction * request.stop;
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
+}
+
+/// Signals of the track that are parts of probes.
+void Transient::find_shares(Track& track) const {
+  const auto& probes = request_.probes.signals;
+  const auto& numbers = track.part.island.signal_number;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    for (std::size_t probe = 0; probe < probes.size(); ++probe) {
+      if (probes[probe] != numbers[i]) continue;
+      track.shares.push_back(static_cast<int>(i));
+      track.probes.push_back(static_cast<int>(probe));
+    }
+  track.values.resize(std::max(numbers.size(), track.shares.size()));
 }
 
 bool Transient::fail(const Answer& failure) {
@@ -50,9 +67,11 @@ bool Transient::begin() {
                                                         : start_from_operating_point(track.part.island.network, track.part.descriptor);
     if (start.answer.outcome != Outcome::completed) return fail(start.answer);
     if (!track.block.begin(start)) return fail(track.block.failure());
+    note_before_start(track, start);
     projected |= track.block.start_projected() && request_.use_initial_conditions;
     order_.push_back(i);
   }
+  if (request_.probes.sink != nullptr && !request_.use_initial_conditions) request_.probes.sink->before_start(piece_values_);
   std::make_heap(order_.begin(), order_.end(), is_later());
   watch_start();
   if (projected) answer_.remarks.push_back(projected_start());
@@ -63,6 +82,7 @@ bool Transient::begin() {
 bool Transient::advance_least() {
   Track& track = *tracks_[order_.front()];
   if (!rows_before(track.block.time(), false)) return false;
+  pieces_before(track.block.time());
   if (!track.block.advance()) return fail(track.block.failure());
   watch(track);
   if (!event_rows(track)) return false;
@@ -87,6 +107,7 @@ Answer Transient::run() {
   if (answer_.outcome == Outcome::completed && going) rows_before(request_.stop, true);
   flush();
   answer_.time = request_.stop;
+  if (going) pieces_before(request_.stop);
   if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->block.time(), request_.stop);
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
   finish();
@@ -99,7 +120,7 @@ void Transient::row(double time, double* values) {
   values[0] = time;
   for (const auto& track : tracks_) {
     track->block.signals(time, track->values.data());
-    for (std::size_t i = 0; i < track->values.size(); ++i)
+    for (std::size_t i = 0; i < track->part.island.signal_number.size(); ++i)
       values[1 + static_cast<std::size_t>(track->part.island.signal_number[i])] += track->values[i];
   }
 }
@@ -149,6 +170,36 @@ void Transient::watch(const Track& track) {
   request_.watcher->happened({instant->time, instant->source_edge, instant->mode_change, instant->jump}, on_);
 }
 
+/// A track's share of the probes at the operating point.
+void Transient::note_before_start(const Track& track, const Start& start) {
+  if (request_.probes.sink == nullptr || request_.use_initial_conditions) return;
+  const auto& probes = request_.probes.signals;
+  piece_values_.resize(probes.size());
+  for (std::size_t k = 0; k < track.shares.size(); ++k)
+    piece_values_[static_cast<std::size_t>(track.probes[k])] += start.signals[static_cast<std::size_t>(track.shares[k])];
+}
+
+/// What lies before the instant that the least track stands at, of the last stretches of all.
+void Transient::pieces_before(double time) {
+  const Probes& probes = request_.probes;
+  if (probes.sink == nullptr || time <= piece_time_) return;
+  const double from = std::max(piece_time_, probes.from);
+  const double to = std::min(time, probes.to);
+  piece_time_ = time;
+  if (from >= to) return;
+  constexpr std::size_t points = linalg::legendre_points;
+  const auto& point = linalg::gauss_legendre().point;
+  piece_values_.resize(probes.signals.size() * points);
+  std::fill(piece_values_.begin(), piece_values_.end(), 0.0);
+  for (const auto& track : tracks_)
+    for (std::size_t i = 0; i < points && !track->shares.empty(); ++i) {
+      track->block.signals(from + 0.5 * (1.0 + point[i]) * (to - from), track->shares, track->values.data());
+      for (std::size_t k = 0; k < track->shares.size(); ++k)
+        piece_values_[static_cast<std::size_t>(track->probes[k]) * points + i] += track->values[k];
+    }
+  probes.sink->take({from, to, from, to - from, piece_values_});
+}
+
 /// A row before and one after what the part's last step came upon.
 bool Transient::event_rows(Track& track) {
   const auto& instant = track.block.instant();
@@ -159,7 +210,7 @@ bool Transient::event_rows(Track& track) {
   double* before = &rows_[buffered_ * width_];
   row(time, before);
   before[0] = last_event_row_;
-  for (std::size_t i = 0; i < track.values.size(); ++i)
+  for (std::size_t i = 0; i < track.part.island.signal_number.size(); ++i)
     before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.block.signals_before()[i] - track.values[i];
   if (!push_row()) return false;
   double* after = &rows_[buffered_ * width_];
@@ -176,7 +227,9 @@ bool Transient::push_row() {
 bool Transient::flush() {
   if (buffered_ == 0) return true;
   const auto clock = Clock::now();
-  const bool accepted = sink_.write({rows_.data(), buffered_ * width_}, buffered_);
+  const std::size_t columns = width_ - request_.unsaved_signals;
+  keep_columns(rows_.data(), buffered_, width_, columns);
+  const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
   sink_seconds_ += seconds_since(clock);
   buffered_ = 0;
   if (!accepted && answer_.outcome == Outcome::completed) answer_.outcome = Outcome::sink_stopped;

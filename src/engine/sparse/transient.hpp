@@ -23,7 +23,8 @@ class Transient {
         : part(p), block(p.island.network, p.descriptor, request, reltol), values(p.island.signal_number.size()) {}
     const Part& part;
     Block block;
-    std::vector<double> values;  ///< of its shares of signals
+    std::vector<double> values;         ///< of its shares of signals
+    std::vector<int> shares, probes{};  ///< signals of the block that are parts of probes, and of which
   };
   /// Order of the heap.
   [[nodiscard]] auto is_later() const {
@@ -34,6 +35,9 @@ class Transient {
   void row(double time, double* values);
   bool fail(const Answer& failure);
   bool rows_before(double time, bool inclusive);
+  void find_shares(Track& track) const;
+  void pieces_before(double time);
+  void note_before_start(const Track& track, const Start& start);
   bool event_rows(Track& track);
   void watch_start();
   void watch(const Track& track);
@@ -54,7 +58,9 @@ class Transient {
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -1.0;
   double sink_seconds_ = 0.0;
-  std::vector<char> on_;  ///< of all ports
+  std::vector<char> on_;     ///< of all ports
+  double piece_time_ = 0.0;  ///< up to which pieces have been handed over
+  std::vector<double> piece_values_;
 };
 
 }  // namespace pwlsim::engine::sparse

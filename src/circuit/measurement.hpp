@@ -1,0 +1,104 @@
+#pragma once
+/// What .meas and .four ask for, free of any syntax.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/source.hpp"
+#include "circuit/functions.hpp"
+
+namespace pwlsim::circuit {
+
+/// An expression of signals, time and results of measurements, in postfix order.
+struct MeasuredExpression {
+  struct Step {
+    enum class Kind {
+      number,     ///< `number`
+      signal,     ///< `index`: of Circuit::probes
+      result,     ///< `index`: of Measurements::list
+      time,       ///< s
+      negate,     ///< one operand
+      invert,     ///< logical not; one operand
+      operation,  ///< two operands; `operation` as the deck writes it
+      function,   ///< `index` operands; `function`
+      choose      ///< condition, value where it is not 0, and else
+    };
+    Kind kind = Kind::number;
+    double number = 0.0;
+    int index = 0;
+    std::string operation{};
+    const BuiltinFunction* function = nullptr;
+  };
+  std::vector<Step> steps;
+  std::string text;  ///< as the deck spells it
+  SourceSpan span;
+};
+
+enum class Edge { any, rise, fall };
+
+/// The `count`-th time, or the last, at which left − right passes zero in the sense of `edge`.
+struct Crossing {
+  MeasuredExpression left, right;
+  Edge edge = Edge::any;
+  std::uint64_t count = 1;
+  bool last = false;
+  std::optional<MeasuredExpression> delay;  ///< TD=: what lies before does not count
+};
+
+struct Measurement {
+  enum class Kind {
+    average,
+    minimum,
+    maximum,
+    peak_to_peak,
+    rms,
+    integral,
+    time_of_minimum,
+    time_of_maximum,
+    value,       ///< of the expression, `at` a time or `when` something crosses
+    derivative,  ///< likewise
+    time,        ///< `when`
+    parameter    ///< of the expression, which reads no signal
+  };
+  Kind kind = Kind::average;
+  std::string name;
+  SourceSpan span;
+  MeasuredExpression expression;
+  std::optional<MeasuredExpression> from, to;  ///< by default Tstart and Tstop
+  std::optional<MeasuredExpression> at;
+  std::optional<Crossing> when;
+  bool shown = true;  ///< false: a part of another measurement
+};
+
+/// `.four`
+struct FourierAnalysis {
+  double frequency = 1.0;        ///< Hz
+  std::uint64_t harmonics = 10;  ///< with the mean, which is number 0
+  double periods = 1.0;          ///< the last so many; 0: as many as the run holds
+  struct Signal {
+    std::string column;
+    int probe = 0;
+  };
+  std::vector<Signal> signals;
+  SourceSpan span;
+};
+
+/// What a probe reads.
+enum class Quantity { voltage, current, other };
+
+struct Measurements {
+  std::vector<Measurement> list;
+  std::vector<FourierAnalysis> fourier;
+  /// Of each probe: the signal of the network behind it; filled in by assemble.
+  std::vector<int> probe_signals;
+  std::vector<Quantity> probe_quantities;
+
+  [[nodiscard]] bool empty() const { return list.empty() && fourier.empty(); }
+};
+
+/// Measurements whose results this one needs.
+[[nodiscard]] std::vector<int> results_read(const Measurement& measurement);
+
+}  // namespace pwlsim::circuit

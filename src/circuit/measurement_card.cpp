@@ -1,0 +1,417 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/commands.hpp"
+#include "circuit/measured_expression.hpp"
+#include "circuit/save_request.hpp"
+#include "netlist/card_style.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+using Kind = Measurement::Kind;
+using Results = std::unordered_map<std::string, int>;
+
+constexpr std::string_view usage =
+    ".meas [tran] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
+    "c=d | "
+    "PARAM expr";
+constexpr std::string_view fourier_usage = ".four frequency [harmonics [periods]] v(node) ...";
+constexpr double most_harmonics = 10000;
+
+struct KindName {
+  std::string_view name;
+  Kind kind;
+};
+constexpr KindName kind_names[] = {
+    {"avg", Kind::average},
+    {"min", Kind::minimum},
+    {"max", Kind::maximum},
+    {"pp", Kind::peak_to_peak},
+    {"rms", Kind::rms},
+    {"integ", Kind::integral},
+    {"integral", Kind::integral},
+    {"min_at", Kind::time_of_minimum},
+    {"max_at", Kind::time_of_maximum},
+    {"find", Kind::value},
+    {"deriv", Kind::derivative},
+    {"derivative", Kind::derivative},
+    {"when", Kind::time},
+    {"param", Kind::parameter},
+};
+
+bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
+
+bool is_keyword(const Item& item) { return item.kind == ItemKind::word && netlist::is_measurement_keyword(item.text); }
+
+bool reads(const MeasuredExpression& expression, MeasuredExpression::Step::Kind kind) {
+  return std::any_of(expression.steps.begin(), expression.steps.end(), [&](const auto& step) { return step.kind == kind; });
+}
+
+bool is_of_motion(const MeasuredExpression& expression) {
+  return reads(expression, MeasuredExpression::Step::Kind::signal) || reads(expression, MeasuredExpression::Step::Kind::time);
+}
+
+/// The place of a measurement's name on its card.
+std::size_t name_place(const Card& card) {
+  return !card.items.empty() && netlist::is_analysis_name(card.items[0].text) && card.items.size() > 1 ? 1 : 0;
+}
+
+/// One card; parts of it that are measurements of their own go to `parts`, and count on from `next_result`.
+class CardReader {
+ public:
+  CardReader(const Card& card, const Results& results, Scope& scope, Reporter& reporter, Circuit& circuit, int next_result)
+      : items_(card.items),
+        at_(name_place(card)),
+        reader_(scope, reporter, results, circuit),
+        scope_(scope),
+        reporter_(reporter),
+        card_(card),
+        next_result_(next_result) {}
+
+  std::vector<Measurement> parts;
+
+  std::optional<Measurement> read() {
+    Measurement measurement;
+    measurement.name = items_[at_].text;
+    measurement.span = items_[at_++].span;
+    name_ = measurement.name;
+    const bool done = at("trig") ? read_interval(measurement) : read_kind(measurement);
+    if (!done) return std::nullopt;
+    if (at_ < items_.size()) return fail("E-unexpected", items_[at_].span, fmt::format("unexpected '{}'", text(items_[at_])));
+    return measurement;
+  }
+
+ private:
+  std::nullopt_t fail(std::string id, SourceSpan span, std::string_view what) {
+    reporter_.error(std::move(id), span, fmt::format("measurement {}: {}; usage: {}", name_, what, usage));
+    return std::nullopt;
+  }
+  bool refuse(std::string id, SourceSpan span, std::string_view what) {
+    (void)fail(std::move(id), span, what);
+    return false;
+  }
+  std::string_view text(const Item& item) const { return reporter_.text(item.span); }
+  bool at(std::string_view keyword) const { return at_ < items_.size() && is_word(items_[at_], keyword); }
+  bool take(std::string_view keyword) {
+    const bool found = at(keyword);
+    at_ += static_cast<std::size_t>(found);
+    return found;
+  }
+
+  bool read_kind(Measurement& measurement) {
+    if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it says nothing to measure");
+    const Item& word = items_[at_];
+    const auto* found =
+        std::find_if(std::begin(kind_names), std::end(kind_names), [&](const KindName& k) { return is_word(word, k.name); });
+    if (found == std::end(kind_names)) {
+      const bool is_error = word.kind == ItemKind::word && same_name(std::string_view(word.text).substr(0, 3), "err");
+      return refuse(is_error ? "E-not-supported" : "E-unexpected", word.span,
+                    fmt::format("{} is {}", text(word), is_error ? "not supported" : "no kind of measurement"));
+    }
+    ++at_;
+    measurement.kind = found->kind;
+    if (measurement.kind == Kind::time) return read_when(measurement);
+    std::optional<MeasuredExpression> expression = next_expression("an expression");
+    if (!expression) return false;
+    measurement.expression = std::move(*expression);
+    const SourceSpan span = measurement.expression.span;
+    if (measurement.kind == Kind::parameter)
+      return !is_of_motion(measurement.expression) ||
+             refuse("E-measurement", span, "PARAM takes numbers and results of other measurements; for a signal at a time try FIND … AT=");
+    if (measurement.kind == Kind::value || measurement.kind == Kind::derivative) return read_place(measurement);
+    return at("trig") ? read_window_between(measurement) : read_window(measurement);
+  }
+
+  bool read_place(Measurement& measurement) {
+    if (take("when")) return read_when(measurement);
+    if (!take("at")) return refuse("E-missing-value", card_.span, "AT= or WHEN is missing");
+    measurement.at = next_number("AT=");
+    return measurement.at.has_value();
+  }
+
+  bool read_when(Measurement& measurement) {
+    std::optional<Crossing> crossing = read_crossing(measurement);
+    if (!crossing) return false;
+    measurement.when = std::move(crossing);
+    return true;
+  }
+
+  /// a [VAL] b, and what of TD, RISE, FALL, CROSS follows; FROM and TO for the measurement.
+  std::optional<Crossing> read_crossing(Measurement& measurement) {
+    Crossing crossing;
+    std::optional<MeasuredExpression> left = next_expression("what crosses");
+    if (!left) return std::nullopt;
+    (void)take("val");
+    std::optional<MeasuredExpression> right = next_expression("what it crosses");
+    if (!right) return std::nullopt;
+    crossing.left = std::move(*left);
+    crossing.right = std::move(*right);
+    while (at_ < items_.size()) {
+      if (take("td")) {
+        crossing.delay = next_number("TD=");
+        if (!crossing.delay) return std::nullopt;
+      } else if (at("rise") || at("fall") || at("cross")) {
+        if (!read_count(crossing)) return std::nullopt;
+      } else if (at("from") || at("to")) {
+        if (!read_window(measurement)) return std::nullopt;
+      } else {
+        break;
+      }
+    }
+    return crossing;
+  }
+
+  bool read_count(Crossing& crossing) {
+    const Item& word = items_[at_++];
+    crossing.edge = is_word(word, "rise") ? Edge::rise : is_word(word, "fall") ? Edge::fall : Edge::any;
+    crossing.last = take("last");
+    if (crossing.last) return true;
+    if (at_ >= items_.size() || is_keyword(items_[at_]))
+      return refuse("E-missing-value", word.span, fmt::format("a number is missing behind {}", word.text));
+    const Item& item = items_[at_++];
+    const std::optional<Number> number = scope_.number(item);
+    if (!number) return false;
+    constexpr double largest = 1e15;
+    if (number->value < 1.0 || number->value > largest || number->value != std::floor(number->value))
+      return refuse("E-range", item.span, fmt::format("{} counts from 1, or is LAST, not {}", word.text, number->value));
+    crossing.count = static_cast<std::uint64_t>(number->value);
+    return true;
+  }
+
+  bool read_window(Measurement& measurement) {
+    while (at("from") || at("to")) {
+      const bool is_from = is_word(items_[at_++], "from");
+      auto& place = is_from ? measurement.from : measurement.to;
+      place = next_number(is_from ? "FROM=" : "TO=");
+      if (!place) return false;
+    }
+    return true;
+  }
+
+  /// AVG … TRIG … TARG …: between two times that are measured first.
+  bool read_window_between(Measurement& measurement) {
+    const std::optional<int> from = read_instant("trig");
+    const std::optional<int> to = from ? read_instant("targ") : std::nullopt;
+    if (!to) return false;
+    measurement.from = result(*from);
+    measurement.to = result(*to);
+    return true;
+  }
+
+  /// TRIG … TARG …: the difference of two times that are measured first.
+  bool read_interval(Measurement& measurement) {
+    const std::optional<int> from = read_instant("trig");
+    const std::optional<int> to = from ? read_instant("targ") : std::nullopt;
+    if (!to) return false;
+    measurement.kind = Kind::parameter;
+    measurement.expression = result(*to);
+    measurement.expression.steps.push_back(result(*from).steps.front());
+    measurement.expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::operation, .operation = "-"});
+    return true;
+  }
+
+  /// TRIG or TARG as a measurement of its own; its number.
+  std::optional<int> read_instant(std::string_view keyword) {
+    if (!take(keyword)) return fail("E-missing-value", card_.span, fmt::format("{} is missing", keyword == "targ" ? "TARG" : "TRIG"));
+    Measurement part;
+    part.name = fmt::format("{} of {}", keyword == "targ" ? "TARG" : "TRIG", name_);
+    part.span = card_.span;
+    part.shown = false;
+    part.kind = Kind::time;
+    if (take("at")) {
+      std::optional<MeasuredExpression> time = next_number("AT=");
+      if (!time) return std::nullopt;
+      part.kind = Kind::parameter;
+      part.expression = std::move(*time);
+    } else if (!read_when(part)) {
+      return std::nullopt;
+    }
+    parts.push_back(std::move(part));
+    return next_result_ + static_cast<int>(parts.size()) - 1;
+  }
+
+  static MeasuredExpression result(int index) {
+    MeasuredExpression expression;
+    expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::result, .index = index});
+    return expression;
+  }
+
+  std::optional<MeasuredExpression> next_expression(std::string_view what) {
+    if (at_ >= items_.size() || is_keyword(items_[at_])) {
+      const SourceSpan span = at_ < items_.size() ? items_[at_].span : card_.span;
+      return fail("E-missing-value", span, fmt::format("{} is missing", what));
+    }
+    return reader_.read(items_[at_++]);
+  }
+
+  /// Of numbers and results alone.
+  std::optional<MeasuredExpression> next_number(std::string_view what) {
+    std::optional<MeasuredExpression> expression = next_expression(what);
+    if (expression && is_of_motion(*expression))
+      return fail("E-measurement", expression->span, fmt::format("{} takes numbers and results of other measurements", what));
+    return expression;
+  }
+
+  const std::vector<Item>& items_;
+  std::size_t at_;
+  MeasuredExpressionReader reader_;
+  Scope& scope_;
+  Reporter& reporter_;
+  const Card& card_;
+  int next_result_;
+  std::string name_;
+};
+
+class Reader {
+ public:
+  Reader(Scope& scope, Reporter& reporter, Circuit& circuit) : scope_(scope), reporter_(reporter), circuit_(circuit) {}
+
+  void read(const std::vector<const Card*>& cards) {
+    for (const Card* card : cards) announce(*card);
+    auto& list = circuit_.measurements.list;
+    list.resize(announced_.size());
+    for (std::size_t k = 0; k < announced_.size(); ++k) {
+      CardReader reader(*announced_[k], results_, scope_, reporter_, circuit_, static_cast<int>(list.size()));
+      std::optional<Measurement> measurement = reader.read();
+      if (!measurement) continue;
+      list[k] = std::move(*measurement);
+      std::move(reader.parts.begin(), reader.parts.end(), std::back_inserter(list));
+    }
+    if (!reporter_.failed()) check_circles();
+  }
+
+  void read_fourier(const Card& card) {
+    FourierAnalysis analysis;
+    analysis.span = card.span;
+    std::vector<double> numbers;
+    for (const Item& item : card.items) {
+      const bool is_number = item.kind != ItemKind::group || item.text.empty();
+      if (is_number && analysis.signals.empty()) {
+        const std::optional<Number> number = scope_.number(item);
+        if (!number) return;
+        numbers.push_back(number->value);
+      } else if (std::optional<SaveRequest> request = save_request(item, reporter_); request && request->kind != SaveRequest::Kind::all) {
+        std::string column = request->column;
+        analysis.signals.push_back({std::move(column), add_probe(circuit_, std::move(*request))});
+      } else {
+        return;
+      }
+    }
+    if (card.damaged || !check_fourier(card, numbers, analysis)) return;
+    circuit_.measurements.fourier.push_back(std::move(analysis));
+  }
+
+ private:
+  /// Cards of other analyses are left out; a name counts before its card is read.
+  void announce(const Card& card) {
+    if (card.damaged) return;
+    const std::size_t place = name_place(card);
+    if (place > 0 && !same_name(card.items[0].text, "tran")) {
+      reporter_.warning("W-ignored-card", card.items[0].span,
+                        fmt::format("{} {} is ignored: only the transient analysis is measured", card.name, card.items[0].text));
+      return;
+    }
+    if (place >= card.items.size() || card.items[place].kind != ItemKind::word) {
+      reporter_.error("E-missing-value", card.span, fmt::format("{} names no measurement; usage: {}", card.name, usage));
+      return;
+    }
+    const Item& name = card.items[place];
+    const auto [entry, is_new] = results_.try_emplace(without_case(name.text), static_cast<int>(announced_.size()));
+    if (is_new) {
+      announced_.push_back(&card);
+      return;
+    }
+    const Card& first = *announced_[static_cast<std::size_t>(entry->second)];
+    reporter_.error("E-duplicate-measurement", name.span,
+                    fmt::format("a second measurement {}; the first stands at {}", name.text, reporter_.where(first.span)));
+  }
+
+  bool check_fourier(const Card& card, const std::vector<double>& numbers, FourierAnalysis& analysis) {
+    const auto refuse = [&](std::string id, std::string_view what) {
+      reporter_.error(std::move(id), card.span, fmt::format("{}; usage: {}", what, fourier_usage));
+      return false;
+    };
+    if (numbers.empty()) return refuse("E-missing-value", ".four has no frequency");
+    if (analysis.signals.empty()) return refuse("E-missing-value", ".four names no signal");
+    if (numbers.size() > 3) return refuse("E-unexpected", ".four takes three numbers at most");
+    analysis.frequency = numbers[0];
+    if (!(numbers[0] > 0.0)) return refuse("E-range", "the frequency of .four must be positive");
+    if (numbers.size() > 1) {
+      if (numbers[1] < 1.0 || numbers[1] > most_harmonics || numbers[1] != std::floor(numbers[1]))
+        return refuse("E-range", fmt::format("the harmonics of .four are 1 to {}", most_harmonics));
+      analysis.harmonics = static_cast<std::uint64_t>(numbers[1]) + 1;
+    }
+    if (numbers.size() > 2) {
+      const bool all = numbers[2] == -1.0;
+      if (!all && (numbers[2] < 1.0 || numbers[2] != std::floor(numbers[2])))
+        return refuse("E-range", "the periods of .four are 1 or more, or -1 for as many as the run holds");
+      analysis.periods = all ? 0.0 : numbers[2];
+    }
+    return true;
+  }
+
+  /// Results that need one another.
+  void check_circles() {
+    const auto& list = circuit_.measurements.list;
+    std::vector<char> state(list.size(), 0);  // 1: being followed, 2: done
+    for (std::size_t k = 0; k < list.size(); ++k) follow(k, state);
+  }
+
+  void follow(std::size_t index, std::vector<char>& state) {
+    if (state[index] == 2) return;
+    const Measurement& measurement = circuit_.measurements.list[index];
+    if (state[index] == 1) {
+      reporter_.error("E-measurement", measurement.span, fmt::format("the measurement {} needs its own result", measurement.name));
+      return;
+    }
+    state[index] = 1;
+    for (const int other : results_read(measurement)) follow(static_cast<std::size_t>(other), state);
+    state[index] = 2;
+  }
+
+  Scope& scope_;
+  Reporter& reporter_;
+  Circuit& circuit_;
+  Results results_;
+  std::vector<const Card*> announced_;
+};
+
+}  // namespace
+
+std::vector<int> results_read(const Measurement& measurement) {
+  std::vector<int> numbers;
+  const auto note = [&](const MeasuredExpression& expression) {
+    for (const auto& step : expression.steps)
+      if (step.kind == MeasuredExpression::Step::Kind::result) numbers.push_back(step.index);
+  };
+  note(measurement.expression);
+  for (const auto* part : {&measurement.from, &measurement.to, &measurement.at})
+    if (*part) note(**part);
+  if (measurement.when) {
+    note(measurement.when->left);
+    note(measurement.when->right);
+    if (measurement.when->delay) note(*measurement.when->delay);
+  }
+  return numbers;
+}
+
+void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+  if (definitions.measurements.empty() && definitions.fourier_analyses.empty()) return;
+  if (definitions.transients.empty()) {
+    const Card& first = definitions.measurements.empty() ? *definitions.fourier_analyses.front() : *definitions.measurements.front();
+    reporter.warning("W-ignored-card", first.name_span, fmt::format("{} is ignored: there is no .tran to measure", first.name));
+    return;
+  }
+  Reader reader(scope, reporter, circuit);
+  reader.read(definitions.measurements);
+  for (const Card* card : definitions.fourier_analyses) reader.read_fourier(*card);
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,74 @@
+#pragma once
+/// All measurements of a deck.
+///
+/// A measurement that needs results of others (FROM= the time of a crossing) is taken in a later pass over the run, when those are known; most decks
+/// need one pass. Use:
+///
+///     Measuring measuring(measurements, start, stop);
+///     while (measuring.begin_pass()) { run with measuring.probes(); measuring.end_pass(reached); }
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/fourier.hpp"
+#include "measure/meter.hpp"
+
+namespace pwlsim::measure {
+
+struct Result {
+  std::string name;
+  double value = 0.0;
+  std::string unit;     ///< "V", "W", "s", …; "" where it has none or it is not known
+  std::string failure;  ///< why there is no value; else ""
+  SourceSpan span;
+};
+
+struct Results {
+  std::vector<Result> list;  ///< in the order of the deck
+  std::vector<FourierResult> fourier;
+
+  [[nodiscard]] bool empty() const { return list.empty() && fourier.empty(); }
+};
+
+class Measuring : public engine::PieceSink {
+ public:
+  /// `start`, `stop`: of the rows, s. The measurements must outlive this.
+  Measuring(const circuit::Measurements& measurements, double start, double stop);
+
+  /// Prepares the next pass over the run; false where none is needed.
+  bool begin_pass();
+  /// The number of the pass begun last, from 1.
+  [[nodiscard]] int pass() const { return pass_; }
+  [[nodiscard]] engine::Probes probes();
+  void end_pass(double reached);
+  [[nodiscard]] Results results() const;
+
+  void before_start(std::span<const double> values) override;
+  void take(const engine::Piece& piece) override;
+
+ private:
+  [[nodiscard]] bool is_ready(std::size_t index) const;
+  void evaluate_parameters();
+  void start_meters();
+  void settle(std::size_t index, double value, std::string failure);
+  [[nodiscard]] std::string missing(std::size_t index) const;
+  void hold(double from, double to);
+
+  const circuit::Measurements& measurements_;
+  double start_, stop_;
+  int pass_ = 0;
+  PieceView view_;
+  std::vector<char> known_;
+  std::vector<double> values_;
+  std::vector<std::string> failures_;
+  std::vector<std::pair<std::size_t, Meter>> meters_;  ///< of this pass
+  std::vector<FourierMeter> fourier_;
+  std::vector<FourierResult> fourier_results_;
+  double from_ = 0.0, to_ = 0.0;  ///< what the meters of this pass need to see
+};
+
+/// `name = value`, one a line, `name = failed` where there is none; then the tables of .four.
+[[nodiscard]] std::string results_text(const Results& results);
+
+}  // namespace pwlsim::measure

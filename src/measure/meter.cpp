@@ -1,0 +1,207 @@
+#include "measure/meter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace pwlsim::measure {
+namespace {
+
+/// Of the run: what is shorter is rounding of an instant.
+constexpr double sliver = 1e-14;
+/// A window may reach so much of the run beyond its ends: times that an expression gave are rounded.
+constexpr double overhang = 1e-9;
+/// What is looked at around an instant, of the run: a derivative needs a piece of some length.
+constexpr double surroundings = 1e-3;
+/// Of the larger side of a comparison: a difference below it is none.
+constexpr double equality = 1e-13;
+
+circuit::MeasuredExpression difference_of(const circuit::Crossing& crossing) {
+  circuit::MeasuredExpression difference = crossing.left;
+  difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
+  difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
+  return difference;
+}
+
+std::string_view verb(circuit::Edge edge) {
+  return edge == circuit::Edge::rise ? "rises through" : edge == circuit::Edge::fall ? "falls through" : "crosses";
+}
+
+std::string times(std::uint64_t count) { return count == 1 ? "once" : fmt::format("{} times", count); }
+
+double largest_of(const double* values) {
+  double size = 0.0;
+  for (std::size_t i = 0; i < linalg::legendre_points; ++i) size = std::max(size, std::abs(values[i]));
+  return size;
+}
+
+}  // namespace
+
+Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop)
+    : measurement_(measurement), results_(results), expression_(measurement.expression), sliver_(sliver * stop) {
+  if (measurement.when) {
+    const circuit::Crossing& crossing = *measurement.when;
+    difference_ = Program(difference_of(crossing));
+    left_ = Program(crossing.left);
+    right_ = Program(crossing.right);
+    watch_.emplace(crossing.edge, crossing.count, crossing.last);
+  }
+  measurement.at ? set_place(stop) : set_window(start, stop);
+}
+
+void Meter::set_place(double stop) {
+  at_ = Program(*measurement_.at).value(results_);
+  if (!(at_ >= 0.0 && at_ <= stop * (1.0 + overhang))) return fail(fmt::format("AT = {} s is not within the run, 0 … {} s", at_, stop));
+  at_ = std::min(at_, stop);
+  from_ = std::max(0.0, at_ - surroundings * stop);
+  to_ = std::min(stop, at_ + surroundings * stop);
+}
+
+void Meter::set_window(double start, double stop) {
+  from_ = measurement_.from ? Program(*measurement_.from).value(results_) : start;
+  to_ = measurement_.to ? Program(*measurement_.to).value(results_) : stop;
+  if (measurement_.when && measurement_.when->delay) {
+    const double delay = Program(*measurement_.when->delay).value(results_);
+    from_ = measurement_.from ? std::max(from_, delay) : delay;
+  }
+  if (!(from_ >= -stop * overhang && to_ <= stop * (1.0 + overhang)))
+    return fail(fmt::format("the window {} s … {} s is not within the run, 0 … {} s", from_, to_, stop));
+  if (!(from_ < to_)) return fail(fmt::format("the window from {} s to {} s is empty", from_, to_));
+  from_ = std::max(from_, 0.0);
+  to_ = std::min(to_, stop);
+}
+
+/// The view holds what was before t = 0.
+void Meter::before_start(PieceView& view) {
+  if (!watch_ || from_ > 0.0) return;
+  watch_->start(view.value(difference_, results_, 0.0), noise_of(view, view.piece().from, view.piece().to));
+}
+
+double Meter::noise_of(PieceView& view, double from, double to) {
+  linalg::LegendreValues values;
+  view.values(left_, results_, from, to, values.data());
+  double size = largest_of(values.data());
+  view.values(right_, results_, from, to, values.data());
+  size = std::max(size, largest_of(values.data()));
+  return equality * size;
+}
+
+void Meter::take(PieceView& view) {
+  if (is_done()) return;
+  if (measurement_.at) return take_at(view);
+  const double from = std::max(from_, view.piece().from);
+  const double to = std::min(to_, view.piece().to);
+  if (!(from < to)) return;
+  watch_ ? take_when(view, from, to) : take_window(view, from, to);
+}
+
+/// The value on the right of an instant counts; at the end of the run that on its left.
+void Meter::take_at(PieceView& view) {
+  if (view.piece().from > at_ + sliver_ || view.piece().to < at_ - sliver_) return;
+  read_at(view, std::clamp(at_, view.piece().from, view.piece().to));
+}
+
+void Meter::read_at(PieceView& view, double time) {
+  found_ = true;
+  if (measurement_.kind == Kind::time) {
+    value_ = time;
+  } else if (measurement_.kind == Kind::value) {
+    value_ = view.value(expression_, results_, time);
+  } else {
+    const double end = view.piece().begin + view.piece().length;
+    view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const Part& part) {
+      if (time < part.from || (time >= part.to && part.to < end)) return;
+      const double x = 2.0 * (time - part.from) / part.length() - 1.0;
+      value_ = part.series.derivative()(std::clamp(x, -1.0, 1.0)) * 2.0 / part.length();
+    });
+  }
+}
+
+void Meter::take_when(PieceView& view, double from, double to) {
+  const double noise = noise_of(view, from, to);
+  view.resolve(difference_, results_, from, to, scale_, [&](const Part& part) {
+    scale_ = std::max(scale_, largest_of(part.values.data()));
+    watch_->take(part, noise, [&](double time) { read_at(view, time); });
+  });
+}
+
+void Meter::take_window(PieceView& view, double from, double to) {
+  view.resolve(expression_, results_, from, to, scale_, [&](const Part& part) {
+    scale_ = std::max(scale_, largest_of(part.values.data()));
+    add(part);
+  });
+}
+
+void Meter::add(const Part& part) {
+  switch (measurement_.kind) {
+    case Kind::average:
+    case Kind::integral:
+      sum_ += static_cast<long double>(part.length()) * part.series.mean();
+      break;
+    case Kind::rms: {
+      const auto& weight = linalg::gauss_legendre().weight;
+      double sum = 0.0;
+      for (std::size_t i = 0; i < part.values.size(); ++i) sum += weight[i] * part.values[i] * part.values[i];
+      sum_ += 0.5L * static_cast<long double>(part.length()) * sum;
+      break;
+    }
+    default:
+      add_extremes(part);
+      break;
+  }
+  any_ = true;
+}
+
+void Meter::add_extremes(const Part& part) {
+  const double size = part.series.variation();
+  if (any_ && (part.length() <= sliver_ || (part.series.mean() - size >= least_ && part.series.mean() + size <= largest_))) return;
+  const linalg::Extremes found = linalg::extremes(part.series);
+  if (!any_ || found.least < least_) least_ = found.least, least_at_ = part.time(found.least_at);
+  if (!any_ || found.largest > largest_) largest_ = found.largest, largest_at_ = part.time(found.largest_at);
+}
+
+void Meter::finish(double reached) {
+  if (!failure_.empty()) return;
+  const bool is_short = reached < to_ - sliver_;
+  if (watch_ || measurement_.at) {
+    if (found_) return;
+    if (is_short) return fail(fmt::format("the run ended at t = {} s", reached));
+    const circuit::Crossing& crossing = *measurement_.when;
+    return fail(fmt::format("{} {} {} {} from {} s to {} s{}", crossing.left.text, verb(crossing.edge), crossing.right.text,
+                            watch_->seen() == 0 ? "at no time" : times(watch_->seen()), from_, to_,
+                            crossing.count > 1 ? fmt::format(", not {} times", crossing.count) : ""));
+  }
+  if (is_short) return fail(fmt::format("the run ended at t = {} s, before the end of its window at {} s", reached, to_));
+  const auto length = static_cast<long double>(to_) - from_;
+  switch (measurement_.kind) {
+    case Kind::average:
+      value_ = static_cast<double>(sum_ / length);
+      break;
+    case Kind::integral:
+      value_ = static_cast<double>(sum_);
+      break;
+    case Kind::rms:
+      value_ = static_cast<double>(std::sqrt(sum_ / length));
+      break;
+    case Kind::minimum:
+      value_ = least_;
+      break;
+    case Kind::maximum:
+      value_ = largest_;
+      break;
+    case Kind::peak_to_peak:
+      value_ = largest_ - least_;
+      break;
+    case Kind::time_of_minimum:
+      value_ = least_at_;
+      break;
+    default:
+      value_ = largest_at_;
+      break;
+  }
+  if (!std::isfinite(value_)) fail("the expression is not finite everywhere in its window");
+}
+
+}  // namespace pwlsim::measure

@@ -1,0 +1,63 @@
+#pragma once
+/// One measurement on its way through the run: pieces in, a value out.
+///
+/// Integrals are Gauss quadratures of pieces that are polynomials to rounding, summed in extended precision; extrema are zeros of derivatives, passages
+/// zeros of differences. Nothing depends on the rows.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/crossing_watch.hpp"
+
+namespace pwlsim::measure {
+
+class Meter {
+ public:
+  /// `results` of other measurements must be known; `start`, `stop`: of the rows, s. `failure()` tells where the window is none.
+  Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop);
+
+  /// What it needs to see of the run, s.
+  [[nodiscard]] double from() const { return from_; }
+  [[nodiscard]] double to() const { return to_; }
+  [[nodiscard]] bool is_done() const { return !failure_.empty() || (watch_ && watch_->is_done()); }
+
+  void before_start(PieceView& view);
+  void take(PieceView& view);
+  /// The run is over at `reached`.
+  void finish(double reached);
+
+  [[nodiscard]] double value() const { return value_; }
+  /// Why there is no value; else "".
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+
+ private:
+  using Kind = circuit::Measurement::Kind;
+  void set_window(double start, double stop);
+  void set_place(double stop);
+  void fail(std::string text) { failure_ = std::move(text); }
+  [[nodiscard]] bool is_window() const;
+  void take_window(PieceView& view, double from, double to);
+  void take_at(PieceView& view);
+  void take_when(PieceView& view, double from, double to);
+  void read_at(PieceView& view, double time);
+  void add(const Part& part);
+  void add_extremes(const Part& part);
+  [[nodiscard]] double noise_of(PieceView& view, double from, double to);
+
+  const circuit::Measurement& measurement_;
+  const std::vector<double>& results_;
+  Program expression_, difference_, left_, right_;
+  std::optional<CrossingWatch> watch_;
+  double from_ = 0.0, to_ = 0.0, at_ = 0.0;
+  double sliver_ = 0.0;  ///< shorter is rounding of an instant, s
+  bool found_ = false;
+  double value_ = 0.0;
+  std::string failure_;
+  long double sum_ = 0.0L;
+  double scale_ = 0.0;  ///< largest value so far
+  bool any_ = false;
+  double least_ = 0.0, least_at_ = 0.0, largest_ = 0.0, largest_at_ = 0.0;
+};
+
+}  // namespace pwlsim::measure

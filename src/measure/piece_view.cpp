@@ -1,0 +1,117 @@
+#include "measure/piece_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pwlsim::measure {
+namespace {
+
+constexpr std::size_t points = linalg::legendre_points;
+constexpr double resolution = 1e-14;
+constexpr double end_slack = 32.0;  ///< rounding of a polynomial's ends, in that of its coefficients
+/// A tail of this size, of the largest value, that halving does not lower to this part is rounding.
+constexpr double noise = 1e-12;
+constexpr double stalled = 0.7;
+constexpr int deepest = 48;
+constexpr std::size_t most_parts = 500;  ///< of a piece, for one expression
+
+}  // namespace
+
+PieceView::PieceView(std::size_t probes) : signals_(probes) { inputs_.signals.resize(probes); }
+
+void PieceView::set(const engine::Piece& piece) {
+  piece_ = piece;
+  for (Signal& signal : signals_) signal.has_series = false;
+}
+
+const double* PieceView::signal_on(int probe, double from, double to) {
+  const auto index = static_cast<std::size_t>(probe);
+  const double* values = piece_.values.data() + index * points;
+  if (from == piece_.begin && to == piece_.begin + piece_.length) return values;
+  Signal& signal = signals_[index];
+  if (!signal.has_series) signal.series = linalg::LegendreSeries(values);
+  signal.has_series = true;
+  const double lower = 2.0 * (from - piece_.begin) / piece_.length - 1.0;
+  const double upper = 2.0 * (to - piece_.begin) / piece_.length - 1.0;
+  const auto& point = linalg::gauss_legendre().point;
+  for (std::size_t i = 0; i < points; ++i) signal.values[i] = signal.series(lower + 0.5 * (point[i] + 1.0) * (upper - lower));
+  return signal.values.data();
+}
+
+void PieceView::values(const Program& program, const std::vector<double>& results, double from, double to, double* out) {
+  for (const int probe : program.probes()) inputs_.signals[static_cast<std::size_t>(probe)] = signal_on(probe, from, to);
+  const auto& point = linalg::gauss_legendre().point;
+  for (std::size_t i = 0; i < points; ++i) times_[i] = from + 0.5 * (point[i] + 1.0) * (to - from);
+  inputs_.times = times_.data();
+  inputs_.results = &results;
+  program.evaluate(inputs_, points, out);
+}
+
+double PieceView::value(const Program& program, const std::vector<double>& results, double time) {
+  const double x = std::clamp(2.0 * (time - piece_.begin) / piece_.length - 1.0, -1.0, 1.0);
+  for (const int probe : program.probes()) {
+    const auto index = static_cast<std::size_t>(probe);
+    Signal& signal = signals_[index];
+    signal.values[0] = linalg::LegendreSeries(piece_.values.data() + index * points)(x);
+    inputs_.signals[index] = signal.values.data();
+  }
+  inputs_.times = &time;
+  inputs_.results = &results;
+  double value = 0.0;
+  program.evaluate(inputs_, 1, &value);
+  return value;
+}
+
+void PieceView::resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
+                        const std::function<void(const Part&)>& take) {
+  Part whole = part_on(program, results, from, to);
+  if (program.is_polynomial()) return take(whole);
+  for (const double value : whole.values) scale = std::max(scale, std::abs(value));
+  split(program, results, whole, scale);
+  std::sort(parts_.begin(), parts_.end(), [](const Open& a, const Open& b) { return a.part.from < b.part.from; });
+  for (const Open& open : parts_) take(open.part);
+}
+
+/// Halves the part that is farthest from a polynomial until all are near, or there are too many.
+void PieceView::split(const Program& program, const std::vector<double>& results, const Part& whole, double scale) {
+  const auto is_nearer = [](const Open& a, const Open& b) { return a.error < b.error; };
+  const auto add = [&](const Part& part, double tail_before, int depth) {
+    const bool may_split = depth < deepest && part.time(0.0) > part.from && part.time(0.0) < part.to;
+    const double error = may_split ? error_of(program, results, part, tail_before, scale) : 0.0;
+    parts_.push_back({part, error, depth});
+    std::push_heap(parts_.begin(), parts_.end(), is_nearer);
+  };
+  parts_.clear();
+  add(whole, std::numeric_limits<double>::infinity(), 0);
+  while (parts_.front().error > 0.0 && parts_.size() < most_parts) {
+    std::pop_heap(parts_.begin(), parts_.end(), is_nearer);
+    const Open open = parts_.back();
+    parts_.pop_back();
+    const double middle = open.part.time(0.0);
+    const double tail = open.part.series.tail();
+    add(part_on(program, results, open.part.from, middle), tail, open.depth + 1);
+    add(part_on(program, results, middle, open.part.to), tail, open.depth + 1);
+  }
+}
+
+Part PieceView::part_on(const Program& program, const std::vector<double>& results, double from, double to) {
+  Part part{from, to, {}, {}};
+  values(program, results, from, to, part.values.data());
+  part.series = linalg::LegendreSeries(part.values.data());
+  return part;
+}
+
+/// 0 for a part that is resolved. A corner may hide between an end and the first point. What halving leaves as it was is rounding, unless it is large: a
+/// jump.
+double PieceView::error_of(const Program& program, const std::vector<double>& results, const Part& part, double tail_before, double scale) {
+  const double tail = part.series.tail();
+  if (tail <= noise * scale && tail > stalled * tail_before) return 0.0;
+  const double ends = std::max(std::abs(part.series(-1.0) - value(program, results, part.from)),
+                               std::abs(part.series(1.0) - value(program, results, part.to)));
+  const double tolerance = resolution * scale;
+  if (tail <= tolerance && ends <= end_slack * tolerance) return 0.0;
+  return std::max(tail, ends);
+}
+
+}  // namespace pwlsim::measure

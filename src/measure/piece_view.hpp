@@ -1,0 +1,64 @@
+#pragma once
+/// A piece of the run, and expressions of its signals on any part of it.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "engine/run.hpp"
+#include "linalg/legendre.hpp"
+#include "measure/program.hpp"
+
+namespace pwlsim::measure {
+
+/// An expression on [from, to], where it is a polynomial of x = −1 … 1.
+struct Part {
+  double from = 0.0, to = 0.0;  ///< s
+  linalg::LegendreValues values{};
+  linalg::LegendreSeries series;
+
+  [[nodiscard]] double length() const { return to - from; }
+  [[nodiscard]] double time(double x) const { return from + 0.5 * (x + 1.0) * (to - from); }
+};
+
+class PieceView {
+ public:
+  explicit PieceView(std::size_t probes);
+  /// The piece that the next calls mean; its values must stay where they are.
+  void set(const engine::Piece& piece);
+  [[nodiscard]] const engine::Piece& piece() const { return piece_; }
+
+  /// Values at the sixteen points of [from, to] within the piece.
+  void values(const Program& program, const std::vector<double>& results, double from, double to, double* out);
+  [[nodiscard]] double value(const Program& program, const std::vector<double>& results, double time);
+
+  /// Hands parts of [from, to] to `take`, in order, on each of which the expression is a polynomial to `resolution` of `scale`. An expression that is no
+  /// polynomial of its signals is halved until it is one: towards a corner or a jump as far as halving goes.
+  void resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
+               const std::function<void(const Part&)>& take);
+
+ private:
+  [[nodiscard]] Part part_on(const Program& program, const std::vector<double>& results, double from, double to);
+  void split(const Program& program, const std::vector<double>& results, const Part& whole, double scale);
+  [[nodiscard]] double error_of(const Program& program, const std::vector<double>& results, const Part& part, double tail_before,
+                                double scale);
+  const double* signal_on(int probe, double from, double to);
+
+  engine::Piece piece_;
+  Inputs inputs_;
+  linalg::LegendreValues times_{};
+  struct Signal {
+    bool has_series = false;
+    linalg::LegendreSeries series;
+    linalg::LegendreValues values{};
+  };
+  std::vector<Signal> signals_;
+  struct Open {
+    Part part;
+    double error = 0.0;  ///< 0: resolved
+    int depth = 0;
+  };
+  std::vector<Open> parts_;  ///< of the expression at hand: a heap, the farthest from resolved first
+};
+
+}  // namespace pwlsim::measure

@@ -1,0 +1,43 @@
+#pragma once
+/// Values of measured expressions at many instants at once.
+
+#include <cstddef>
+#include <vector>
+
+#include "circuit/measurement.hpp"
+
+namespace pwlsim::measure {
+
+/// What an expression reads: `count` instants each.
+struct Inputs {
+  const double* times = nullptr;  ///< s
+  /// Of a probe; null for one that the expression does not read.
+  std::vector<const double*> signals;
+  const std::vector<double>* results = nullptr;
+};
+
+class Program {
+ public:
+  Program() = default;
+  explicit Program(const circuit::MeasuredExpression& expression);
+
+  /// Probes it reads, each once.
+  [[nodiscard]] const std::vector<int>& probes() const { return probes_; }
+  /// A sum or product of signals: as well resolved by the points of a piece as these.
+  [[nodiscard]] bool is_polynomial() const { return polynomial_; }
+  /// `values`: `count` of them.
+  void evaluate(const Inputs& inputs, std::size_t count, double* values) const;
+  /// Of an expression that reads results alone.
+  [[nodiscard]] double value(const std::vector<double>& results) const;
+
+ private:
+  using Step = circuit::MeasuredExpression::Step;
+  [[nodiscard]] double at(const Inputs& inputs, std::size_t instant) const;
+
+  std::vector<Step> steps_;
+  std::vector<int> probes_;
+  bool polynomial_ = true;
+  mutable std::vector<double> stack_;
+};
+
+}  // namespace pwlsim::measure

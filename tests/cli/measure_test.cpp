@@ -1,0 +1,101 @@
+// What .meas and .four print, and where.
+
+#include <catch2/catch.hpp>
+
+#include "cli/run_in.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// 2 V over two equal resistors from 1 ms to 3 ms of 4 ms.
+const std::string divider =
+    "divider\n"
+    "V1 a 0 PULSE(0 2 1m 0 0 2m 10m)\n"
+    "R1 a b 1k\n"
+    "R2 b 0 1k\n"
+    ".tran 1m 4m\n"
+    ".save v(b)\n"
+    ".meas tran mean AVG v(b) FROM=0 TO=4m\n"
+    ".meas tran power AVG v(a,b)*i(R1) FROM 1m TO 3m\n"
+    ".meas tran eta PARAM 2*power/1m\n"
+    ".meas tran top FIND v(a) WHEN v(b)=0.5 RISE=1\n"
+    ".meas tran never WHEN v(b)=5\n"
+    ".end\n";
+const std::string lines = "mean = 0.5\npower = 0.001\neta = 2\ntop = 2\nnever = failed\n";
+
+}  // namespace
+
+TEST_CASE("measurements are lines name = value on standard output", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished finished = run_in(scratch, {"divider.net"});
+  CHECK(finished.status == 0);
+  CHECK(finished.out == lines);
+  CHECK_THAT(
+      finished.err,
+      Contains(
+          "divider.net:11:12: warning[W-measurement-failed]: measurement never failed: v(b) crosses 5 at no time from 0 s to 0.004 s"));
+  // Measured signals that are not saved are no columns.
+  CHECK(read_file(scratch / "divider.csv") == "time,v(b)\n0,0\n0.001,1\n0.002,1\n0.003,0\n0.004,0\n");
+}
+
+TEST_CASE("measurements do not depend on the output step, nor on --events", "[unit]") {
+  const Scratch scratch;
+  std::string coarse = divider;
+  coarse.replace(coarse.find(".tran 1m"), 8, ".tran 3m");
+  scratch.write("coarse.net", coarse);
+  CHECK(run_in(scratch, {"coarse.net", "--quiet"}).out == lines);
+  CHECK(run_in(scratch, {"coarse.net", "--quiet", "--events"}).out == lines);
+}
+
+TEST_CASE("with -o - measurements go to standard error, --quiet or not", "[unit]") {
+  const Scratch scratch;
+  scratch.write("divider.net", divider);
+  const Finished finished = run_in(scratch, {"divider.net", "-o", "-", "--quiet"});
+  CHECK(finished.status == 0);
+  CHECK(finished.err == lines);
+  CHECK(finished.out == "time,v(b)\n0,0\n0.001,1\n0.002,1\n0.003,0\n0.004,0\n");
+}
+
+TEST_CASE("a run that fails still gives the measurements whose windows it reached the end of", "[unit]") {
+  const Scratch scratch;
+  // From 2 ms on the current source has no way to go: the diode blocks.
+  scratch.write("stuck.net",
+                "stuck\n"
+                "I1 0 a PULSE(1 -1 2m 0 0 1 2)\n"
+                "D1 a b DI\n"
+                "R1 b 0 1\n"
+                ".model DI D\n"
+                ".tran 1m 4m\n"
+                ".meas early AVG v(b) TO=1m\n"
+                ".meas late AVG v(b)\n");
+  const Finished finished = run_in(scratch, {"stuck.net"});
+  CHECK(finished.status == 1);
+  CHECK(finished.out == "early = 1\nlate = failed\n");
+  CHECK_THAT(finished.err, Contains("measurement late failed: the run ended at t = 0.002 s, before the end of its window at 0.004 s"));
+}
+
+TEST_CASE(".four prints a table as ngspice does", "[unit]") {
+  const Scratch scratch;
+  scratch.write("sine.net",
+                "sine\n"
+                "V1 a 0 SIN(1 2 50)\n"
+                "R1 a 0 1k\n"
+                ".tran 1m 40m\n"
+                ".four 50 3 v(a)\n");
+  const Finished finished = run_in(scratch, {"sine.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.out, Contains("Fourier analysis for v(a):\n  No. Harmonics: 4, THD: "));
+  CHECK_THAT(finished.out, Contains("\n1        50            2               "));
+}
+
+TEST_CASE("a mistake in a .meas card is an error before anything runs", "[unit]") {
+  const Scratch scratch;
+  scratch.write("wrong.net", "wrong\nV1 a 0 1\nR1 a 0 1\n.tran 1m 1m\n.meas x AVG v(b)\n");
+  const Finished finished = run_in(scratch, {"wrong.net"});
+  CHECK(finished.status == 2);
+  CHECK(finished.out.empty());
+  CHECK(!std::filesystem::exists(scratch / "wrong.csv"));
+}

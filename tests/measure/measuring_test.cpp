@@ -1,0 +1,362 @@
+// Measurements against closed forms.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "measure/measured.hpp"
+
+using pwlsim::test::measure_deck;
+using pwlsim::test::Measured;
+using std::numbers::pi;
+
+namespace {
+
+/// Of the value at hand.
+constexpr double exact = 1e-12;
+
+Approx near(double value, double tolerance = exact) { return Approx(value).epsilon(tolerance).margin(0.0); }
+
+/// v(out) = 1 − e^{−t/τ}, τ = 1 ms.
+const std::string charging =
+    "charging\n"
+    "V1 in 0 PULSE(0 1 0 0 0 1 2)\n"
+    "R1 in out 1k\n"
+    "C1 out 0 1u\n"
+    ".tran 1m 5m\n"
+    ".save v(in)\n";
+constexpr double tau = 1e-3;
+double charge(double t) { return 1.0 - std::exp(-t / tau); }
+/// ∫ v from a to b.
+double area(double a, double b) { return (b - a) - tau * (std::exp(-a / tau) - std::exp(-b / tau)); }
+
+}  // namespace
+
+TEST_CASE("means, integrals and extrema of an RC step response", "[unit]") {
+  const Measured m = measure_deck(charging +
+                                  ".meas tran mean AVG v(out)\n"
+                                  ".meas late AVG v(out) FROM 1m TO 2m\n"
+                                  ".meas same AVG v(out) FROM=1m TO=2m\n"
+                                  ".meas tran rms RMS v(out) FROM=1m TO=3m\n"
+                                  ".meas tran energy INTEG v(in,out)*i(R1)\n"
+                                  ".meas tran square INTEG i(R1)**2*1k\n"
+                                  ".meas tran charge INTEG i(C1)\n"
+                                  ".meas tran least MIN v(out) FROM=1m\n"
+                                  ".meas tran most MAX v(out)\n"
+                                  ".meas tran span PP v(out) FROM=1m TO=2m\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.passes == 1);
+  CHECK(m.value.at("mean") == near(area(0.0, 5e-3) / 5e-3));
+  CHECK(m.value.at("late") == near(area(1e-3, 2e-3) / 1e-3));
+  CHECK(m.value.at("same") == m.value.at("late"));
+  const double square = 2e-3 - 2.0 * tau * (std::exp(-1.0) - std::exp(-3.0)) + 0.5 * tau * (std::exp(-2.0) - std::exp(-6.0));
+  CHECK(m.value.at("rms") == near(std::sqrt(square / 2e-3)));
+  CHECK(m.value.at("energy") == near(1e-3 * 0.5 * tau * (1.0 - std::exp(-10.0))));
+  CHECK(m.value.at("square") == near(1e-3 * 0.5 * tau * (1.0 - std::exp(-10.0))));
+  CHECK(m.value.at("charge") == near(1e-6 * charge(5e-3)));
+  CHECK(m.value.at("least") == near(charge(1e-3)));
+  CHECK(m.value.at("most") == near(charge(5e-3)));
+  CHECK(m.value.at("span") == near(charge(2e-3) - charge(1e-3)));
+  CHECK(m.result("energy").unit == "J");
+  CHECK(m.result("charge").unit == "C");
+  CHECK(m.result("rms").unit == "V");
+}
+
+TEST_CASE("values at times and times of values", "[unit]") {
+  const Measured m = measure_deck(charging +
+                                  ".meas tran v1 FIND v(out) AT=1m\n"
+                                  ".meas tran end FIND v(out) AT 5m\n"
+                                  ".meas tran slope DERIV v(out) AT=1m\n"
+                                  ".meas tran half WHEN v(out)=0.5\n"
+                                  ".meas tran i_half FIND i(R1) WHEN v(out)=0.5 RISE=1\n"
+                                  ".meas tran slope_half DERIV v(out) WHEN v(out)=0.5\n"
+                                  ".meas tran meet WHEN v(out)=v(in,out)\n"
+                                  ".meas tran rise TRIG v(out) VAL=0.1 RISE=1 TARG v(out) VAL=0.9 RISE=1\n"
+                                  ".meas tran delay TRIG v(in) VAL=0.5 RISE=1 TARG v(out)=0.5 CROSS=1\n"
+                                  ".meas tran from_time TRIG AT=0.1m TARG v(out)=0.5 CROSS=LAST\n"
+                                  ".meas tran clock WHEN time=2m\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("v1") == near(charge(1e-3)));
+  CHECK(m.value.at("end") == near(charge(5e-3)));
+  CHECK(m.value.at("slope") == near(std::exp(-1.0) / tau));
+  CHECK(m.value.at("half") == near(tau * std::log(2.0)));
+  CHECK(m.value.at("i_half") == near(0.5e-3));
+  CHECK(m.value.at("slope_half") == near(0.5 / tau));
+  CHECK(m.value.at("meet") == near(tau * std::log(2.0)));
+  CHECK(m.value.at("rise") == near(tau * std::log(9.0)));
+  CHECK(m.value.at("delay") == near(tau * std::log(2.0)));  // the edge at t = 0 counts: the run starts from the operating point
+  CHECK(m.value.at("from_time") == near(tau * std::log(2.0) - 1e-4));
+  CHECK(m.value.at("clock") == near(2e-3));
+  CHECK(m.result("half").unit == "s");
+  CHECK(m.result("slope").unit == "V/s");
+}
+
+TEST_CASE("what a measurement does not find it says, with its number of passages", "[unit]") {
+  const Measured m = measure_deck(charging +
+                                  ".meas tran never WHEN v(out)=2\n"
+                                  ".meas tran second FIND i(R1) WHEN v(out)=0.5 CROSS=2\n"
+                                  ".meas tran fall WHEN v(out)=0.5 FALL=1\n"
+                                  ".meas tran after PARAM 2*never\n"
+                                  ".meas tran outside AVG v(out) FROM=4m TO=6m\n"
+                                  ".meas tran empty AVG v(out) FROM=4m TO=4m\n"
+                                  ".meas tran late FIND v(out) AT=6m\n"
+                                  ".meas tran divide AVG 1/(v(in)-v(in))\n"
+                                  ".meas tran width TRIG v(out)=0.5 RISE=1 TARG v(out)=0.5 FALL=1\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.empty());
+  CHECK(m.result("never").failure == "v(out) crosses 2 at no time from 0 s to 0.005 s");
+  CHECK(m.result("second").failure == "v(out) crosses 0.5 once from 0 s to 0.005 s, not 2 times");
+  CHECK(m.result("fall").failure == "v(out) falls through 0.5 at no time from 0 s to 0.005 s");
+  CHECK(m.result("after").failure == "it needs never, which failed");
+  CHECK(m.result("outside").failure == "the window 0.004 s … 0.006 s is not within the run, 0 … 0.005 s");
+  CHECK(m.result("empty").failure == "the window from 0.004 s to 0.004 s is empty");
+  CHECK(m.result("late").failure == "AT = 0.006 s is not within the run, 0 … 0.005 s");
+  CHECK(m.result("divide").failure == "the expression is not finite everywhere in its window");
+  CHECK(m.result("width").failure == "v(out) falls through 0.5 at no time from 0 s to 0.005 s");
+}
+
+TEST_CASE("results of measurements in other measurements, in any order", "[unit]") {
+  const Measured m = measure_deck(charging +
+                                  ".param f=1k\n"
+                                  ".func twice(x) {2*x}\n"
+                                  ".meas tran ratio PARAM twice(half)/(tau_ns*1n)\n"
+                                  ".meas tran tau_ns PARAM {1/f/1n}\n"
+                                  ".meas tran half WHEN v(out)=0.5\n"
+                                  ".meas tran window AVG v(out) FROM=half TO={half+1/f}\n"
+                                  ".meas tran between INTEG v(out) TRIG v(out)=0.25 RISE=1 TARG v(out)=0.75 RISE=1\n"
+                                  ".meas tran above AVG twice(v(out)-window) FROM=half TO='half+1/f'\n");
+  REQUIRE(m.messages.empty());
+  const double half = tau * std::log(2.0);
+  CHECK(m.passes == 3);
+  CHECK(m.value.at("ratio") == near(2.0 * std::log(2.0)));
+  CHECK(m.value.at("window") == near(area(half, half + 1e-3) / 1e-3));
+  CHECK(m.value.at("between") == near(area(tau * std::log(4.0 / 3.0), tau * std::log(4.0))));
+  CHECK(std::abs(m.value.at("above")) < exact);
+}
+
+TEST_CASE("functions with corners and jumps are integrated to their corners", "[unit]") {
+  const Measured m = measure_deck(
+      "ramp\n"
+      "B1 in 0 V={1000*time-1}\n"
+      "R1 in 0 1k\n"
+      ".tran 1m 2m uic\n"
+      ".meas size AVG abs(v(in)-0.1234567)\n"
+      ".meas positive AVG max(v(in),0)\n"
+      ".meas sign AVG sgn(v(in)+0.3)\n"
+      ".meas part AVG (v(in)>0.25)\n"
+      ".meas root AVG sqrt(abs(v(in)))\n"
+      ".meas choice AVG if(v(in)>0.5,2,0)\n"
+      ".meas peak MAX 1-abs(v(in)-0.3)\n"
+      ".meas at MAX_AT 1-abs(v(in)-0.3)\n"
+      ".meas quotient AVG 1/(v(in)+2)\n");
+  REQUIRE(m.messages.empty());
+  const double a = 0.1234567;
+  CHECK(m.value.at("size") == near(0.25 * ((1.0 + a) * (1.0 + a) + (1.0 - a) * (1.0 - a))));
+  CHECK(m.value.at("positive") == near(0.25));
+  CHECK(m.value.at("sign") == near(0.3));
+  CHECK(m.value.at("part") == near(0.375));
+  CHECK(m.value.at("root") == near(2.0 / 3.0));
+  CHECK(m.value.at("choice") == near(0.5));
+  CHECK(m.value.at("peak") == near(1.0));
+  CHECK(m.value.at("at") == near(1.3e-3));
+  CHECK(m.value.at("quotient") == near(0.5 * std::log(3.0)));
+}
+
+TEST_CASE("mean, rms and form factor of rectified sines", "[unit]") {
+  const Measured m = measure_deck(
+      "rectifiers\n"
+      "V1 a 0 SIN(0 10 50)\n"
+      "D1 a h DI\n"
+      "R1 h 0 10\n"
+      "D2 p q DI\nD3 n q DI\nD4 0 p DI\nD5 0 n DI\n"
+      "V2 p n SIN(0 10 50)\n"
+      "R2 q 0 10\n"
+      ".model DI D\n"
+      ".tran 1m 40m\n"
+      ".meas half AVG v(h)\n"
+      ".meas half_rms RMS v(h)\n"
+      ".meas full AVG v(q)\n"
+      ".meas full_rms RMS v(q)\n"
+      ".meas power AVG v(q)*i(R2)\n"
+      ".meas form PARAM full_rms/full\n"
+      ".meas peak MAX v(q) FROM=1m\n"
+      ".meas when MAX_AT v(h) FROM=20m\n"
+      ".meas zeros WHEN v(a)=0 FALL=LAST\n"
+      ".four 50 v(h)\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("half") == near(10.0 / pi));
+  CHECK(m.value.at("half_rms") == near(5.0));
+  CHECK(m.value.at("full") == near(20.0 / pi));
+  CHECK(m.value.at("full_rms") == near(10.0 / std::sqrt(2.0)));
+  CHECK(m.value.at("power") == near(5.0));
+  CHECK(m.value.at("form") == near(pi / (2.0 * std::sqrt(2.0))));
+  CHECK(m.value.at("peak") == near(10.0));
+  CHECK(m.value.at("when") == near(25e-3, 1e-8));  // a maximum is flat: its place is known to the root of rounding
+  CHECK(m.value.at("zeros") == near(30e-3));
+  const auto& h = m.results.fourier.at(0).harmonics;  // half wave: 1/π + sin/2 − (2/π) Σ cos(2k)/(4k²−1)
+  CHECK(h[0].magnitude == near(10.0 / pi));
+  CHECK(h[1].magnitude == near(5.0));
+  CHECK(h[2].magnitude == near(20.0 / (3.0 * pi)));
+  CHECK(h[2].phase == near(-90.0));
+  CHECK(h[4].magnitude == near(20.0 / (15.0 * pi)));
+}
+
+TEST_CASE("jumps of value: rms of pulse trains, values right of an edge, passages by edges", "[unit]") {
+  const Measured m = measure_deck(
+      "pulses\n"
+      "V1 a 0 PULSE(-2 3 0.1m 0 0 0.25m 1m)\n"
+      "R1 a 0 1k\n"
+      ".tran 1m 10m\n"
+      ".meas rms RMS v(a) FROM=1.1m TO=9.1m\n"
+      ".meas mean AVG v(a) FROM=1.1m TO=9.1m\n"
+      ".meas right FIND v(a) AT=1.1m\n"
+      ".meas left FIND v(a) AT=1.35m\n"
+      ".meas low MAX v(a) FROM=1.35m TO=2.1m\n"
+      ".meas high MIN v(a) FROM=1.1m TO=1.35m\n"
+      ".meas third WHEN v(a)=0 RISE=3\n"
+      ".meas last WHEN v(a)=0 FALL=LAST\n"
+      ".meas fifth WHEN v(a)=0 CROSS=5 TD=2m\n"
+      ".meas width TRIG v(a)=0 RISE=2 TARG v(a)=0 FALL=2\n"
+      ".meas never WHEN v(a)=3.5\n"
+      ".meas reach WHEN v(a)=3 RISE=2\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("rms") == near(std::sqrt(0.25 * 9.0 + 0.75 * 4.0)));
+  CHECK(m.value.at("mean") == near(-0.75));
+  CHECK(m.value.at("right") == 3.0);
+  CHECK(m.value.at("left") == -2.0);
+  CHECK(m.value.at("low") == -2.0);
+  CHECK(m.value.at("high") == 3.0);
+  CHECK(m.value.at("third") == near(2.1e-3));
+  CHECK(m.value.at("last") == near(9.35e-3));
+  CHECK(m.value.at("fifth") == near(4.1e-3));  // 2.1, 2.35, 3.1, 3.35, 4.1
+  CHECK(m.value.at("width") == near(0.25e-3));
+  CHECK(m.value.count("never") == 0);
+  CHECK(m.value.at("reach") == near(1.1e-3));  // what arrives at the value and rests there has crossed
+}
+
+TEST_CASE("total harmonic distortion of a square wave is sqrt(pi^2/8 - 1)", "[unit]") {
+  const Measured m = measure_deck(
+      "square\n"
+      "V1 a 0 PULSE(-1 1 0 0 0 0.5m 1m)\n"
+      "R1 a 0 1k\n"
+      ".tran 1m 5m\n"
+      ".four 1k v(a)\n"
+      ".four 1k 3 -1 i(R1) v(a,0)\n"
+      ".four 1 v(a)\n");
+  REQUIRE(m.messages.empty());
+  REQUIRE(m.results.fourier.size() == 4);
+  const auto& all = m.results.fourier[0];
+  CHECK(all.total_distortion == near(std::sqrt(pi * pi / 8.0 - 1.0)));
+  REQUIRE(all.harmonics.size() == 10);
+  double listed = 0.0;
+  for (int k = 3; k < 10; k += 2) listed += 1.0 / (k * k);
+  CHECK(all.listed_distortion == near(std::sqrt(listed)));
+  for (std::size_t k = 1; k < 10; ++k) {
+    const double magnitude = k % 2 == 0 ? 0.0 : 4.0 / (pi * static_cast<double>(k));
+    CHECK(std::abs(all.harmonics[k].magnitude - magnitude) < exact);
+    CHECK(std::abs(all.harmonics[k].phase) < 1e-9);
+  }
+  CHECK(m.results.fourier[1].harmonics.size() == 4);
+  CHECK(m.results.fourier[1].harmonics[3].magnitude == near(4e-3 / (3.0 * pi)));
+  CHECK(!m.results.fourier[3].failure.empty());  // no period of 1 Hz in 5 ms
+}
+
+TEST_CASE("a lossless ring over thousands of periods", "[unit]") {
+  const Measured m = measure_deck(
+      "ring\n"
+      "L1 a 0 1u ic=1\n"
+      "C1 a 0 1n\n"
+      ".tran 1u 100u uic\n"
+      ".meas most MAX v(a)\n"
+      ".meas period TRIG v(a)=0 RISE=100 TARG v(a)=0 RISE=200\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("most") == near(std::sqrt(1e-6 / 1e-9)));  // i √(L/C)
+  CHECK(m.value.at("period") == near(100.0 * 2.0 * pi * std::sqrt(1e-6 * 1e-9)));
+}
+
+TEST_CASE("a transient of picoseconds at the begin of a segment of milliseconds is not missed", "[unit]") {
+  const Measured m = measure_deck(
+      "stiff\n"
+      "V1 in 0 PULSE(0 1 0 0 0 1 2)\n"
+      "R1 in a 1\n"
+      "C1 a 0 1p\n"
+      ".tran 1m 1m\n"
+      ".meas peak MAX i(R1)\n"
+      ".meas charge INTEG i(R1)\n"
+      ".meas energy INTEG i(R1)*v(in,a)\n"
+      ".meas rise TRIG v(a)=0.1 RISE=1 TARG v(a)=0.9 RISE=1\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("peak") == near(1.0));
+  // 1 A − 1 A leaves rounding of 1e-16 A, over 1 ms 1e-19 C beside 1e-12 C.
+  CHECK(m.value.at("charge") == near(1e-12, 1e-6));
+  CHECK(m.value.at("energy") == near(0.5e-12));
+  CHECK(m.value.at("rise") == near(1e-12 * std::log(9.0)));
+}
+
+TEST_CASE("a buck converter in discontinuous conduction: output voltage and efficiency", "[unit]") {
+  // Ideal: M = 2/(1 + √(1 + 4K/D²)), K = 2L/(R T) (Erickson & Maksimović, Fundamentals of Power Electronics, eq. 5.20), and nothing is lost. The output is a
+  // source here, so that the ratio holds without ripple: the mean current through it is V_out/R at that ratio.
+  const double d = 0.4, period = 10e-6, inductance = 10e-6, resistance = 10.0;
+  const double k = 2.0 * inductance / (resistance * period);
+  const double ratio = 2.0 / (1.0 + std::sqrt(1.0 + 4.0 * k / (d * d)));
+  const Measured m = measure_deck(
+      "buck\n"
+      "V1 in 0 12\n"
+      "S1 in sw g 0 SI\n"
+      "Vg g 0 PULSE(0 1 0 0 0 4u 10u)\n"
+      "D1 0 sw DI\n"
+      "L1 sw out 10u\n"
+      "V2 out 0 " +
+      std::to_string(12.0 * ratio) +
+      "\n"
+      ".model SI SW(Vt=0.5)\n"
+      ".model DI D\n"
+      ".tran 10u 100u\n"
+      ".meas pin AVG -v(in)*i(V1)\n"
+      ".meas pout AVG v(out)*i(V2)\n"
+      ".meas eta PARAM pout/pin\n"
+      ".meas load AVG i(V2)\n"
+      ".meas peak MAX i(L1)\n"
+      ".meas idle WHEN i(L1)=0 FALL=1\n");
+  REQUIRE(m.messages.empty());
+  constexpr double printed = 1e-6;  // to_string keeps six decimals of the output voltage
+  CHECK(m.value.at("eta") == near(1.0, 1e-11));
+  CHECK(m.value.at("load") == near(12.0 * ratio / resistance, 10.0 * printed));
+  CHECK(m.value.at("peak") == near((12.0 - 12.0 * ratio) / inductance * d * period, printed));
+  CHECK(m.value.at("idle") == near(d * period / ratio, printed));  // volt-seconds balance
+  CHECK(m.result("pin").unit == "W");
+  CHECK(m.result("eta").unit.empty());
+}
+
+TEST_CASE("parts of the circuit without a common state meet in one expression", "[unit]") {
+  const Measured m = measure_deck(
+      "two islands\n"
+      "V1 a 0 SIN(0 1 50)\n"
+      "D1 a b DI\nR1 b 0 1\n"
+      "V2 c 0 PULSE(0 1 0 0 0 5m 20m)\n"
+      "R2 c 0 1\n"
+      ".model DI D\n"
+      ".tran 1m 20m\n"
+      ".save v(c)\n"
+      ".meas product AVG v(b)*v(c)\n"
+      ".meas sum MAX v(b)+v(c)\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("product") == near(1.0 / (2.0 * pi)));  // a quarter of a sine of 20 ms: 20 ms/2π
+  CHECK(m.value.at("sum") == near(2.0));
+}
+
+TEST_CASE("the sparse engine measures to its tolerance", "[unit]") {
+  const std::string deck = charging +
+                           ".meas tran mean AVG v(out)\n"
+                           ".meas tran half WHEN v(out)=0.5\n"
+                           ".meas tran energy INTEG v(in,out)*i(R1)\n"
+                           ".meas tran edge WHEN v(in)=0.5 RISE=1\n";
+  constexpr double reltol = 1e-7;
+  constexpr double tolerance = 100.0 * reltol;  // errors of steps add up
+  const Measured m = measure_deck(deck, reltol);
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("mean") == near(area(0.0, 5e-3) / 5e-3, tolerance));
+  CHECK(m.value.at("half") == near(tau * std::log(2.0), tolerance));
+  CHECK(m.value.at("energy") == near(1e-3 * 0.5 * tau * (1.0 - std::exp(-10.0)), tolerance));
+  CHECK(m.value.at("edge") == 0.0);
+}
