@@ -161,8 +161,10 @@ class Picture {
 
   /// The end of a long name tells more than its beginning.
   void row_label(const std::string& name, double y) {
-    constexpr std::size_t most_letters = 11;
-    const std::string text = name.size() <= most_letters ? name : "…" + name.substr(name.size() - most_letters + 1);
+    constexpr std::size_t most_letters = 10;
+    std::size_t begin = name.size() <= most_letters ? 0 : name.size() - most_letters + 1;
+    while (begin < name.size() && (static_cast<unsigned char>(name[begin]) & 0xC0U) == 0x80U) ++begin;  // within a letter of several bytes
+    const std::string text = begin == 0 ? name : "…" + name.substr(begin);
     label(left - 6.0, y + bar_height, text, "text-anchor=\"end\" font-size=\"11\"");
   }
 

@@ -73,6 +73,12 @@ TEST_CASE("a lane is a bar where it is on, shaded where it is on for a share of 
   CHECK_THAT(text, Contains("D&lt;1&gt;"));
 }
 
+TEST_CASE("of a long name of a lane the end is shown, in whole letters", "[unit]") {
+  Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
+  figure.lanes = {{"X1.aµµµµµµ", {0.0}, {0.0}}, {"X1.X2.X3.D1", {0.0}, {0.0}}};
+  CHECK_THAT(svg(figure), Contains(">…µµµµ<") && Contains(">….X2.X3.D1<"));
+}
+
 TEST_CASE("marks are ticks, one for all that fall into one column", "[unit]") {
   Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
   const std::size_t without = count(svg(figure), "#d1480a");

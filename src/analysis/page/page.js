@@ -100,7 +100,7 @@
     let count = 0;
     for (let k = 0; k < pixels.length; k += 4) {
       const spread = Math.max(pixels[k], pixels[k + 1], pixels[k + 2]) - Math.min(pixels[k], pixels[k + 1], pixels[k + 2]);
-      if (pixels[k + 3] > 200 && spread > 60) ++count;
+      if (pixels[k + 3] > 100 && spread > 60) ++count;
     }
     return count;
   }
@@ -126,7 +126,10 @@
       width: element("panels").clientWidth,
       height: 240,
       padding: [8, 16, 0, 0],
-      scales: {x: {time: false, range: (plot, min, max) => [min, max]}},
+      scales: {
+        x: {time: false, range: (plot, min, max) => [min, max]},
+        y: {range: (plot, min, max) => min === max ? [min - (Math.abs(min) || 1), max + (Math.abs(max) || 1)] : uPlot.rangeNum(min, max, 0.1, true)},
+      },
       cursor: {sync: {key: "time"}, drag: {x: true, y: false, setScale: false}},
       axes: [
         {values: (plot, ticks) => ticks.map(tick => quantity(tick, "s"))},
@@ -347,7 +350,7 @@
     const names = {complementarity: "complementarity: ideal diodes conduct without voltage, block without current",
       kcl_kvl: "Kirchhoff's laws", energy: "energy: delivered = dissipated + stored"};
     const table = element("certificate-table");
-    for (const [key, words] of Object.entries(names)) row(table, [words, stats.certificate[key] === null ? "–" : stats.certificate[key].toExponential(1)]);
+    for (const [key, words] of Object.entries(names)) row(table, [words, stats.certificate[key] === 0 ? "0" : stats.certificate[key]?.toExponential(1) ?? "–"]);
     const passive = stats.certificate.passive;
     row(table, ["passive: without its sources the circuit cannot deliver energy", passive === null ? "not decided" : passive ? "yes" : "no"]);
     row(table, ["points checked", stats.certificate.points_checked]);
