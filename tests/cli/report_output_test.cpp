@@ -99,6 +99,21 @@ TEST_CASE("Chromium draws the waveforms and measures between the cursors", "[uni
   CHECK_THAT(page, Contains("<td>500 ms</td><td>mode change</td><td>D2 on</td>"));
 }
 
+TEST_CASE("a report shows the measurements of the deck", "[unit]") {
+  const Scratch scratch;
+  // 1 V + 2 V sin: the mean is 1 V, the least value at three quarters of the period, the fundamental 2 V; a tenth of 3 V is 0.3 V.
+  scratch.write("m.net",
+                "m\nV1 a 0 SIN(1 2 50)\nR1 a b 9k\nR2 b 0 1k\n.tran 0.1m 40m\n.save v(a) v(b)\n.meas tran mean AVG v(a)\n.meas tran top "
+                "MAX v(b)\n.meas low min_at v(a) from=0 to=20m\n"
+                ".four 50 v(a)\n");
+  REQUIRE(run_in(scratch, {"m.net", "--report", "r.html"}).status == 0);
+  const std::string page = shown(scratch, "r.html");
+  if (page.empty()) return;
+  CHECK_THAT(page, Contains("<tr><td>mean</td><td>1 V</td></tr>") && Contains("<tr><td>top</td><td>300 mV</td></tr>") &&
+                       Contains("<tr><td>low</td><td>15 ms</td></tr>"));
+  CHECK_THAT(page, Contains("Fourier analysis of v(a)") && Contains("<tr><td>50 Hz</td><td>2</td>"));
+}
+
 TEST_CASE("a view in the address is what the page shows", "[unit]") {
   const Scratch scratch;
   scratch.write("t.net", triangle);

@@ -345,6 +345,20 @@
       row(element("operating-point-table"), [name, quantity(value, units[name], 9)]);
   }
 
+  function fillResults() {
+    if (run.measurements.length + run.fourier.length === 0) return;
+    show("results");
+    for (const result of run.measurements) row(element("result-table"), [result.name, result.failure || quantity(result.value, result.unit, 9)]);
+    for (const result of run.fourier) {
+      const heading = document.createElement("h3"), table = document.createElement("table");
+      heading.textContent = "Fourier analysis of " + result.signal + (result.failure ? ": " + result.failure : ", THD " + quantity(100 * result.thd, "%"));
+      row(table, ["frequency", "magnitude", "phase"], "th");
+      for (const harmonic of result.harmonics)
+        row(table, [quantity(harmonic.frequency, "Hz"), quantity(harmonic.magnitude, ""), quantity(harmonic.phase, "") + "°"]);
+      element("fourier").append(heading, table);
+    }
+  }
+
   function fillCertificate(stats) {
     show("certificate");
     const names = {complementarity: "complementarity: ideal diodes conduct without voltage, block without current",
@@ -378,6 +392,7 @@
   }
   fillWaveforms();
   fillOperatingPoint();
+  fillResults();
   fillEvents();
   const idealised = run.notes.filter(note => data.idealisation.some(id => note.includes("[" + id + "]")));
   if (idealised.length) {
