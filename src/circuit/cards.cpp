@@ -49,8 +49,6 @@ constexpr RefusedElement refused[] = {
     {'Y', "Y (lossy line)", false},         {'Z', "Z (MESFET)", false},
 };
 
-constexpr std::string_view library_names[] = {"mosfet", "igbt", "thyristor", "opamp", "xfmr"};
-
 constexpr std::string_view foreign_types[] = {
     "R",       "RES",        "C",          "CAP",   "L",       "IND",    "CORE",   "URC",      "LTRA",   "TRN",
     "NMOS",    "PMOS",       "VDMOS",      "NPN",   "PNP",     "LPNP",   "NJF",    "PJF",      "NMF",    "PMF",
@@ -76,8 +74,6 @@ const RefusedElement* find_refused_element(char letter) {
   const auto* found = std::find_if(std::begin(refused), std::end(refused), matches);
   return found == std::end(refused) ? nullptr : found;
 }
-
-bool is_library_name(std::string_view name) { return listed(library_names, name); }
 
 bool is_foreign_model_type(std::string_view type) { return listed(foreign_types, type); }
 

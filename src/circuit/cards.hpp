@@ -45,9 +45,6 @@ struct RefusedElement {
 };
 [[nodiscard]] const RefusedElement* find_refused_element(char letter);
 
-/// Subcircuits that later versions ship.
-[[nodiscard]] bool is_library_name(std::string_view name);
-
 /// `.model` types that other simulators know and no element here takes.
 [[nodiscard]] bool is_foreign_model_type(std::string_view type);
 

@@ -14,8 +14,6 @@ namespace {
 using netlist::Card;
 using netlist::Item;
 
-bool is_call(const Card& card) { return lower_letter(card.name.front()) == 'x'; }
-
 struct Size {
   double elements = 0.0;  ///< in one copy
   double height = 0.0;    ///< subcircuits within one another below it
@@ -87,6 +85,8 @@ class Census {
 };
 
 }  // namespace
+
+bool is_call(const Card& card) { return lower_letter(card.name.front()) == 'x'; }
 
 const Item* called_subcircuit(const Card& card) {
   const Item* name = nullptr;

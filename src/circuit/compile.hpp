@@ -31,9 +31,10 @@ struct Compiled {
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
 };
 
+/// Subcircuits shipped with the program that the deck calls are added to `sources`, for messages to quote.
 /// Every error of meaning goes to `diagnostics`, all in one go. The answer is empty exactly when `diagnostics` holds an error on return;
 /// errors of syntax already in it count too, so that a deck with a syntax error gets its other errors as well.
-[[nodiscard]] std::optional<Compiled> compile(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics,
+[[nodiscard]] std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics,
                                               const CompileOptions& options = {});
 
 }  // namespace pwlsim::circuit

@@ -5,6 +5,7 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
+#include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -15,8 +16,6 @@ using ItemKind = Item::Kind;
 
 constexpr std::string_view call_usage = "X<name> n1 n2 ... subcircuit [p=value ...]";
 constexpr std::string_view condition_usage = ".ic v(node)=value i(inductor)=value";
-
-bool is_call(const Card& card) { return lower_letter(card.name.front()) == 'x'; }
 
 }  // namespace
 
@@ -46,13 +45,9 @@ void Expander::unknown_call(Place& place, const Card& card, const Item* name) {
   }
   for (const Item* item : actual_nodes(card, *name)) (void)binder_.node(place, *item);
   if (card.damaged) return;
-  if (is_library_name(name->text)) {
-    reporter().error("E-not-supported-yet", name->span, fmt::format("the library element {} is not supported yet", name->text));
-  } else {
-    reporter().error(
-        "E-unknown-subckt", name->span,
-        fmt::format("unknown subcircuit '{}'{}", name->text, suggestion(name->text, subcircuit_names(place.scope.definition()))));
-  }
+  std::vector<std::string> names = subcircuit_names(place.scope.definition());
+  for (const ShippedSubcircuit& shipped : shipped_subcircuits()) names.emplace_back(shipped.name);
+  reporter().error("E-unknown-subckt", name->span, fmt::format("unknown subcircuit '{}'{}", name->text, suggestion(name->text, names)));
 }
 
 std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& name) {

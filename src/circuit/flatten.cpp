@@ -5,15 +5,17 @@
 #include "circuit/definitions.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/raw_system_reader.hpp"
+#include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
 
-Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_required) {
+Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required) {
   Flattened result;
   Circuit& circuit = result.circuit;
   circuit.title = deck.title;
   circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
-  const Definitions definitions = read_definitions(deck, reporter);
+  Definitions definitions = read_definitions(deck, reporter);
+  const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);
   top.evaluate_all();

@@ -13,6 +13,7 @@ struct Flattened {
   Circuit circuit;
   bool expanded = false;  ///< false where it would have become too large or endless: then it holds no element
 };
-[[nodiscard]] Flattened flatten(const netlist::Deck& deck, Reporter& reporter, bool analysis_required);
+/// Shipped subcircuits that the deck calls are added to `sources`.
+[[nodiscard]] Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required);
 
 }  // namespace pwlsim::circuit

@@ -7,6 +7,7 @@ namespace pwlsim::circuit {
 void Reporter::pass(Diagnostic diagnostic) {
   if (full()) return;
   const SourceSpan& span = diagnostic.span;
+  if (diagnostic.severity == Severity::note && without_notes_.contains(span.file)) return;
   if (!passed_.insert(fmt::format("{}:{}:{}:{}:{}", diagnostic.id, span.file, span.begin, span.end, diagnostic.text)).second) return;
   switch (diagnostic.severity) {
     case Severity::note:

@@ -24,6 +24,9 @@ class Reporter {
   /// Passes on all of `scratch`, or its errors alone.
   void forward(const Diagnostics& scratch, bool errors_only = false);
 
+  /// Notes that stand in this text are not given: it is not the user's.
+  void leave_out_notes_of(FileIndex file) { without_notes_.insert(file); }
+
   /// True the first time it is called with `key`: for warnings that are given once in a deck.
   [[nodiscard]] bool first_time(std::string_view key) { return once_.insert(std::string(key)).second; }
 
@@ -49,6 +52,7 @@ class Reporter {
   const SourceStore* sources_ = nullptr;
   std::unordered_set<std::string> passed_;
   std::unordered_set<std::string> once_;
+  std::unordered_set<FileIndex> without_notes_;
   std::size_t errors_ = 0;
 };
 

@@ -97,7 +97,7 @@ std::optional<TwinEvent> twin_event(const Twin& twin) {
   const char letter = twin.instance().kind->letter;
   if (letter == 'D') {
     const double drop = twin.model().values.get("Vfwd");
-    return TwinEvent{twin.ends(), drop, drop};
+    return std::isinf(drop) ? std::nullopt : std::optional(TwinEvent{twin.ends(), drop, drop});
   }
   if (letter != 'S' && letter != 'W') return std::nullopt;
   Thresholds levels = thresholds(twin.model());

@@ -11,6 +11,7 @@
 namespace pwlsim::elements {
 namespace {
 
+constexpr double unreachable = 1e12;          // V, where a drop is infinite
 constexpr double off_resistance_scale = 1e5;  // ohm, over the sharpness
 
 /// Letters, digits, '_' and '.' stay: all that ngspice takes in names and in expressions alike.
@@ -130,7 +131,7 @@ void Twin::diode(std::string_view part, const TwinEnds& ends, const TwinDiode& d
   const double on = diode.on == 0.0 ? sharpness() : diode.on;
   const double off = std::isinf(diode.off) ? std::max(on, off_resistance_scale / sharpness()) : diode.off;
   const std::string name = device('A', part);
-  std::string parameters = fmt::format("Ron={} Roff={} Vfwd={}", on, off, diode.drop);
+  std::string parameters = fmt::format("Ron={} Roff={} Vfwd={}", on, off, std::min(diode.drop, unreachable));
   if (!std::isinf(diode.reverse_drop))
     parameters += fmt::format(" Vrev={} Rrev={}", diode.reverse_drop, diode.reverse_on == 0.0 ? sharpness() : diode.reverse_on);
   line(fmt::format("{} {} {} {}.model", name, ends.p, ends.n, name));

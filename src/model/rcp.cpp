@@ -1,6 +1,5 @@
 #include "model/rcp.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +13,13 @@ constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
 constexpr double tie_tolerance = 1e-12;
 constexpr double regularisation = 1e-8;  ///< of a problem whose diagonal is about 1
-constexpr double switch_rank_tolerance = 1e-11;
+
+std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
+  std::vector<int> active;
+  for (int i = system.diodes; i < system.ports; ++i)
+    if (wanted.contains(i)) active.push_back(i);
+  return active;
+}
 
 }  // namespace
 
@@ -22,8 +27,8 @@ RationalProblem::RationalProblem(const System& system) : system_(system), rate_(
 
 /// M(s) = D + Σ C A^{j−1} B s^{−j} and q(s) = Σ C A^j x s^{−j}, every term that is rounding set to zero: uncleaned noise is
 /// amplified by a power of s, and s could then be neither large nor small enough.
-RationalProblem::Problem RationalProblem::at(const double* x, double s) {
-  Problem problem;
+PortProblem RationalProblem::at(const double* x, double s) {
+  PortProblem problem;
   const int n = system_.n;
   const int size = system_.size();
   const int k = system_.ports;
@@ -68,53 +73,9 @@ RationalProblem::Problem RationalProblem::at(const double* x, double s) {
   return problem;
 }
 
-/// Active switch ports have y = 0 and a free u. They are solved out of the problem where their own block allows it; else u = u⁺ − u⁻ with
-/// ±y ≥ 0 keeps the problem complementary (and monotone when it was).
-void RationalProblem::without_switches(const IndexSet& wanted, Problem& problem) const {
-  std::vector<int> active;
-  for (int i = system_.diodes; i < system_.ports; ++i)
-    if (wanted.contains(i)) active.push_back(i);
-  const auto d = static_cast<Eigen::Index>(system_.diodes);
-  const auto a = static_cast<Eigen::Index>(active.size());
-  Problem diodes{problem.m.topLeftCorner(d, d), problem.q.head(d)};
-  if (a == 0) {
-    problem = std::move(diodes);
-    return;
-  }
-  Matrix ss(a, a), sd(a, d), ds(d, a);
-  Vector qs(a);
-  for (Eigen::Index i = 0; i < a; ++i) {
-    const int port = active[static_cast<std::size_t>(i)];
-    qs[i] = problem.q[port];
-    sd.row(i) = problem.m.row(port).head(d);
-    ds.col(i) = problem.m.col(port).head(d);
-    for (Eigen::Index j = 0; j < a; ++j) ss(i, j) = problem.m(port, active[static_cast<std::size_t>(j)]);
-  }
-  const Vector scale = lcp::diagonal_scale(ss);
-  const Matrix scaled = scale.asDiagonal() * ss * scale.asDiagonal();
-  Eigen::FullPivLU<Matrix> lu(scaled);
-  lu.setThreshold(switch_rank_tolerance);
-  if (!lu.isInvertible()) {
-    problem.m.resize(d + 2 * a, d + 2 * a);
-    problem.m << diodes.m, ds, -ds, sd, ss, -ss, -sd, -ss, ss;
-    problem.q.resize(d + 2 * a);
-    problem.q << diodes.q, qs, -qs;
-    return;
-  }
-  // A Schur complement cancels: what is left of equal terms is rounding, and must not decide.
-  const Matrix to = ds * scale.asDiagonal();
-  const Matrix inverse = lu.inverse();
-  const Matrix left = to * inverse;
-  const Matrix left_bound = to.cwiseAbs() * inverse.cwiseAbs();
-  const Matrix right = scale.asDiagonal() * sd;
-  const Vector right_q = scale.asDiagonal() * qs;
-  problem.m = linalg::cleaned(diodes.m - left * right, diodes.m.cwiseAbs() + left_bound * right.cwiseAbs());
-  problem.q = linalg::cleaned(diodes.q - left * right_q, diodes.q.cwiseAbs() + left_bound * right_q.cwiseAbs());
-}
-
 std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, const IndexSet& wanted) {
-  Problem problem = at(x, s);
-  without_switches(wanted, problem);
+  PortProblem problem = at(x, s);
+  problem = without_switches(problem, system_.diodes, active_switches(system_, wanted));
   if (!problem.m.allFinite() || !problem.q.allFinite()) return {};
   const auto k = problem.q.size();
   const Vector scale = lcp::diagonal_scale(problem.m);

@@ -11,21 +11,17 @@
 #include <vector>
 
 #include "model/index_set.hpp"
+#include "model/port_problem.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::model {
 
 class RationalProblem {
  public:
-  struct Problem {
-    Matrix m;
-    Vector q;
-  };
-
   explicit RationalProblem(const System& system);
 
   /// s·T(s) x and G(s) of all ports, by their series in 1/s. x: system.size() entries.
-  [[nodiscard]] Problem at(const double* x, double s);
+  [[nodiscard]] PortProblem at(const double* x, double s);
   /// Sets of the linear complementarity problem at s: by the values of its solution (ties as in `wanted`), then by its basis where that
   /// differs. Empty where it has no solution. The switch ports stay as in `wanted`.
   [[nodiscard]] std::vector<IndexSet> candidates(const double* x, double s, const IndexSet& wanted);
@@ -36,8 +32,6 @@ class RationalProblem {
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
 
  private:
-  void without_switches(const IndexSet& wanted, Problem& problem) const;
-
   const System& system_;
   double rate_;
   std::vector<Matrix> markov_;  ///< C A^{j−1} B, j = 1 …

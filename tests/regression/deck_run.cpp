@@ -73,7 +73,7 @@ Simulate sparse(double reltol, bool events) {
   };
 }
 
-DeckRun run_parsed(const netlist::Deck& deck, const SourceStore& sources, Diagnostics& diagnostics, const Simulate& simulate) {
+DeckRun run_parsed(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const Simulate& simulate) {
   DeckRun run;
   const std::optional<circuit::Compiled> compiled = circuit::compile(deck, sources, diagnostics);
   if (compiled && compiled->analyses.transient) {

@@ -14,7 +14,7 @@ constexpr Parameter ignored(std::string_view name, std::string_view text) { retu
 constexpr Parameter model_parameters[] = {
     {"Ron", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond Vfwd."},
     {"Roff", "ohm", infinite, Range::positive, true, "Slope resistance between -Vrev and Vfwd."},
-    {"Vfwd", "V", 0.0, Range::any, false, "Forward drop."},
+    {"Vfwd", "V", 0.0, Range::any, true, "Forward drop; inf: never conducts forward."},
     {"Vrev", "V", infinite, Range::not_negative, true, "Reverse breakdown voltage."},
     {"Rrev", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond -Vrev."},
     {"IS", "A", 1e-14, Range::positive, false, "Saturation current; read for the tangent at i0."},
@@ -115,7 +115,7 @@ void check_slopes(const Model& model, Diagnostics& diagnostics) {
   if (v.get("Ron") > off) diagnostics.error("E-range", v.span("Ron"), "Ron of a diode must not exceed Roff");
   if (!std::isinf(v.get("Vrev")) && v.get("Rrev") > off)
     diagnostics.error("E-range", v.span("Rrev"), "Rrev of a diode must not exceed Roff");
-  if (v.get("Vfwd") + v.get("Vrev") < 0.0) {
+  if (v.get("Vfwd") == -infinite || v.get("Vfwd") + v.get("Vrev") < 0.0) {
     diagnostics.error("E-range", model.span,
                       fmt::format("the forward and the reverse branch of {} overlap: Vfwd + Vrev is negative", model.name));
   } else if (v.get("Vfwd") < 0.0) {
@@ -149,7 +149,7 @@ constexpr Parameter parameters[] = {
 };
 
 void add_contact(Emission& emission, std::string_view part, const NodePair& ends, double resistance, double drop, double sign) {
-  if (std::isinf(resistance)) return;
+  if (std::isinf(resistance) || std::isinf(drop)) return;
   const int index = emission.builder().add(model::Diode{emission.label(part), ends.p, ends.n, resistance, drop});
   emission.result().current.push_back({Quantity::diode_current, index, sign});
 }
@@ -160,9 +160,7 @@ void emit(Emission& emission) {
   const double off = v.get("Roff");
   const NodePair ends{emission.p(), emission.n()};
   add_contact(emission, {}, ends, contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), 1.0);
-  if (!std::isinf(v.get("Vrev"))) {
-    add_contact(emission, "reverse", {ends.n, ends.p}, contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), -1.0);
-  }
+  add_contact(emission, "reverse", {ends.n, ends.p}, contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), -1.0);
   add_leakage(emission, off / m, ends);
 }
 

@@ -1,9 +1,13 @@
 #include "engine/exact/static_solution.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "lcp/lemke.hpp"
+#include "model/port_problem.hpp"
 
 namespace pwlsim::engine {
 
@@ -82,33 +86,17 @@ std::vector<std::vector<int>> proposals(const model::System& s, const Rest& r, c
     m += r.c * resolvent * r.b;
     q += r.c * (resolvent * (r.e * zeta));
   }
-  const auto w = static_cast<Eigen::Index>(switches.size());
-  Matrix reduced = m.topLeftCorner(d, d);
-  Vector q_reduced = q.head(d);
-  if (w > 0) {
-    Matrix ss(w, w), sd(w, d), ds(d, w);
-    Vector qs(w);
-    for (Eigen::Index i = 0; i < w; ++i) {
-      const int p = switches[static_cast<std::size_t>(i)];
-      qs[i] = q[p];
-      sd.row(i) = m.row(p).head(d);
-      ds.col(i) = m.col(p).head(d);
-      for (Eigen::Index j = 0; j < w; ++j) ss(i, j) = m(p, switches[static_cast<std::size_t>(j)]);
-    }
-    Eigen::FullPivLU<Matrix> lu(ss);
-    reduced -= ds * lu.solve(sd);
-    q_reduced -= ds * lu.solve(qs);
-  }
-  if (!reduced.allFinite() || !q_reduced.allFinite()) return {};
-  const Vector scale = lcp::diagonal_scale(reduced);
-  const Vector scaled = scale.asDiagonal() * q_reduced;
-  const lcp::Solution solution = lcp::lemke(scale.asDiagonal() * reduced * scale.asDiagonal(), scaled);
+  const model::PortProblem reduced = model::without_switches({std::move(m), std::move(q)}, d, switches);
+  if (!reduced.m.allFinite() || !reduced.q.allFinite()) return {};
+  const Vector scale = lcp::diagonal_scale(reduced.m);
+  const Vector scaled = scale.asDiagonal() * reduced.q;
+  const lcp::Solution solution = lcp::lemke(scale.asDiagonal() * reduced.m * scale.asDiagonal(), scaled);
   if (solution.status != lcp::Status::solved) return {};
   std::vector<int> by_value = switches;
   std::vector<int> by_basis = switches;
   for (int i = 0; i < d; ++i)
     if (solution.z[i] > solution.w[i]) by_value.push_back(i);
-  by_basis.insert(by_basis.end(), solution.basis.begin(), solution.basis.end());
+  std::copy_if(solution.basis.begin(), solution.basis.end(), std::back_inserter(by_basis), [d](int i) { return i < d; });
   return {by_value, by_basis};
 }
 

@@ -1,0 +1,56 @@
+#include "circuit/shipped.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/cards.hpp"
+#include "circuit/census.hpp"
+#include "netlist/load.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+const ShippedSubcircuit* find_shipped(std::string_view name) {
+  const auto all = shipped_subcircuits();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const ShippedSubcircuit& s) { return same_name(s.name, name); });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Those that some card calls from where nothing of that name is seen, each once.
+std::vector<const ShippedSubcircuit*> called_from(const Definitions& definitions) {
+  std::vector<const ShippedSubcircuit*> list;
+  for (const auto& definition : definitions.all) {
+    for (const netlist::Card* card : definition->elements) {
+      const netlist::Item* name = is_call(*card) ? called_subcircuit(*card) : nullptr;
+      const ShippedSubcircuit* shipped = name != nullptr ? find_shipped(name->text) : nullptr;
+      if (shipped == nullptr || find_subcircuit(*definition, name->text) != nullptr) continue;
+      if (std::find(list.begin(), list.end(), shipped) == list.end()) list.push_back(shipped);
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
+  std::vector<netlist::Deck> decks;
+  Definition& top = *definitions.all.front();
+  for (const ShippedSubcircuit* shipped : called_from(definitions)) {
+    Diagnostics scratch;
+    const std::string name = fmt::format("pwlsim's {}.sub", shipped->name);
+    decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, shipped->text), sources, scratch));
+    reporter.forward(scratch);
+    reporter.leave_out_notes_of(decks.back().title_span.file);
+    Definitions own = read_definitions(decks.back(), reporter);
+    for (const auto& [key, definition] : own.all.front()->subcircuits) top.subcircuits.emplace(key, definition);
+    for (auto& definition : own.all) {
+      if (definition->parent == own.all.front().get()) definition->parent = &top;
+    }
+    definitions.all.insert(definitions.all.end(), std::make_move_iterator(own.all.begin() + 1), std::make_move_iterator(own.all.end()));
+  }
+  return decks;
+}
+
+}  // namespace pwlsim::circuit
