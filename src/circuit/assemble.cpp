@@ -128,7 +128,9 @@ class Assembler {
     if (instance.raw_system != nullptr) return true;
     const elements::Kind& kind = *instance.kind;
     const std::size_t controls = kind.control == Control::node_pair ? instance.control_nodes.size() : instance.references.size();
-    if (instance.nodes.size() != static_cast<std::size_t>(kind.terminals)) return false;
+    const auto terminals = static_cast<std::size_t>(kind.terminals);
+    if (instance.nodes.size() < terminals || instance.nodes.size() > terminals + static_cast<std::size_t>(kind.optional_terminals))
+      return false;
     if (kind.tail == elements::Tail::formula || instance.formula) return instance.formula.has_value();
     if (kind.control != Control::none && controls == 0) return false;
     if (kind.tail == elements::Tail::block) return instance.model >= 0 && !instance.inputs.empty();

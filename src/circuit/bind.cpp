@@ -86,7 +86,16 @@ class CardBinding {
       }
       instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
     }
+    for (int k = 0; k < kind_.optional_terminals && at_optional_terminal(); ++k)
+      instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
     return true;
+  }
+
+  /// Two words are left, the second of which can be the model.
+  bool at_optional_terminal() const {
+    if (!cursor_.at(ItemKind::word) || !cursor_.at(ItemKind::word, 1)) return false;
+    if (Models::known(place_.scope, *cursor_.peek(1))) return true;
+    return !Models::known(place_.scope, *cursor_.peek()) && !same_name(cursor_.peek(1)->text, "off");
   }
 
   bool node_pair() {
@@ -358,7 +367,7 @@ void Binder::element(Place& place, const Card& card) {
     card.damaged ? binding.bind_damaged() : binding.bind();
   }
   const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
-  if (instance.kind == nullptr || instance.nodes.size() != terminals) circuit_.has_gaps = true;
+  if (instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;
   circuit_.instances.push_back(std::move(instance));
 }
 
@@ -372,9 +381,6 @@ void Binder::refuse(const Card& card) {
   const RefusedElement* refused = find_refused_element(card.name.front());
   if (refused == nullptr) {
     reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is no element known here", card.name));
-  } else if (refused->not_yet) {
-    reporter_.error("E-not-supported-yet", card.name_span,
-                    fmt::format("{}: the element {} is not supported yet", card.name, refused->name));
   } else {
     reporter_.error("E-not-supported", card.name_span, fmt::format("{}: the element {} is not supported", card.name, refused->name));
   }

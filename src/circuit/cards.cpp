@@ -42,18 +42,19 @@ constexpr CardKind kinds[] = {
 };
 
 constexpr RefusedElement refused[] = {
-    {'J', "J (junction transistor)", true}, {'M', "M (MOSFET)", true},
-    {'Q', "Q (bipolar transistor)", true},  {'N', "N (compiled model)", false},
-    {'O', "O (lossy line)", false},         {'P', "P (coupled line)", false},
-    {'T', "T (transmission line)", false},  {'U', "U (distributed RC line or digital block)", false},
-    {'Y', "Y (lossy line)", false},         {'Z', "Z (MESFET)", false},
+    {'N', "N (compiled model)"},
+    {'O', "O (lossy line)"},
+    {'P', "P (coupled line)"},
+    {'T', "T (transmission line)"},
+    {'U', "U (distributed RC line or digital block)"},
+    {'Y', "Y (lossy line)"},
+    {'Z', "Z (MESFET or IGBT)"},
 };
 
 constexpr std::string_view foreign_types[] = {
-    "R",       "RES",        "C",          "CAP",   "L",       "IND",    "CORE",   "URC",      "LTRA",   "TRN",
-    "NMOS",    "PMOS",       "VDMOS",      "NPN",   "PNP",     "LPNP",   "NJF",    "PJF",      "NMF",    "PMF",
-    "NIGBT",   "PIGBT",      "NHFET",      "PHFET", "mult",    "divide", "slew",   "climit",   "ilimit", "sidiode",
-    "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple", "sine",   "square", "triangle",
+    "R",       "RES",     "C",          "CAP",        "L",     "IND",     "CORE", "URC",    "LTRA",     "TRN",    "LPNP",
+    "NMF",     "PMF",     "NIGBT",      "PIGBT",      "NHFET", "PHFET",   "mult", "divide", "slew",     "climit", "ilimit",
+    "sidiode", "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple", "sine", "square", "triangle",
 };
 
 bool listed(std::span<const std::string_view> list, std::string_view name) {

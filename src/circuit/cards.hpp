@@ -41,7 +41,6 @@ struct CardKind {
 struct RefusedElement {
   char letter = '?';
   std::string_view name;
-  bool not_yet = false;  ///< later versions will take it
 };
 [[nodiscard]] const RefusedElement* find_refused_element(char letter);
 

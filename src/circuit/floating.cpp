@@ -45,9 +45,17 @@ bool feels_difference(const Instance& instance, Groups& groups) {
   return false;
 }
 
+void join_many(const Instance& instance, Groups& groups) {
+  for (const int terminal : instance.kind->tied_terminals) {
+    const auto k = static_cast<std::size_t>(terminal);
+    if (k < instance.nodes.size()) groups.join(instance.nodes[0], instance.nodes[k]);
+  }
+}
+
 void join(const Circuit& circuit, Groups& groups) {
   for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() == 2 && ties(instance)) groups.join(instance.nodes[0], instance.nodes[1]);
+    if (instance.nodes.size() > 2 && instance.kind != nullptr) join_many(instance, groups);
   }
   for (const Instance& instance : circuit.instances) {
     for (const elements::BlockInput& input : instance.inputs)

@@ -77,14 +77,34 @@ std::string type_names(const elements::Kind& kind) {
   return names;
 }
 
+/// Models of other levels have other parameters, which would all be reported.
+bool has_known_level(const std::vector<ChainLink>& chain, const elements::ModelKind& kind, Reporter& reporter) {
+  for (const ChainLink& link : chain) {
+    for (const Item* item : link.text.parameters) {
+      if (kind.levels.empty() || item->kind != ItemKind::assignment || !same_name(item->text, "level") || item->items.empty()) continue;
+      const std::optional<Number> level = link.found.scope->number(item->items[0]);
+      if (!level) return false;
+      if (std::find(kind.levels.begin(), kind.levels.end(), level->value) != kind.levels.end()) return true;
+      reporter.error("E-not-idealised", item->span,
+                     fmt::format("an {} of level {} has no parameters to idealise it by; try .model {} VDMOS(Vto= Ron=), or a switch S",
+                                 kind.type, level->value, chain.front().found.card->items[0].text));
+      return false;
+    }
+  }
+  return true;
+}
+
 /// What one card of a chain gives itself.
 elements::Values own_values(const ChainLink& link, const elements::ModelKind& kind, std::vector<std::string>& ignored, Reporter& reporter) {
   elements::Values values(kind.parameters);
   const std::string owner = "model " + link.found.card->items[0].text;
   ValueReader reader(*link.found.scope, reporter, owner);
   for (const Item* item : link.text.parameters) {
+    const elements::Parameter* flag = item->kind == ItemKind::word ? elements::find_parameter(kind.parameters, item->text) : nullptr;
     if (item->kind == ItemKind::assignment) {
       reader.assignment(*item, values, &ignored);
+    } else if (flag != nullptr && flag->is_flag) {
+      values.set(flag->name, 1.0, item->span);
     } else {
       reporter.error("E-unexpected", item->span, fmt::format("a model takes name=value, not '{}'", reporter.text(item->span)));
     }
@@ -146,6 +166,7 @@ std::optional<elements::Model> Models::read(Scope& scope, const Card& card) {
                     fmt::format("unknown model type '{}'{}", typed.type, suggestion(typed.type, model_types())));
     return std::nullopt;
   }
+  if (!has_known_level(chain, *kind, reporter_)) return std::nullopt;
   elements::Model model{kind, name.text, name.span, elements::Values(kind->parameters)};
   std::vector<std::string> ignored;
   for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
@@ -198,6 +219,14 @@ void Models::report_unknown(Scope& scope, const Item& name, const elements::Kind
   reporter_.error("E-unknown-model", name.span, fmt::format("unknown model '{}'{}", name.text, cure));
 }
 
+bool Models::is_idealised(Scope& scope, const Card& card) {
+  Diagnostics ignored;
+  Reporter quiet = reporter_.beside(ignored);
+  const std::vector<ChainLink> chain = chain_of(scope, card, quiet);
+  const elements::ModelKind* kind = chain.empty() ? nullptr : elements::find_model_kind(typed_text(chain).type);
+  return kind != nullptr && kind->is_idealised;
+}
+
 void Models::check_unused(Scope& top, FileIndex file) {
   std::vector<const Card*> unused;
   for (const auto& [key, card] : top.definition().models) {
@@ -205,6 +234,7 @@ void Models::check_unused(Scope& top, FileIndex file) {
   }
   std::sort(unused.begin(), unused.end(), [](const Card* a, const Card* b) { return a->span.begin < b->span.begin; });
   for (const Card* card : unused) {
+    if (is_idealised(top, *card)) continue;
     Diagnostics scratch;
     Reporter quiet = reporter_.beside(scratch);
     (void)Models(circuit_, settings_, quiet).read(top, *card);

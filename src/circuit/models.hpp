@@ -29,6 +29,7 @@ class Models {
  private:
   [[nodiscard]] int evaluated(Scope& scope, const netlist::Card& card);
   [[nodiscard]] std::optional<elements::Model> read(Scope& scope, const netlist::Card& card);
+  [[nodiscard]] bool is_idealised(Scope& scope, const netlist::Card& card);
   void report_unknown(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
 
   Circuit& circuit_;

@@ -19,6 +19,7 @@ namespace pwlsim::elements {
 
 class Emission;
 class Twin;
+struct TwinEvent;
 struct Block;
 struct Instance;
 struct RawSystem;
@@ -27,6 +28,7 @@ struct Model;
 /// Deck-wide numbers that elements depend on.
 struct Settings {
   double tangent_current = 1.0;  ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
+  double gate_drive = 10.0;      ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
 };
 
 /// A `.model` type: "D", or "SW" and its like.
@@ -36,7 +38,9 @@ struct ModelKind {
   ParameterTable parameters;
   /// Turns what was written into what emit reads, and says what was changed. May be null.
   void (*complete)(Model& model, const Settings& settings, Diagnostics& diagnostics) = nullptr;
-  const Block* block = nullptr;  ///< of an A element: from its input to its output
+  const Block* block = nullptr;      ///< of an A element: from its input to its output
+  bool is_idealised = false;         ///< stands for something else than its elements become: may lie in a deck unread while nothing uses it
+  std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all where there are none
 };
 
 struct Model {
@@ -70,6 +74,8 @@ struct Kind {
   std::string_view usage;  ///< the card in one line
   std::string_view text;   ///< one sentence for the tables
   int terminals = 2;
+  int optional_terminals = 0;             ///< that may follow before the model
+  std::span<const int> tied_terminals{};  ///< which of more than two tie potentials to one another
   Control control = Control::none;
   Tail tail = Tail::value;
   ParameterTable parameters;
@@ -85,6 +91,8 @@ struct Kind {
   void (*connect)(Emission&) = nullptr;
   /// Writes its cards for ngspice, with rounded corners.
   void (*smooth_twin)(Twin&) = nullptr;
+  /// Where those change sides. Null: they do not.
+  std::optional<TwinEvent> (*twin_event)(const Twin&) = nullptr;
 };
 
 struct NodePair {

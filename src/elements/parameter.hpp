@@ -26,6 +26,7 @@ struct Parameter {
   std::string_view text;  ///< one sentence
   Use use = Use::honoured;
   bool is_list = false;  ///< takes [ … ] too; every member keeps to the range
+  bool is_flag = false;  ///< a word without a value
 };
 
 using ParameterTable = std::span<const Parameter>;

@@ -93,13 +93,7 @@ double twin_control_gain(const Twin& twin) {
   return held ? 1.0 : 1.0 / twin.sharpness();
 }
 
-std::optional<TwinEvent> twin_event(const Twin& twin) {
-  const char letter = twin.instance().kind->letter;
-  if (letter == 'D') {
-    const double drop = twin.model().values.get("Vfwd");
-    return std::isinf(drop) ? std::nullopt : std::optional(TwinEvent{twin.ends(), drop, drop});
-  }
-  if (letter != 'S' && letter != 'W') return std::nullopt;
+std::optional<TwinEvent> event_of_switch(const Twin& twin) {
   Thresholds levels = thresholds(twin.model());
   if (closed_when_off(twin.model())) levels = inverted(levels);
   const double gain = twin_control_gain(twin);

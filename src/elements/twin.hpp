@@ -140,14 +140,13 @@ struct TwinEvent {
   TwinEnds control;
   double on_level = 0.0, off_level = 0.0;
 };
-/// Of the selected element; empty for the other kinds.
-[[nodiscard]] std::optional<TwinEvent> twin_event(const Twin& twin);
 
 /// Twins of more than one kind.
 [[nodiscard]] TwinEnds twin_of_series_parts(Twin& twin);
 void twin_of_parallel_parts(Twin& twin);
 /// `control` as an expression.
 void twin_of_switch(Twin& twin, const std::string& control);
+[[nodiscard]] std::optional<TwinEvent> event_of_switch(const Twin& twin);
 /// How much the control of a switch is amplified.
 [[nodiscard]] double twin_control_gain(const Twin& twin);
 void twin_of_controlled(Twin& twin, bool is_current);

@@ -128,7 +128,8 @@ class DeckWriter {
     std::vector<SwitchingPart> list;
     for (const elements::Instance& instance : circuit_.instances) {
       twin_.look_at(static_cast<std::size_t>(&instance - circuit_.instances.data()));
-      if (const auto event = elements::twin_event(twin_)) {
+      const auto event = instance.kind->twin_event != nullptr ? instance.kind->twin_event(twin_) : std::nullopt;
+      if (event) {
         SwitchingPart part{{instance.name, {}}, event->on_level, event->off_level};
         for (const auto& [node, sign] : {std::pair(event->control.p, 1.0), std::pair(event->control.n, -1.0)})
           if (node != "0") part.control.terms.emplace_back(without_case(fmt::format("v({})", node)), sign);

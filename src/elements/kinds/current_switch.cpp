@@ -70,6 +70,7 @@ Kind current_switch() {
   kind.emit = add_switch;
   kind.connect = connect;
   kind.smooth_twin = smooth_twin;
+  kind.twin_event = event_of_switch;
   return kind;
 }
 

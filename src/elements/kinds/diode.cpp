@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "elements/conduction.hpp"
+#include "elements/tangent.hpp"
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
@@ -79,33 +80,18 @@ constexpr Parameter model_parameters[] = {
 constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev"};
 constexpr std::string_view exponential_names[] = {"IS", "N", "RS", "BV"};
 
-/// Boltzmann constant over elementary charge (SI 2019, exact) at 300.15 K.
-constexpr double thermal_voltage = 1.380649e-23 / 1.602176634e-19 * 300.15;
-
-std::string written(const Model& model, std::span<const std::string_view> names) {
-  std::string list;
-  for (std::string_view name : names) {
-    if (!model.values.has(name)) continue;
-    if (!list.empty()) list += ", ";
-    list += name;
-  }
-  return list;
-}
-
 /// v = RS·i + N·Vt·ln(i/IS) by its tangent at i0.
 void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& diagnostics) {
   Values& values = model.values;
   const double i0 = settings.tangent_current;
-  const double slope = values.get("N") * thermal_voltage;
-  const double on = values.get("RS") + slope / i0;
-  const double forward = slope * (std::log(i0 / values.get("IS")) - 1.0);
+  const Tangent law = tangent(values.get("IS"), values.get("N"), values.get("RS"), i0);
   const double reverse = values.get("BV");
   diagnostics.note(
       "N-diode-tangent", model.span,
       fmt::format("the exponential diode {} is replaced by its tangent at {} A: Ron = {:.6g} ohm, Vfwd = {:.6g} V, Vrev = {:.6g} V",
-                  model.name, i0, on, forward, reverse));
-  values.set("Ron", on);
-  values.set("Vfwd", forward);
+                  model.name, i0, law.resistance, law.drop, reverse));
+  values.set("Ron", law.resistance);
+  values.set("Vfwd", law.drop);
   values.set("Vrev", reverse);
 }
 
@@ -170,6 +156,11 @@ void smooth_twin(Twin& twin) {
   twin.diode({}, twin.ends(), {v.get("Ron") / m, v.get("Roff") / m, v.get("Vfwd"), v.get("Rrev") / m, v.get("Vrev")});
 }
 
+std::optional<TwinEvent> twin_event(const Twin& twin) {
+  const double drop = twin.model().values.get("Vfwd");
+  return std::isinf(drop) ? std::nullopt : std::optional(TwinEvent{twin.ends(), drop, drop});
+}
+
 }  // namespace
 
 Kind diode() {
@@ -184,6 +175,7 @@ Kind diode() {
   kind.saved_by_default = true;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;
+  kind.twin_event = twin_event;
   return kind;
 }
 

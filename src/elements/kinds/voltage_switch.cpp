@@ -58,6 +58,7 @@ Kind voltage_switch() {
   kind.emit = add_switch;
   kind.connect = connect;
   kind.smooth_twin = smooth_twin;
+  kind.twin_event = event_of_switch;
   return kind;
 }
 

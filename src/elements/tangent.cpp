@@ -1,0 +1,28 @@
+#include "elements/tangent.hpp"
+
+#include <cmath>
+
+namespace pwlsim::elements {
+namespace {
+
+/// Boltzmann constant over elementary charge (SI 2019, exact) at 300.15 K.
+constexpr double thermal_voltage = 1.380649e-23 / 1.602176634e-19 * 300.15;
+
+}  // namespace
+
+Tangent tangent(double saturation, double emission, double series, double current) {
+  const double slope = emission * thermal_voltage;
+  return {series + slope / current, slope * (std::log(current / saturation) - 1.0)};
+}
+
+std::string written(const Model& model, std::span<const std::string_view> names) {
+  std::string list;
+  for (std::string_view name : names) {
+    if (!model.values.has(name)) continue;
+    if (!list.empty()) list += ", ";
+    list += name;
+  }
+  return list;
+}
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,80 @@
+#include "elements/transistor.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pwlsim::elements {
+namespace {
+
+constexpr std::size_t gate = 1, source = 2;
+
+double level_of(const Channel& channel) { return channel.p_type ? -channel.threshold : channel.threshold; }
+
+TwinEnds control_of(const Twin& twin, const Channel& channel) {
+  TwinEnds control{twin.node(twin.instance().nodes[gate]), twin.node(twin.instance().nodes[source])};
+  if (channel.p_type) std::swap(control.p, control.n);
+  return control;
+}
+
+}  // namespace
+
+void take_junction_current(Model& model, const Settings& settings) {
+  if (!model.values.has("I0")) model.values.set("I0", settings.tangent_current);
+}
+
+void add_channel(Emission& emission, const Channel& channel) {
+  const std::vector<model::NodeIndex>& nodes = emission.instance().nodes;
+  model::Switch item;
+  item.label = emission.label();
+  item.p = nodes[0];
+  item.n = nodes[source];
+  item.resistance = channel.resistance;
+  item.control = model::voltage_between(nodes[gate], nodes[source], channel.p_type ? -1.0 : 1.0);
+  item.on_level = item.off_level = level_of(channel);
+  emission.result().item = emission.builder().add(std::move(item));
+  emission.result().current.push_back({Quantity::switch_current, emission.result().item, 1.0});
+}
+
+void twin_of_channel(Twin& twin, const Channel& channel) {
+  const double level = level_of(channel);
+  twin.contact({}, {twin.ends().p, twin.node(twin.instance().nodes[source])}, control_of(twin, channel),
+               {channel.resistance, infinite, level, level, false});
+}
+
+TwinEvent event_of_channel(const Twin& twin, const Channel& channel) {
+  return {control_of(twin, channel), level_of(channel), level_of(channel)};
+}
+
+int add_junction(Emission& emission, const Junction& junction, double share) {
+  NodePair ends = junction.ends;
+  if (junction.p_type) {
+    std::swap(ends.p, ends.n);
+    share = -share;
+  }
+  if (ends.p == ends.n) return -1;
+  const int forward =
+      emission.builder().add(model::Diode{emission.label(junction.part), ends.p, ends.n, junction.law.resistance, junction.law.drop});
+  if (share != 0.0) emission.result().current.push_back({Quantity::diode_current, forward, share});
+  if (std::isinf(junction.reverse)) return forward;
+  const std::string part = std::string(junction.part) + " reverse";
+  const int reverse = emission.builder().add(model::Diode{emission.label(part), ends.n, ends.p, 0.0, junction.reverse});
+  if (share != 0.0) emission.result().current.push_back({Quantity::diode_current, reverse, -share});
+  return forward;
+}
+
+void twin_of_junction(Twin& twin, const Junction& junction, const TwinEnds& ends) {
+  if (ends.p == ends.n) return;
+  const TwinEnds forward = junction.p_type ? TwinEnds{ends.n, ends.p} : ends;
+  twin.diode(junction.part, forward, {junction.law.resistance, infinite, junction.law.drop, 0.0, junction.reverse});
+}
+
+std::string words_of(const Tangent& law) { return fmt::format("Vfwd = {:.6g} V, Ron = {:.6g} ohm", law.drop, law.resistance); }
+
+void note_idealised(Emission& emission, const std::string& became) {
+  const Model& model = emission.model();
+  emission.diagnostics().note("N-idealised", model.span, fmt::format("the {} {} is idealised: {}", model.kind->text, model.name, became));
+}
+
+}  // namespace pwlsim::elements

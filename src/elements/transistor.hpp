@@ -1,0 +1,51 @@
+#pragma once
+/// What M, J and Q share: the parts that transistors are idealised to. Voltages and currents count as in an N type; a P type is its mirror image.
+
+#include <string>
+#include <string_view>
+
+#include "elements/emission.hpp"
+#include "elements/tangent.hpp"
+#include "elements/twin.hpp"
+
+namespace pwlsim::elements {
+
+/// A parameter that other simulators' models have and a switch has no use for.
+constexpr Parameter without_effect(std::string_view name) { return {name, "", 0.0, Range::any, true, "", Use::ignored}; }
+
+inline constexpr Parameter junction_current{
+    "I0", "A", 1.0, Range::positive, false, "Current at which the tangents are taken; .options i0= sets it for all."};
+/// Takes it from the options where the model does not give it.
+void take_junction_current(Model& model, const Settings& settings);
+
+/// A contact from drain to source, closed while v(gate, source) is above the threshold.
+struct Channel {
+  bool p_type = false;
+  double threshold = 0.0;   ///< V
+  double resistance = 0.0;  ///< ohm
+};
+
+/// Between the nodes drain, gate, source of the instance. Its current is that of the element.
+void add_channel(Emission& emission, const Channel& channel);
+void twin_of_channel(Twin& twin, const Channel& channel);
+[[nodiscard]] TwinEvent event_of_channel(const Twin& twin, const Channel& channel);
+
+/// A diode between two nodes.
+struct Junction {
+  std::string_view part;
+  bool p_type = false;
+  NodePair ends;
+  Tangent law;
+  double reverse = infinite;  ///< V, breakdown
+};
+/// The index of its forward diode in the network; -1 where there is none: both ends are one node. `share` of its current counts to that of the element.
+int add_junction(Emission& emission, const Junction& junction, double share);
+void twin_of_junction(Twin& twin, const Junction& junction, const TwinEnds& ends);
+
+/// "0.8 V and 10 mohm"
+[[nodiscard]] std::string words_of(const Tangent& law);
+
+/// Says for the model of the instance what its transistors became, once for each text.
+void note_idealised(Emission& emission, const std::string& became);
+
+}  // namespace pwlsim::elements
