@@ -16,9 +16,9 @@ namespace pwlsim::analysis {
 namespace {
 
 /// Messages that tell what the ideal elements leave out of the real ones.
-constexpr std::array<std::string_view, 8> idealising{"N-diode-tangent",   "N-negative-hysteresis", "N-zero-capacitance",
-                                                     "N-zero-inductance", "W-ignored-parameter",   "W-negative-drop",
-                                                     "N-left-out",        "N-indeterminate"};
+constexpr std::array<std::string_view, 9> idealising{"N-diode-tangent",    "N-idealised",       "N-negative-hysteresis",
+                                                     "N-zero-capacitance", "N-zero-inductance", "W-ignored-parameter",
+                                                     "W-negative-drop",    "N-left-out",        "N-indeterminate"};
 
 template <class Values, class Write>
 std::string array_of(const Values& values, const Write& write) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/idealisation.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::analysis {
@@ -27,6 +28,7 @@ struct RunReport {
   Seconds seconds;
   std::vector<engine::Jump> jumps;
   std::vector<std::string> notes;  ///< the messages of the run, "warning[W-…]: …"
+  std::vector<Departure> departures;
 };
 
 /// One JSON object with the keys of the reference (docs/reference/output.md), ended by a line feed. What is not finite is null.

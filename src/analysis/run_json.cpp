@@ -81,6 +81,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   json.begin_array();
   for (const std::string& note : run.notes) json.value(json_string(note));
   json.end_array();
+  json.member("idealisation", departures_json(run.departures));
   json.key("stats");
   if (run.engine.empty())
     json.value("null");

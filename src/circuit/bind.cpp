@@ -14,6 +14,7 @@
 #include "circuit/formula_reader.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -137,16 +138,33 @@ class CardBinding {
 
   bool value() {
     const Parameter& parameter = kind_.parameters[0];
-    if (cursor_.positional_left() > 1) return too_many();
+    const std::optional<double> factor = model_value();
+    const bool model_behind = !factor && at_model(1);
+    if (cursor_.positional_left() > (model_behind ? 2 : 1)) return too_many();
     if (cursor_.at_positional()) {
       ValueReader(place_.scope, reporter(), card_.name).positional(*cursor_.next(), parameter, instance_.values);
+      if (model_behind) (void)model_value();  // the value on the card rules
+      if (factor && instance_.values.has(parameter.name))
+        instance_.values.set(parameter.name, *factor * instance_.values.get(parameter.name), instance_.values.span(parameter.name));
       return true;
     }
     for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k) {
       const Item& item = *cursor_.peek(k);
       if (item.kind == ItemKind::assignment && (same_name(item.text, parameter.name) || is_refused(item))) return true;
     }
-    return missing("E-missing-value", "a value");
+    if (factor) instance_.values.set(parameter.name, *factor);
+    return factor.has_value() || missing("E-missing-value", "a value");
+  }
+
+  bool at_model(std::size_t k = 0) const {
+    return !kind_.models.empty() && cursor_.at(ItemKind::word, k) && Models::known(place_.scope, *cursor_.peek(k));
+  }
+
+  /// What a model of R, C or L, where one comes next, has for the value.
+  std::optional<double> model_value() {
+    if (!at_model()) return std::nullopt;
+    const int index = binder_.models().use(place_.scope, *cursor_.next(), kind_);
+    return index < 0 ? 1.0 : binder_.models().at(index).values.get(kind_.parameters[0].name);
   }
 
   bool too_many() {
@@ -332,12 +350,18 @@ class CardBinding {
       if (is_b_value(*item)) continue;
       if (item->kind == ItemKind::assignment) {
         reader.assignment(*item, instance_.values);
+        if (same_name(item->text, "tc")) skip_numbers();
       } else if (item->kind == ItemKind::word && at_known_flag(*item)) {
         flag(*item);
       } else {
         unexpected(*item);
       }
     }
+  }
+
+  /// The second of tc=a,b.
+  void skip_numbers() {
+    while (cursor_.at(ItemKind::word) && netlist::read_number(cursor_.peek()->text).valid) cursor_.next();
   }
 
   bool at_known_flag(const Item& item) const {

@@ -22,6 +22,7 @@ constexpr CardKind kinds[] = {
     {".op", CardRole::operating_point, "asks for the operating point"},
     {".save", CardRole::save, "names the signals of the output"},
     {".probe", CardRole::save, "names the signals of the output"},
+    {".probe64", CardRole::save, "names the signals of the output"},
     {".print", CardRole::print, "names the signals of the output"},
     {".backanno", CardRole::silent, "means nothing here"},
     {".title", CardRole::silent, "means nothing here"},
@@ -37,6 +38,22 @@ constexpr CardKind kinds[] = {
     {".measure", CardRole::measurement, "measures a signal"},
     {".four", CardRole::fourier, "Fourier analysis"},
     {".fourier", CardRole::fourier, "Fourier analysis"},
+    {".sens", CardRole::ignored, "small-signal sensitivities"},
+    {".pz", CardRole::ignored, "poles and zeros"},
+    {".disto", CardRole::ignored, "small-signal distortion"},
+    {".net", CardRole::ignored, "two-port parameters"},
+    {".wave", CardRole::ignored, "sound files"},
+    {".ferret", CardRole::ignored, "downloads"},
+    {".savebias", CardRole::ignored, "files of operating points"},
+    {".csparam", CardRole::ignored, "parameters of .control blocks"},
+    {".mc", CardRole::ignored, "Monte Carlo runs"},
+    {".wcase", CardRole::ignored, "worst-case runs"},
+    {".distribution", CardRole::ignored, "Monte Carlo runs"},
+    {".alias", CardRole::ignored, "names of a schematic"},
+    {".endalias", CardRole::ignored, "names of a schematic"},
+    {".aliases", CardRole::ignored, "names of a schematic"},
+    {".endaliases", CardRole::ignored, "names of a schematic"},
+    {".stmlib", CardRole::ignored, "libraries of stimuli"},
     {".step", CardRole::not_yet, "sweeps a parameter"},
     {".lcs", CardRole::raw_system, "a raw linear complementarity system"},
 };
@@ -52,9 +69,9 @@ constexpr RefusedElement refused[] = {
 };
 
 constexpr std::string_view foreign_types[] = {
-    "R",       "RES",     "C",          "CAP",        "L",     "IND",     "CORE", "URC",    "LTRA",     "TRN",    "LPNP",
-    "NMF",     "PMF",     "NIGBT",      "PIGBT",      "NHFET", "PHFET",   "mult", "divide", "slew",     "climit", "ilimit",
-    "sidiode", "aswitch", "adc_bridge", "dac_bridge", "core",  "lcouple", "sine", "square", "triangle",
+    "CORE",       "URC",        "LTRA", "TRN",     "LPNP", "NMF",    "PMF",      "NIGBT",   "PIGBT",
+    "NHFET",      "PHFET",      "mult", "divide",  "slew", "climit", "ilimit",   "sidiode", "aswitch",
+    "adc_bridge", "dac_bridge", "core", "lcouple", "sine", "square", "triangle",
 };
 
 bool listed(std::span<const std::string_view> list, std::string_view name) {
@@ -65,7 +82,8 @@ bool listed(std::span<const std::string_view> list, std::string_view name) {
 
 std::span<const CardKind> card_kinds() { return kinds; }
 
-const CardKind* find_card(std::string_view name) {
+const CardKind* find_card(std::string_view full_name) {
+  const std::string_view name = full_name.substr(0, full_name.find('/'));  // PSpice's .TRAN/OP, .PROBE/CSDF
   const auto* found = std::find_if(std::begin(kinds), std::end(kinds), [&](const CardKind& kind) { return same_name(kind.name, name); });
   return found == std::end(kinds) ? nullptr : found;
 }

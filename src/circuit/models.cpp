@@ -127,10 +127,15 @@ std::optional<ModelText> read_model_text(const Card& card, Reporter& reporter) {
     const Item& item = card.items[k];
     if (item.kind == ItemKind::assignment) {
       text.parameters.push_back(&item);
-    } else if (item.kind == ItemKind::word && without_case(item.text.substr(0, 4)) == "ako:") {
+    } else if ((item.kind == ItemKind::word || item.kind == ItemKind::group) && without_case(item.text.substr(0, 4)) == "ako:") {
       text.base = &item;
       text.base_name = item.text.substr(4);
       base_follows = text.base_name.empty();
+      for (const Item& parameter : item.items) text.parameters.push_back(&parameter);
+    } else if (item.kind == ItemKind::group && base_follows) {
+      text.base_name = item.text;
+      base_follows = false;
+      for (const Item& parameter : item.items) text.parameters.push_back(&parameter);
     } else if (item.kind == ItemKind::word && base_follows) {
       text.base_name = item.text;
       base_follows = false;

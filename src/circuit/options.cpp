@@ -19,15 +19,17 @@ constexpr double deepest_calls = 1000;
 constexpr std::string_view honoured[] = {"reltol", "i0", "vdrive", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
 constexpr std::string_view silent[] = {"abstol", "method", "max_include_depth", "max_parentheses"};  // the last two: read with the deck
 constexpr std::string_view ignored[] = {
-    "vntol",        "chgtol",      "trtol",      "gmin",         "gminsteps", "srcsteps",   "sourcesteps",   "itl1",     "itl2",
-    "itl3",         "itl4",        "itl5",       "itl6",         "pivrel",    "pivtol",     "maxord",        "maxstep",  "mindeltagmin",
-    "numdgt",       "plotwinsize", "measdgt",    "temp",         "tnom",      "acct",       "noacct",        "list",     "nomod",
-    "nopage",       "node",        "opts",       "noopiter",     "noopac",    "defl",       "defw",          "defad",    "defas",
-    "cshunt",       "rshunt",      "interp",     "trytocompact", "bypass",    "sparse",     "klu",           "xmu",      "autostop",
-    "savecurrents", "keepopinfo",  "post",       "probe",        "ingold",    "brief",      "captab",        "ramptime", "convstep",
-    "convabsstep",  "auto_bridge", "fastaccess", "flagloads",    "ptrantau",  "ptranmax",   "topologycheck", "nomarch",  "meascplxfmt",
-    "startclk",     "baudrate",    "delim",      "accurate",     "absv",      "lvltim",     "limpts",        "cptime",   "limtim",
-    "reltolc",      "advance",     "stepgmin",   "expand",       "ascii",     "thev_induc", "minclk",        "maxclk",
+    "vntol",        "chgtol",       "trtol",      "gmin",         "gminsteps", "srcsteps", "sourcesteps",   "itl1",     "itl2",
+    "itl3",         "itl4",         "itl5",       "itl6",         "pivrel",    "pivtol",   "maxord",        "maxstep",  "mindeltagmin",
+    "numdgt",       "plotwinsize",  "measdgt",    "temp",         "tnom",      "acct",     "noacct",        "list",     "nomod",
+    "nopage",       "node",         "opts",       "noopiter",     "noopac",    "defl",     "defw",          "defad",    "defas",
+    "cshunt",       "rshunt",       "interp",     "trytocompact", "bypass",    "sparse",   "klu",           "xmu",      "autostop",
+    "savecurrents", "keepopinfo",   "post",       "probe",        "ingold",    "brief",    "captab",        "ramptime", "convstep",
+    "convabsstep",  "auto_bridge",  "fastaccess", "flagloads",    "ptrantau",  "ptranmax", "topologycheck", "nomarch",  "meascplxfmt",
+    "startclk",     "baudrate",     "delim",      "accurate",     "absv",      "lvltim",   "limpts",        "cptime",   "limtim",
+    "advconv",      "autoconverge", "pseudotran", "distribution", "library",   "nobias",   "noecho",        "noprbmsg", "noreuse",
+    "preorder",     "skiptopo",     "solver",     "threads",      "reltolc",   "advance",  "stepgmin",      "expand",   "ascii",
+    "thev_induc",   "minclk",       "maxclk",
 };
 
 bool listed(std::span<const std::string_view> list, std::string_view name) {

@@ -46,15 +46,50 @@ std::string column_name(const Item& group, const Reporter& reporter) {
   return name + ")";
 }
 
+/// `*`, or alias(*).
+bool holds_star(const Item& item) {
+  if (item.kind == ItemKind::word) return item.text == "*";
+  return item.kind == ItemKind::group && item.items.size() == 1 && holds_star(item.items[0]);
+}
+
+/// v(*), i(alias(*)) and the like on PSpice's .probe, and ngspice's alli.
+bool is_everything(const Item& item) { return is_word(item, "all") || is_word(item, "alli") || holds_star(item); }
+
+/// Id(M1), Id(J1), Ic(Q1): the currents into first nodes, as LTspice names them.
+bool is_transistor_current(const Item& item) {
+  if (item.kind != ItemKind::group || !holds_words(item, 1, 1)) return false;
+  const char letter = lower_letter(item.items[0].text.front());
+  return same_name(item.text, "id") ? letter == 'm' || letter == 'j' : same_name(item.text, "ic") && letter == 'q';
+}
+
+/// ngspice's @d1[id], @r1[i], @q1[ic]: the element; empty for another word.
+std::string_view device_of(std::string_view word) {
+  const std::size_t bracket = word.find('[');
+  if (!word.starts_with('@') || bracket == std::string_view::npos || bracket < 2) return {};
+  const std::string_view quantity = word.substr(bracket);
+  const char letter = lower_letter(word[1]);
+  const bool is_current = same_name(quantity, "[i]") || (same_name(quantity, "[ic]") && letter == 'q') ||
+                          (same_name(quantity, "[id]") && (letter == 'd' || letter == 'm' || letter == 'j'));
+  return is_current ? word.substr(1, bracket - 1) : std::string_view{};
+}
+
 }  // namespace
 
 std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
   SaveRequest request;
-  if (is_word(item, "all")) {
+  if (is_everything(item)) {
     request.kind = SaveRequest::Kind::all;
+  } else if (const std::string_view device = item.kind == ItemKind::word ? device_of(item.text) : ""; !device.empty()) {
+    request.kind = SaveRequest::Kind::current;
+    request.column = item.text;
+    request.first = device;
+    request.first_span = item.span;
+    return request;
   } else if (item.kind == ItemKind::group && same_name(item.text, "v") && holds_words(item, 1, 2)) {
     request.kind = SaveRequest::Kind::voltage;
   } else if (item.kind == ItemKind::group && same_name(item.text, "i") && holds_words(item, 1, 1)) {
+    request.kind = SaveRequest::Kind::current;
+  } else if (is_transistor_current(item)) {
     request.kind = SaveRequest::Kind::current;
   } else if (is_raw_signal(item)) {
     request.kind = SaveRequest::Kind::raw;

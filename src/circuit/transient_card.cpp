@@ -42,8 +42,13 @@ class TransientReader {
   }
 
   void read_item(const Item& item) {
-    if (item.kind == ItemKind::word && same_name(item.text, "uic")) {
+    if (item.kind == ItemKind::word && (same_name(item.text, "uic") || same_name(item.text, "skipbp"))) {
       use_initial_conditions_ = true;
+    } else if (item.kind == ItemKind::word && same_name(item.text, "startup")) {
+      use_initial_conditions_ = true;
+      reporter_.warning("W-startup", item.span, "startup is read as uic: the sources are there from t = 0 on and do not rise within 20 us");
+    } else if (item.kind == ItemKind::word && same_name(item.text, "nodiscard")) {
+      return;  // every row from Tstart on is kept anyway
     } else if (item.kind == ItemKind::word && is_foreign(item.text)) {
       reporter_.error("E-not-supported", item.span, fmt::format("{} on .tran is not supported; usage: {}", item.text, usage));
       ok_ = false;
@@ -54,9 +59,7 @@ class TransientReader {
     }
   }
 
-  static bool is_foreign(std::string_view word) {
-    return same_name(word, "startup") || same_name(word, "steady") || same_name(word, "nodiscard") || same_name(word, "step");
-  }
+  static bool is_foreign(std::string_view word) { return same_name(word, "steady") || same_name(word, "step"); }
 
   void read_time(const Item& item) {
     const std::optional<Number> number = scope_.number(item);

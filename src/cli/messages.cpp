@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "waveform/output_file.hpp"
 
@@ -21,6 +22,7 @@ void Messages::report(const Diagnostics& diagnostics, const SourceStore& sources
     if (!quiet_ || diagnostic.severity == Severity::error) text += rendered;
   }
   say(text);
+  for (analysis::Departure& departure : analysis::departures(diagnostics, sources)) departures_.push_back(std::move(departure));
 }
 
 void Messages::report(const Diagnostic& diagnostic, const SourceStore& sources) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/idealisation.hpp"
 #include "base/diagnostic.hpp"
 
 namespace pwlsim::cli {
@@ -24,10 +25,13 @@ class Messages {
 
   /// The first line of every message so far.
   [[nodiscard]] const std::vector<std::string>& heads() const { return heads_; }
+  /// Where the deck does not run as written.
+  [[nodiscard]] const std::vector<analysis::Departure>& departures() const { return departures_; }
 
  private:
   bool quiet_;
   std::vector<std::string> heads_;
+  std::vector<analysis::Departure> departures_;
 };
 
 }  // namespace pwlsim::cli

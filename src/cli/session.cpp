@@ -238,6 +238,8 @@ int Session::conclude(const analysis::TransientRun& run) {
     case Ending::completed:
       messages_.remark(analysis::summary(report_, rows_file_->name(), run.answer.time));
       if (options_.verbose) messages_.remark(analysis::details(report_));
+      messages_.remark(options_.verbose ? analysis::departures_table(messages_.departures())
+                                        : analysis::departures_line(messages_.departures()));
       return 0;
     case Ending::failed:
       return fail(Status::run_failed, run.id, kept);
@@ -280,6 +282,7 @@ int Session::write_statistics() {
 
 int Session::print_json() {
   report_.notes = messages_.heads();
+  report_.departures = messages_.departures();
   return print(analysis::run_json(outcome_, report_), messages_);
 }
 

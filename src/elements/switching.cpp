@@ -50,6 +50,7 @@ Thresholds thresholds(const Model& model) {
   const std::string_view type = model.kind->type;
   if (type == "SW") return around(v.get("Vt"), v.get("Vh"));
   if (type == "CSW") return around(v.get("It"), v.get("Ih"));
+  if (type == "VSWITCH" && (v.has("Vt") || v.has("Vh"))) return around(v.get("Vt"), v.get("Vh"));
   if (type == "VSWITCH") return between(v.get("Von"), v.get("Voff"));
   return between(v.get("Ion"), v.get("Ioff"));
 }

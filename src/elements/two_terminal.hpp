@@ -13,6 +13,7 @@ inline constexpr Parameter parallel_resistance{"Rpar", "ohm", infinite, Range::a
 inline constexpr Parameter parallel_capacitance{"Cpar", "F", 0.0, Range::any, false, "Capacitance across the whole element."};
 inline constexpr Parameter temperature_linear{"tc1", "1/K", 0.0, Range::any, false, "Temperature coefficient.", Use::ignored};
 inline constexpr Parameter temperature_square{"tc2", "1/K^2", 0.0, Range::any, false, "Temperature coefficient.", Use::ignored};
+inline constexpr Parameter temperature_both{"tc", "1/K", 0.0, Range::any, false, "Temperature coefficients, one or two.", Use::ignored};
 inline constexpr Parameter temperature{"temp", "C", 27.0, Range::any, false, "Temperature of the element.", Use::ignored};
 inline constexpr Parameter temperature_difference{"dtemp", "K", 0.0, Range::any, false, "Temperature above the circuit's.", Use::ignored};
 inline constexpr Parameter maker{"mfg", "", 0.0, Range::any, true, "Manufacturer.", Use::ignored};

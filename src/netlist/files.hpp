@@ -23,7 +23,7 @@ struct FileBytes {
 /// `C:\…`, or any name with a backslash.
 [[nodiscard]] bool is_windows_path(std::string_view name);
 
-/// LTspice's own `standard.dio`, `standard.mos` and so on, in whatever folder.
+/// LTspice's own `standard.dio`, `standard.mos`, `opamp.sub` and so on, PSpice's `nom.lib` and `eval.lib`, in whatever folder.
 [[nodiscard]] bool is_standard_library(std::string_view name);
 
 }  // namespace pwlsim::netlist

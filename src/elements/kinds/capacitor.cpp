@@ -16,6 +16,7 @@ constexpr Parameter parameters[] = {
     parallel_capacitance,
     {"RLshunt", "ohm", infinite, Range::any, true, "Resistance across Lser.", Use::refused},
     {"Q", "C", 0.0, Range::any, false, "Charge as a function of voltage.", Use::refused},
+    temperature_both,
     temperature_linear,
     temperature_square,
     temperature,
@@ -26,6 +27,18 @@ constexpr Parameter parameters[] = {
     part_number,
     part_type,
 };
+
+constexpr Parameter model_parameters[] = {
+    {"C", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    temperature_linear,
+    temperature_square,
+    {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"lot", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"tnom", "C", 27.0, Range::any, false, "Temperature of the parameters.", Use::ignored},
+};
+constexpr ModelKind short_model{"C", "capacitor", model_parameters, nullptr, nullptr, true};
+constexpr ModelKind long_model{"CAP", "capacitor", model_parameters, nullptr, nullptr, true};
+constexpr const ModelKind* models[] = {&short_model, &long_model};
 
 void emit(Emission& emission) {
   const double capacitance = emission.value("C") * emission.value("m");
@@ -58,9 +71,10 @@ Kind capacitor() {
   Kind kind;
   kind.name = "capacitor";
   kind.letter = 'C';
-  kind.usage = "C<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "C<name> n+ n- [model] value [ic= m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear capacitor, i = C dv/dt.";
   kind.parameters = parameters;
+  kind.models = models;
   kind.joins_terminals = joins_terminals;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;

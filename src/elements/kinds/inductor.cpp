@@ -13,6 +13,7 @@ constexpr Parameter parameters[] = {
     parallel_resistance,
     parallel_capacitance,
     {"Flux", "Wb", 0.0, Range::any, false, "Flux as a function of current.", Use::refused},
+    temperature_both,
     temperature_linear,
     temperature_square,
     temperature,
@@ -37,6 +38,18 @@ void emit_inductor(Emission& emission, const NodePair& core, double inductance) 
   emission.result().current = quantity(Quantity::inductor_current, index);
   emission.result().inductor = index;
 }
+
+constexpr Parameter model_parameters[] = {
+    {"L", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    temperature_linear,
+    temperature_square,
+    {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"lot", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"tnom", "C", 27.0, Range::any, false, "Temperature of the parameters.", Use::ignored},
+};
+constexpr ModelKind short_model{"L", "inductor", model_parameters, nullptr, nullptr, true};
+constexpr ModelKind long_model{"IND", "inductor", model_parameters, nullptr, nullptr, true};
+constexpr const ModelKind* models[] = {&short_model, &long_model};
 
 void emit(Emission& emission) {
   const NodePair core = add_series_parts(emission);
@@ -66,9 +79,10 @@ Kind inductor() {
   Kind kind;
   kind.name = "inductor";
   kind.letter = 'L';
-  kind.usage = "L<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "L<name> n+ n- [model] value [ic= m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear inductor, v = L di/dt.";
   kind.parameters = parameters;
+  kind.models = models;
   kind.saved_by_default = true;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;

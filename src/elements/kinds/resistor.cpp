@@ -11,6 +11,7 @@ constexpr Parameter parameters[] = {
     series_inductance,
     parallel_resistance,
     parallel_capacitance,
+    temperature_both,
     temperature_linear,
     temperature_square,
     temperature,
@@ -21,6 +22,18 @@ constexpr Parameter parameters[] = {
     part_number,
     part_type,
 };
+
+constexpr Parameter model_parameters[] = {
+    {"R", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    temperature_linear,
+    temperature_square,
+    {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"lot", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
+    {"tnom", "C", 27.0, Range::any, false, "Temperature of the parameters.", Use::ignored},
+};
+constexpr ModelKind short_model{"R", "resistor", model_parameters, nullptr, nullptr, true};
+constexpr ModelKind long_model{"RES", "resistor", model_parameters, nullptr, nullptr, true};
+constexpr const ModelKind* models[] = {&short_model, &long_model};
 
 void emit(Emission& emission) {
   const NodePair core = add_series_parts(emission);
@@ -41,9 +54,10 @@ Kind resistor() {
   Kind kind;
   kind.name = "resistor";
   kind.letter = 'R';
-  kind.usage = "R<name> n+ n- value [m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "R<name> n+ n- [model] value [m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear resistor, v = R i.";
   kind.parameters = parameters;
+  kind.models = models;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;
   return kind;

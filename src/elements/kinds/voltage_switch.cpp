@@ -22,6 +22,9 @@ constexpr Parameter level_parameters[] = {
     switch_off_resistance,
     {"Von", "V", 1.0, Range::any, false, "On above; with Voff above Von: on below."},
     {"Voff", "V", 0.0, Range::any, false, "Off below; with Voff above Von: off above."},
+    {"Vt", "V", 0.0, Range::any, false, "Threshold, in place of Von and Voff: on above Vt+Vh, off below Vt-Vh."},
+    {"Vh", "V", 0.0, Range::not_negative, false, "Half width of the hysteresis, with Vt."},
+    {"TD", "s", 0.0, Range::any, false, "Delay.", Use::refused},
     switch_inductance,
     switch_drop,
 };

@@ -1,0 +1,85 @@
+/// Decks as LTspice, PSpice and ngspice users write them (tests/decks), unmodified, against closed forms.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "regression/deck_run.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+DeckRun deck(const std::string& name) {
+  DeckRun run = run_deck(std::string(PWLSIM_SOURCE_DIR "/tests/decks/") + name);
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.messages.empty());
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  return run;
+}
+
+std::size_t column(const DeckRun& run, const std::string& name) {
+  const auto found = std::find(run.signals.begin(), run.signals.end(), name);
+  REQUIRE(found != run.signals.end());
+  return static_cast<std::size_t>(found - run.signals.begin()) + 1;
+}
+
+void check(const DeckRun& run, const std::string& name, double margin, const std::function<double(double)>& expected) {
+  const std::size_t k = column(run, name);
+  for (const auto& row : run.rows) {
+    INFO(name << " at t = " << row[0]);
+    CHECK(row[k] == Approx(expected(row[0])).margin(margin));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("LTspice: a chopper of its own transistor and Schottky models", "[regression]") {
+  const DeckRun run = deck("ltspice_chopper.net");
+  // tau = 1 ms; towards 10 A while on, towards -Vfwd/R = -0.5 A while off. The edges of 1 ps shift events by 0.7 ps.
+  const auto current = [](double t) {
+    double i = 0.0;
+    for (double start = 0.0;; start += 1.0) {
+      if (t < start + 0.5) return 10.0 + (i - 10.0) * std::exp(start - t);
+      i = 10.0 + (i - 10.0) * std::exp(-0.5);
+      if (t < start + 1.0) return -0.5 + (i + 0.5) * std::exp(start + 0.5 - t);
+      i = -0.5 + (i + 0.5) * std::exp(-0.5);
+    }
+  };
+  const auto is_edge = [](double t) { return std::abs(std::remainder(t, 0.5e-3)) < 1e-9; };
+  check(run, "I(L1)", 1e-7, [&](double t) { return current(1e3 * t); });
+  const std::size_t drain = column(run, "Id(M1)"), coil = column(run, "I(L1)");
+  for (const auto& row : run.rows)
+    if (!is_edge(row[0])) CHECK(row[drain] == Approx(std::fmod(1e3 * row[0], 1.0) < 0.5 ? row[coil] : 0.0).margin(1e-10));
+}
+
+TEST_CASE("LTspice: its opamp with Aol and GBW, nodes in its order", "[regression]") {
+  const DeckRun run = deck("ltspice_follower.net");
+  const double gain = 1e3, rate = 2.0 * pi * 1e6;
+  check(run, "V(out)", 1e-11, [&](double t) { return gain / (1.0 + gain) * (1.0 - std::exp(-rate * (1.0 + gain) / gain * t)); });
+}
+
+TEST_CASE("PSpice: what OrCAD's Capture writes", "[regression]") {
+  const DeckRun run = deck("orcad_switch.cir");
+  // 1 uF from 2 V beside 1 Mohm; from 1 ms on towards 10 V behind 500 ohm times 2 and 1 mohm.
+  const double leak = 1e6, series = 1000.001, target = 10.0 * leak / (leak + series), tau = 1e-6 / (1.0 / leak + 1.0 / series);
+  const double off = 1.0 / (1.0 / leak + 1.0 / 1e9), floor = 10.0 * leak / (leak + 1e9);
+  const double before = floor + (2.0 - floor) * std::exp(-1e-3 / (off * 1e-6));
+  check(run, "v(N3)", 1e-5, [&](double t) {
+    if (t <= 1e-3) return floor + (2.0 - floor) * std::exp(-t / (off * 1e-6));
+    return target + (before - target) * std::exp(-(t - 1e-3) / tau);
+  });
+}
+
+TEST_CASE("ngspice: a deck that a control block runs", "[regression]") {
+  const DeckRun run = deck("ngspice_rectifier.cir");
+  const auto out = [](double t) { return std::max(0.0, 10.0 * std::sin(2.0 * pi * 50.0 * t) - 0.7); };
+  CHECK(run.rows.size() == 401);
+  check(run, "v(out)", 1e-11, out);
+  check(run, "@r1[i]", 1e-13, [&](double t) { return out(t) / 100.0; });
+  check(run, "@d1[id]", 1e-13, [&](double t) { return out(t) / 100.0; });
+}
