@@ -11,7 +11,9 @@
 namespace pwlsim::elements {
 
 /// A parameter that other simulators' models have and a switch has no use for.
-constexpr Parameter without_effect(std::string_view name) { return {name, "", 0.0, Range::any, true, "", Use::ignored}; }
+constexpr Parameter without_effect(std::string_view name) {
+  return {name, "", 0.0, Range::any, true, "No effect on a switch.", Use::ignored};
+}
 
 inline constexpr Parameter junction_current{
     "I0", "A", 1.0, Range::positive, false, "Current at which the tangents are taken; .options i0= sets it for all."};

@@ -71,7 +71,7 @@ Kind capacitor() {
   Kind kind;
   kind.name = "capacitor";
   kind.letter = 'C';
-  kind.usage = "C<name> n+ n- [model] value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "C<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear capacitor, i = C dv/dt.";
   kind.parameters = parameters;
   kind.models = models;

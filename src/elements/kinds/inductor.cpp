@@ -79,7 +79,7 @@ Kind inductor() {
   Kind kind;
   kind.name = "inductor";
   kind.letter = 'L';
-  kind.usage = "L<name> n+ n- [model] value [ic= m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "L<name> n+ n- value [ic= m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear inductor, v = L di/dt.";
   kind.parameters = parameters;
   kind.models = models;

@@ -54,7 +54,7 @@ Kind resistor() {
   Kind kind;
   kind.name = "resistor";
   kind.letter = 'R';
-  kind.usage = "R<name> n+ n- [model] value [m= Rser= Lser= Rpar= Cpar=]";
+  kind.usage = "R<name> n+ n- value [m= Rser= Lser= Rpar= Cpar=]";
   kind.text = "Linear resistor, v = R i.";
   kind.parameters = parameters;
   kind.models = models;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "elements/switching.hpp"
 #include "elements/twin.hpp"
 
@@ -32,7 +34,17 @@ constexpr Parameter level_parameters[] = {
 void complete(Model& model, const Settings&, Diagnostics& diagnostics) { complete_hysteresis(model, "Vt", "Vh", diagnostics); }
 
 constexpr ModelKind hysteresis_model{"SW", "voltage-controlled switch", hysteresis_parameters, complete};
-constexpr ModelKind level_model{"VSWITCH", "voltage-controlled switch", level_parameters, nullptr};
+void check_levels(Model& model, const Settings&, Diagnostics& diagnostics) {
+  const Values& v = model.values;
+  const std::string_view threshold = v.has("Vt") ? "Vt" : "Vh";
+  const std::string_view level = v.has("Von") ? "Von" : "Voff";
+  if (v.has(threshold) && v.has(level))
+    diagnostics.error(
+        "E-duplicate-parameter", v.span(threshold),
+        fmt::format("{} of model {} says what {} says already; try either Von and Voff, or Vt and Vh", threshold, model.name, level));
+}
+
+constexpr ModelKind level_model{"VSWITCH", "voltage-controlled switch", level_parameters, check_levels};
 constexpr const ModelKind* models[] = {&hysteresis_model, &level_model};
 
 void connect(Emission& emission) {
