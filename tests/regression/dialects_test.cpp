@@ -64,7 +64,7 @@ TEST_CASE("LTspice: its opamp with Aol and GBW, nodes in its order", "[regressio
 }
 
 TEST_CASE("PSpice: what OrCAD's Capture writes", "[regression]") {
-  const DeckRun run = deck("orcad_switch.cir");
+  const DeckRun run = deck("orcad_switch.net");
   // 1 uF from 2 V beside 1 Mohm; from 1 ms on towards 10 V behind 500 ohm times 2 and 1 mohm.
   const double leak = 1e6, series = 1000.001, target = 10.0 * leak / (leak + series), tau = 1e-6 / (1.0 / leak + 1.0 / series);
   const double off = 1.0 / (1.0 / leak + 1.0 / 1e9), floor = 10.0 * leak / (leak + 1e9);
@@ -76,7 +76,7 @@ TEST_CASE("PSpice: what OrCAD's Capture writes", "[regression]") {
 }
 
 TEST_CASE("ngspice: a deck that a control block runs", "[regression]") {
-  const DeckRun run = deck("ngspice_rectifier.cir");
+  const DeckRun run = deck("ngspice_rectifier.net");
   const auto out = [](double t) { return std::max(0.0, 10.0 * std::sin(2.0 * pi * 50.0 * t) - 0.7); };
   CHECK(run.rows.size() == 401);
   check(run, "v(out)", 1e-11, out);

@@ -108,7 +108,7 @@ TEST_CASE("thyristor: a gate under reverse voltage does not fire it, one that la
 TEST_CASE("thyristor: drop, resistance and holding current", "[regression]") {
   const double current_held = 0.5;
   const DeckRun run = completed(
-      "V1 s 0 SIN(0 10 {1/(2*pi)})\nX1 s o g thyristor ron=0.5 vf=1 ih=0.5\nR1 o 0 1.5\nVG g o PULSE(0 1 1 0 0 10m)\n.save v(o)\n.tran "
+      "V1 s 0 SIN(0 10 {1/(2*pi)})\nX1 s o g thyristor ron=0.5 vf=1 ih=0.5 vgt=0.9\nR1 o 0 1.5\nVG g o PULSE(0 1 1 0 0 10m)\n.save v(o)\n.tran "
       "0.01 6\n",
       true);
   const auto current = [](double t) { return (10.0 * std::sin(t) - 1.0) / 2.0; };
