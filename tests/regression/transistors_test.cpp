@@ -41,9 +41,11 @@ TEST_CASE("a MOSFET closes at its threshold with the resistance of its model", "
     std::string model;
     double resistance;
   };
-  const Form form = GENERATE(Form{"VDMOS(Rg=3 Vto=4 Rd=16m Rs=12m Kp=25 Cgdmax=1n mfg=IR Vds=100 Ron=44m Qg=71n)", 44e-3},
-                             Form{"VDMOS nchan Vto=4 Rd=16m Rs=12m Kp=25", 28e-3 + 1.0 / (25.0 * 6.0)},
-                             Form{"NMOS(level=1 VTO=4 KP=2e-5 W=1 L=1u LAMBDA=0.01)", 1.0 / (2e-5 * 1e6 * 6.0)});
+  const Form form =
+      GENERATE(Form{"VDMOS(Rg=3 Vto=4 Rd=16m Rs=12m Kp=25 Cgdmax=1n mfg=IR Vds=100 Ron=44m Qg=71n)", 44e-3},
+               Form{"VDMOS nchan Vto=4 Rd=16m Rs=12m Kp=25", 28e-3 + 1.0 / (25.0 * 6.0)},
+               Form{"NMOS(level=1 VTO=4 KP=2e-5 W=1 L=1u LAMBDA=0.01)", 1.0 / (2e-5 * 1e6 * 6.0)},
+               Form{"NMOS(level=3 VTO=4 TOX=50n UO=500 W=1 L=1u)", 1.0 / (0.05 * 3.9 * 8.8541878128e-12 / 50e-9 * 1e6 * 6.0)});
   const std::string nodes = GENERATE("d g 0", "d g 0 0");
   const DeckRun run = completed("V1 a 0 10\nR1 a d 10\nM1 " + nodes + " MX\n.model MX " + form.model +
                                 "\nVG g 0 PWL(0 0 1 10)\n.save v(d) i(M1)\n.tran 0.0625 1\n");

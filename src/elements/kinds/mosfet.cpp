@@ -25,7 +25,11 @@ constexpr Parameter body_slope{"Rfwd", "ohm", 0.0, Range::not_negative, false, "
 constexpr Parameter planar_parameters[] = {
     threshold,
     {"Vt0", "V", 0.0, Range::any, false, "Another name of Vto."},
-    {"Kp", "A/V^2", 2e-5, Range::positive, false, "Transconductance parameter."},
+    {"Kp", "A/V^2", 2e-5, Range::positive, false,
+     "Transconductance parameter. Not given: mobility times capacitance of the oxide, with tox."},
+    {"tox", "m", 1e-7, Range::positive, false, "Thickness of the oxide; read for Kp."},
+    {"u0", "cm^2/(V s)", 600.0, Range::positive, false, "Mobility; read for Kp."},
+    {"uo", "cm^2/(V s)", 600.0, Range::positive, false, "Another name of u0."},
     on_resistance,
     drain_resistance,
     source_resistance,
@@ -52,10 +56,7 @@ constexpr Parameter planar_parameters[] = {
     without_effect("cjsw"),
     without_effect("mjsw"),
     without_effect("js"),
-    without_effect("tox"),
     without_effect("ld"),
-    without_effect("u0"),
-    without_effect("uo"),
     without_effect("fc"),
     without_effect("nsub"),
     without_effect("nss"),
@@ -195,8 +196,17 @@ void take_body_diode(Model& model, const Settings& settings) {
   model.values.set("Rfwd", law.resistance);
 }
 
+/// Kp of a planar transistor whose model tells of its oxide instead.
+void take_transconductance(Values& values) {
+  constexpr double oxide_permittivity = 3.9 * 8.8541878128e-12;  // F/m
+  constexpr double square_metres = 1e-4;                         // of a cm²
+  const double mobility = square_metres * (values.has("uo") ? values.get("uo") : values.get("u0"));
+  if (values.has("tox") && !values.has("Kp")) values.set("Kp", mobility * oxide_permittivity / values.get("tox"));
+}
+
 void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) {
   Values& values = model.values;
+  if (!is_vertical(model)) take_transconductance(values);
   if (!is_vertical(model) && values.has("Vt0") && !values.has("Vto")) values.set("Vto", values.get("Vt0"), values.span("Vt0"));
   if (!values.has("Vdrive")) values.set("Vdrive", settings.gate_drive);
   take_body_diode(model, settings);
