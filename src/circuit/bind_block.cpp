@@ -24,7 +24,7 @@ class BlockBinding {
   BlockBinding(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
       : binder_(binder), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
 
-  bool bind() { return port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
+  bool bind() { return !is_foreign() && port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
 
  private:
   Reporter& reporter() { return binder_.reporter(); }
@@ -32,6 +32,15 @@ class BlockBinding {
   bool fail(std::string id, SourceSpan span, std::string_view what) {
     reporter().error(std::move(id), span, fmt::format("{}; usage: {}", what, instance_.kind->usage));
     return false;
+  }
+
+  /// LTspice's A devices have eight nodes before their type.
+  bool is_foreign() {
+    constexpr std::size_t nodes = 8;
+    if (cursor_.positional_left() <= nodes || !cursor_.at(ItemKind::word, nodes)) return false;
+    return !fail("E-not-supported", cursor_.peek(nodes)->span,
+                 fmt::format("{} is LTspice's own device {}, which is not supported; try a source B, or one of the blocks here", card_.name,
+                             cursor_.peek(nodes)->text));
   }
 
   bool missing(std::string_view what) { return fail("E-missing-node", card_.span, fmt::format("{} needs {}", card_.name, what)); }

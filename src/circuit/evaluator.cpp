@@ -217,6 +217,11 @@ std::optional<double> Evaluator::of_builtin(const Expression& expression, const 
 }
 
 std::optional<double> Evaluator::unknown_function(const Expression& expression) {
+  if (same_name(expression.text, "v") || same_name(expression.text, "i")) {
+    reporter().error("E-not-supported", expression.span,
+                     "this value cannot follow a voltage or current; try a switch S or W, or a source B, E, F, G, H");
+    return std::nullopt;
+  }
   std::vector<std::string> names{"if", "ternary_fcn"};
   for (const BuiltinFunction& function : builtin_functions()) names.emplace_back(function.name);
   for (const Scope* at = &scope_; at != nullptr; at = at->outer()) {

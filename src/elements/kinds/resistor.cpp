@@ -16,6 +16,8 @@ constexpr Parameter parameters[] = {
     temperature_square,
     temperature,
     temperature_difference,
+    {"ac", "ohm", 0.0, Range::any, false, "Resistance in small-signal analyses.", Use::ignored},
+    {"noisy", "", 1.0, Range::any, false, "Whether it makes noise.", Use::ignored},
     {"tol", "%", 0.0, Range::any, false, "Tolerance of the part.", Use::ignored},
     {"pwr", "W", 0.0, Range::any, false, "Rated power.", Use::ignored},
     maker,
