@@ -15,11 +15,6 @@
 namespace pwlsim::analysis {
 namespace {
 
-/// Messages that tell what the ideal elements leave out of the real ones.
-constexpr std::array<std::string_view, 9> idealising{"N-diode-tangent",    "N-idealised",       "N-negative-hysteresis",
-                                                     "N-zero-capacitance", "N-zero-inductance", "W-ignored-parameter",
-                                                     "W-negative-drop",    "N-left-out",        "N-indeterminate"};
-
 template <class Values, class Write>
 std::string array_of(const Values& values, const Write& write) {
   std::string text = "[";
@@ -69,7 +64,6 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
   const waveform::ThinnedRows::Rows rows = recorder.rows();
   const std::vector<std::string> names = kept_signals(outcome, rows.columns.size());
   return json_line({{"run", run_json(outcome, run)},
-                    {"idealisation", array_of(idealising, json_string)},
                     {"from", json_number(recorder.from())},
                     {"to", json_number(recorder.to())},
                     {"thinned", json_truth(recorder.rows_thinned())},

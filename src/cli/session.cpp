@@ -77,6 +77,7 @@ class Session {
   int conclude(const analysis::TransientRun& run);
   int report_measurements(const measure::Results& results);
   int write_pictures();
+  void take_messages();
   int written(int status, const std::string& name, std::string& noted);
   int write_statistics();
   int print_json();
@@ -254,6 +255,11 @@ int Session::conclude(const analysis::TransientRun& run) {
   return fail(Status::file_error, run.id, run.message);
 }
 
+void Session::take_messages() {
+  report_.notes = messages_.heads();
+  report_.departures = messages_.departures();
+}
+
 int Session::written(int status, const std::string& name, std::string& noted) {
   if (status != 0) return status;
   noted = name;
@@ -268,21 +274,20 @@ int Session::write_pictures() {
     status = written(plot_file_.write(svg, messages_), plot_file_.name(), outcome_.plot);
   }
   if (!report_file_) return status;
-  report_.notes = messages_.heads();
+  take_messages();
   report_.seconds.total = since(start_);
   const std::string page = analysis::html_report(outcome_, report_, recorder_ ? &*recorder_ : nullptr);
   return std::max(status, written(write_whole(*report_file_, page, messages_), report_file_->name(), outcome_.report));
 }
 
 int Session::write_statistics() {
-  report_.notes = messages_.heads();
+  take_messages();
   if (!statistics_file_) return 0;
   return write_whole(*statistics_file_, analysis::statistics_json(report_), messages_);
 }
 
 int Session::print_json() {
-  report_.notes = messages_.heads();
-  report_.departures = messages_.departures();
+  take_messages();
   return print(analysis::run_json(outcome_, report_), messages_);
 }
 

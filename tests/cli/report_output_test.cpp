@@ -114,6 +114,16 @@ TEST_CASE("a report shows the measurements of the deck", "[unit]") {
   CHECK_THAT(page, Contains("Fourier analysis of v(a)") && Contains("<tr><td>50 Hz</td><td>2</td>"));
 }
 
+TEST_CASE("a report lists what does not run as written", "[unit]") {
+  const Scratch scratch;
+  scratch.write("d.net", "d\nV1 a 0 SIN(0 1 50)\nD1 a b DX\nR1 b 0 1k\n.model DX D(IS=1n N=1 CJO=1p)\n.tran 1m 20m\n");
+  REQUIRE(run_in(scratch, {"d.net", "--report", "r.html"}).status == 0);
+  const Json data = data_of(read_file(scratch / "r.html"));
+  REQUIRE(data["run"]["idealisation"].array.size() == 2);
+  const std::string page = shown(scratch, "r.html");
+  if (!page.empty()) CHECK_THAT(page, Contains("<td>replaced</td><td>d.net:") && Contains("<td>ignored</td><td>d.net:"));
+}
+
 TEST_CASE("a view in the address is what the page shows", "[unit]") {
   const Scratch scratch;
   scratch.write("t.net", triangle);

@@ -359,6 +359,14 @@
     }
   }
 
+  function fillIdealisation() {
+    if (run.idealisation.length === 0) return;
+    show("idealisation");
+    const table = element("idealisation-table");
+    row(table, ["what", "where", "of", "how"], "th");
+    for (const departure of run.idealisation) row(table, [departure.kind, departure.place, departure.subject, departure.text]);
+  }
+
   function fillCertificate(stats) {
     show("certificate");
     const names = {complementarity: "complementarity: ideal diodes conduct without voltage, block without current",
@@ -394,11 +402,7 @@
   fillOperatingPoint();
   fillResults();
   fillEvents();
-  const idealised = run.notes.filter(note => data.idealisation.some(id => note.includes("[" + id + "]")));
-  if (idealised.length) {
-    show("idealisation");
-    list("idealisation-list", idealised);
-  }
+  fillIdealisation();
   if (run.stats) {
     fillCertificate(run.stats);
     fillStatistics(run.stats);
