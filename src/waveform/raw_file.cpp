@@ -15,6 +15,8 @@ constexpr std::string_view binary_mark = "\nBinary:\n";
 constexpr std::string_view names_mark = "\nVariables:\n";
 
 constexpr std::string_view points_mark = "No. Points: ";
+/// ngspice takes it as the version of the program that wrote the file; readers of LTspice files look for a known program in it.
+constexpr std::string_view command = "Command: version pwlsim, read as ngspice";
 /// Room for any number of points.
 constexpr int points_width = 20;
 
@@ -32,9 +34,9 @@ std::string one_word(std::string text) {
 }
 
 std::string head_of(const std::string& title, std::span<const RawVector> vectors) {
-  std::string head =
-      fmt::format("Title: {}\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: {}\n{}{:<{}}{}",
-                  one_line(title), vectors.size(), points_mark, 0, points_width, names_mark);
+  std::string head = fmt::format(
+      "Title: {}\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: {}\n{}{:<{}}\n{}{}",
+      one_line(title), vectors.size(), points_mark, 0, points_width, command, names_mark);
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < vectors.size(); ++k)
     lines.push_back(fmt::format("\t{}\t{}\t{}", k, one_word(vectors[k].name), vectors[k].type));

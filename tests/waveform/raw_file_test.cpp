@@ -56,10 +56,10 @@ TEST_CASE("rows are written as ngspice writes them, with their number in the hea
   REQUIRE(writer.write(std::vector<double>{0.5, 2.0, 1.0, -3.0}));
   REQUIRE(writer.flush());
   REQUIRE(file->commit());
-  // The head is that of a file that ngspice 39 wrote, but for the title, the date and the padding of the number of points.
+  // The head is that of a file that ngspice 39 wrote, but for the title, the date, the padding of the number of points and the command.
   CHECK(pwlsim::test::read_file(scratch / "a.raw") ==
         "Title: a title\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: 2\n"
-        "No. Points: 3                   \nVariables:\n\t0\ttime\ttime\n\t1\tv(Out)\tvoltage\nBinary:\n" +
+        "No. Points: 3                   \nCommand: version pwlsim, read as ngspice\nVariables:\n\t0\ttime\ttime\n\t1\tv(Out)\tvoltage\nBinary:\n" +
             bytes_of({0.0, 1.0, 0.5, 2.0, 1.0, -3.0}));
 }
 
