@@ -149,9 +149,6 @@ std::string first_word(const CLI::App& app, const std::vector<std::string>& argu
 class Complaints {
  public:
   void add(std::string id, std::string text) { diagnostics_.error(std::move(id), {}, std::move(text)); }
-  void not_yet(std::string_view what, std::string_view cure) {
-    add("E-not-supported-yet", fmt::format("`{}` is not supported yet; try {}", what, cure));
-  }
   [[nodiscard]] bool any() const { return diagnostics_.has_errors(); }
   Refused refused() { return {std::move(diagnostics_)}; }
 
