@@ -7,6 +7,7 @@ set(PWLSIM_TARGETS_OF_fmt pwlsim_fmt)
 set(PWLSIM_TARGETS_OF_Eigen Eigen3::Eigen)
 set(PWLSIM_TARGETS_OF_boost Boost::headers)
 set(PWLSIM_TARGETS_OF_CLI CLI11::CLI11)
+set(PWLSIM_TARGETS_OF_threads Threads::Threads)
 set(PWLSIM_TARGETS_OF_SuiteSparse pwlsim_suitesparse)
 
 function(pwlsim_room name)

@@ -81,6 +81,10 @@ void write_statistics(JsonWriter& json, const RunReport& report) {
   const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
   json.begin_object();
   json.member("engine", json_string(report.engine));
+  if (report.runs > 0) {
+    count("runs", report.runs);
+    count("failed_runs", report.failed_runs);
+  }
   count("islands", s.islands);
   count("states", s.states);
   count("ports", s.ports);

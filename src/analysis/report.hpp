@@ -23,6 +23,7 @@ struct Seconds {
 
 struct RunReport {
   std::string engine;
+  std::uint64_t runs = 0, failed_runs = 0;  ///< of a deck with .step: the counts below are sums over them, residuals the worst
   engine::Statistics statistics;
   engine::Certificate certificate;
   Seconds seconds;

@@ -113,11 +113,11 @@ void judge(TransientRun& run, const FileSink& sink, const std::vector<std::strin
   }
 }
 
-void complete(TransientRun& run, FileSink& sink, waveform::OutputFile& file) {
-  if (sink.flush() && file.commit()) return;
+void complete(TransientRun& run, waveform::OutputFile& file) {
+  if (run.is_written && file.commit()) return;
   run.ending = file.closed_pipe() ? Ending::closed_pipe : Ending::write_failed;
   run.id = "E-cannot-write";
-  run.message = fmt::format("{}: {} at t = {}", file.name(), file.problem(), quantity(sink.last_time(), "s"));
+  run.message = fmt::format("{}: {} at t = {}", file.name(), file.problem(), quantity(run.last_row, "s"));
   if (!file.partial_name().empty()) run.message += fmt::format("; the rows written are in {}", file.partial_name());
 }
 
@@ -196,8 +196,7 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
   return std::make_unique<waveform::RawWriter>(file, compiled.title, vectors);
 }
 
-TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
-                           waveform::RowWriter& writer, const RunControl& control) {
+TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer, const RunControl& control) {
   const std::vector<std::string> names = column_names(compiled);
   FileSink sink(writer, names.size(), control.recorder);
   MeasuredRun measured(compiled, simulate);
@@ -216,10 +215,18 @@ TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& si
     broken("E-internal", "the engine met a state it should never reach");
   }
   if (control.recorder != nullptr) control.recorder->end(std::max(run.answer.time, sink.last_time()));
-  complete(run, sink, file);
+  run.is_written = sink.flush();
   run.measurements = measured.results();
   run.rows = sink.rows();
+  run.last_row = sink.last_time();
   run.seconds_write = sink.seconds();
+  return run;
+}
+
+TransientRun run_transient(const circuit::Compiled& compiled, const Simulate& simulate, waveform::OutputFile& file,
+                           waveform::RowWriter& writer, const RunControl& control) {
+  TransientRun run = run_rows(compiled, simulate, writer, control);
+  complete(run, file);
   return run;
 }
 

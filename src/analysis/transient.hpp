@@ -43,6 +43,8 @@ struct TransientRun {
   std::string message;  ///< why, with the time reached; empty when completed
   engine::Answer answer;
   std::uint64_t rows = 0;  ///< handed to the file
+  double last_row = 0.0;   ///< time of the last of them, s
+  bool is_written = true;  ///< the writer took all
   double seconds_write = 0.0;
   measure::Results measurements;
 };
@@ -58,6 +60,10 @@ enum class RowFormat { csv, raw };
 /// Writes the rows of `compiled` into `file`, which must outlive it.
 [[nodiscard]] std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled,
                                                               waveform::OutputFile& file);
+
+/// The same through `writer` alone: it is flushed, and no file is committed. Where writing fails the run ends as failed.
+[[nodiscard]] TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer,
+                                    const RunControl& control);
 
 /// Runs `compiled.analyses.transient`, which must be there, through `writer` into `file`, and commits it unless writing fails.
 /// What the deck wants measured is measured on the way; where that takes results of other measurements, the run is done again without rows.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/source.hpp"
 
@@ -27,8 +28,26 @@ struct Transient {
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
+/// One `.step`: the values that a parameter of the deck, or a source without a waveform, takes in turn.
+struct Sweep {
+  std::string name;  ///< as written
+  bool is_parameter = false;
+  std::vector<double> values;
+  SourceSpan span;
+};
+
+/// All of them; the first changes fastest.
+struct Sweeps {
+  std::vector<Sweep> list;
+
+  [[nodiscard]] std::size_t runs() const;  ///< 0: nothing is stepped
+  /// The values of run number `run`, in the order of the list.
+  [[nodiscard]] std::vector<double> point(std::size_t run) const;
+};
+
 struct Analyses {
   std::optional<Transient> transient;
+  Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;
   std::optional<double> relative_tolerance;  ///< `.options reltol=`; the command line rules over it

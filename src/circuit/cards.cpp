@@ -54,7 +54,7 @@ constexpr CardKind kinds[] = {
     {".aliases", CardRole::ignored, "names of a schematic"},
     {".endaliases", CardRole::ignored, "names of a schematic"},
     {".stmlib", CardRole::ignored, "libraries of stimuli"},
-    {".step", CardRole::not_yet, "sweeps a parameter"},
+    {".step", CardRole::sweep, "sweeps a parameter"},
     {".lcs", CardRole::raw_system, "a raw linear complementarity system"},
 };
 

@@ -21,10 +21,10 @@ enum class CardRole {
   print,  ///< .print tran …
   measurement,
   fourier,
+  sweep,
   raw_system,  ///< .lcs
   silent,      ///< accepted, means nothing here
-  ignored,     ///< one warning
-  not_yet      ///< will come; an error until then
+  ignored      ///< one warning
 };
 
 struct CardKind {

@@ -12,6 +12,7 @@ namespace pwlsim::circuit {
 struct Options {
   elements::Settings settings;
   ExpansionLimits limits;
+  std::uint64_t seed = 0;  ///< of random numbers
 };
 
 /// Writes what concerns the run into `analyses`; the rest is the answer.
@@ -21,6 +22,12 @@ struct Options {
 void read_analyses(const Definitions& definitions, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
 void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
+
+/// .step; what its numbers need must not depend on what is stepped.
+void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps);
+/// The values of one run: of parameters before anything else is evaluated, of sources behind all elements.
+void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope);
+void set_stepped_sources(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit);
 
 /// .meas and .four into `circuit`.
 void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);

@@ -9,7 +9,7 @@ namespace pwlsim::circuit {
 
 std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
   Reporter reporter(diagnostics, sources);
-  Flattened flattened = flatten(deck, sources, reporter, options.analysis_required);
+  Flattened flattened = flatten(deck, sources, reporter, options.analysis_required, options.run);
   if (!flattened.expanded) return std::nullopt;
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);

@@ -16,6 +16,7 @@ namespace pwlsim::circuit {
 struct CompileOptions {
   bool analysis_required = true;  ///< a deck without .tran and .op is an error (not so for `inspect`)
   bool measure = false;           ///< .meas and .four are asked for; else they are only checked
+  std::size_t run = 0;            ///< of those that .step asks for
   bool keep_circuit = false;      ///< for what works on elements, not on the network
 };
 

@@ -117,15 +117,14 @@ class Reader {
         return read_analysis(card, result_.measurements);
       case CardRole::fourier:
         return read_analysis(card, result_.fourier_analyses);
+      case CardRole::sweep:
+        return read_analysis(card, result_.sweeps);
       case CardRole::raw_system:
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:
         if (reporter_.first_time(kind.name)) {
           reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));
         }
-        return;
-      case CardRole::not_yet:
-        reporter_.error("E-not-supported-yet", card.name_span, fmt::format("{} is not supported yet ({})", card.name, kind.text));
         return;
       case CardRole::silent:
         return;

@@ -201,11 +201,25 @@ std::optional<double> Evaluator::of_call(const Expression& expression) {
     if (!count_is_right(expression, 3, 3)) return std::nullopt;
     return of_choice(expression.arguments[0], expression.arguments[1], expression.arguments[2]);
   }
+  if (is_random_function(expression.text)) return of_random(expression);
   if (callee.builtin == nullptr) return unknown_function(expression);
   if (!count_is_right(expression, callee.builtin->least, callee.builtin->most)) return std::nullopt;
   std::vector<double> values;
   if (!arguments_of(expression, values)) return std::nullopt;
   return of_builtin(expression, *callee.builtin, values);
+}
+
+/// A new number at every evaluation; a parameter is evaluated once.
+std::optional<double> Evaluator::of_random(const Expression& expression) {
+  const RandomFunction* function = find_random_function(expression.text, expression.arguments.size());
+  if (function == nullptr) {
+    reporter().error("E-argument-count", expression.span,
+                     fmt::format("{} does not take {} arguments", expression.text, expression.arguments.size()));
+    return std::nullopt;
+  }
+  std::vector<double> values;
+  if (!arguments_of(expression, values)) return std::nullopt;
+  return finite(function->value(values, scope_.session_.random), expression);
 }
 
 std::optional<double> Evaluator::of_builtin(const Expression& expression, const BuiltinFunction& builtin,

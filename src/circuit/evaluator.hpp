@@ -54,6 +54,7 @@ class Evaluator {
   std::optional<double> of_binary(const Expression& expression);
   std::optional<double> of_operation(const Expression& operation, double left, double right);
   std::optional<double> of_call(const Expression& expression);
+  std::optional<double> of_random(const Expression& expression);
   std::optional<double> of_builtin(const Expression& expression, const BuiltinFunction& builtin, const std::vector<double>& values);
   std::optional<double> of_choice(const Expression& condition, const Expression& yes, const Expression& no);
   std::optional<double> of_function(const Expression& expression, const FunctionText& function, Scope& home);

@@ -9,7 +9,7 @@
 
 namespace pwlsim::circuit {
 
-Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required) {
+Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run) {
   Flattened result;
   Circuit& circuit = result.circuit;
   circuit.title = deck.title;
@@ -18,8 +18,12 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);
-  top.evaluate_all();
+  Sweeps& sweeps = circuit.analyses.sweeps;
+  read_sweeps(definitions, top, reporter, sweeps);
+  give_stepped_parameters(sweeps, run, top);
   const Options options = read_options(definitions, top, reporter, circuit.analyses);
+  session.random = Random(options.seed, run);
+  top.evaluate_all();
   read_analyses(definitions, top, reporter, analysis_required, circuit);
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
@@ -28,6 +32,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);
+  set_stepped_sources(sweeps, run, reporter, circuit);
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   models.check_unused(top, deck.title_span.file);
   result.expanded = true;

@@ -16,7 +16,7 @@ using ItemKind = Item::Kind;
 constexpr double deepest_calls = 1000;
 
 /// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
-constexpr std::string_view honoured[] = {"reltol", "i0", "vdrive", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
+constexpr std::string_view honoured[] = {"reltol", "seed", "i0", "vdrive", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
 constexpr std::string_view silent[] = {"abstol", "method", "max_include_depth", "max_parentheses"};  // the last two: read with the deck
 constexpr std::string_view ignored[] = {
     "vntol",        "chgtol",       "trtol",      "gmin",         "gminsteps", "srcsteps", "sourcesteps",   "itl1",     "itl2",
@@ -96,6 +96,7 @@ class OptionReader {
       return;
     }
     if (same_name(item.text, "reltol")) analyses_.relative_tolerance = value;
+    if (same_name(item.text, "seed")) options.seed = static_cast<std::uint64_t>(value);
     if (same_name(item.text, "i0")) options.settings.tangent_current = value;
     if (same_name(item.text, "vdrive")) options.settings.gate_drive = value;
     if (same_name(item.text, "max_rows")) analyses_.row_limit = static_cast<std::uint64_t>(value);

@@ -30,6 +30,13 @@ bool Scope::give(std::string_view name, double value) {
   return true;
 }
 
+void Scope::define(const std::string& name, double value, SourceSpan span) {
+  if (give(name, value)) return;
+  const std::string key = without_case(name);
+  entries_.insert_or_assign(key, Entry{{name, span, nullptr}, State::known, value});
+  order_.push_back(key);
+}
+
 std::vector<std::string> Scope::parameter_names() const {
   std::vector<std::string> names;
   for (const auto& entry : entries_) names.push_back(entry.second.text.name);

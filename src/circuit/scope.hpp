@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "circuit/definitions.hpp"
+#include "circuit/random.hpp"
 #include "circuit/reporter.hpp"
 #include "netlist/ast.hpp"
 
@@ -20,7 +21,8 @@ struct Session {
 
   Reporter& reporter;
   std::vector<std::string> evaluating;  ///< names of the parameters under evaluation, outermost first
-  std::uint64_t function_calls = 0;     ///< of .func functions, in all
+  Random random;
+  std::uint64_t function_calls = 0;  ///< of .func functions, in all
   bool functions_exhausted = false;
   int nesting = 0;        ///< expressions within one another, through parameters and functions too
   bool too_deep = false;  ///< a chain of parameters was too long to follow from where it was entered
@@ -44,6 +46,8 @@ class Scope {
 
   /// A value from the call. False if the definition has no such parameter.
   bool give(std::string_view name, double value);
+  /// The same for one that the definition need not have.
+  void define(const std::string& name, double value, SourceSpan span);
   [[nodiscard]] std::vector<std::string> parameter_names() const;
   /// Evaluates every parameter, so that each mistake is reported even where nothing uses it.
   void evaluate_all();

@@ -11,6 +11,7 @@
 #include "cli/compare_report.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
+#include "cli/prepared_engine.hpp"
 #include "cli/signals.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
@@ -21,23 +22,10 @@ namespace {
 constexpr std::size_t sample_count = 200;
 constexpr std::size_t most_events = 20'000;
 
-/// The engine that `pwlsim circuit.net` takes, prepared.
-struct Engine {
-  std::string name;
-  analysis::Simulate simulate;  ///< empty where the network cannot be prepared
-};
-
-Engine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
-  if (engine::sparse::pays(network)) {
-    const auto model = engine::sparse::prepare(network, diagnostics);
-    if (!model) return {"sparse", {}};
-    const double reltol = analyses.relative_tolerance.value_or(engine::sparse::default_tolerance);
-    return {"sparse",
-            [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); }};
-  }
-  const auto model = engine::prepare(network, diagnostics);
-  if (!model) return {"exact", {}};
-  return {"exact", [=](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model, request, sink); }};
+/// The engine that `pwlsim circuit.net` takes.
+PreparedEngine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
+  return prepare_engine(network, EngineChoice::automatic, analyses.relative_tolerance.value_or(engine::sparse::default_tolerance),
+                        diagnostics);
 }
 
 /// Equally spaced within (start, stop), moved off the events: there a signal may jump.
@@ -136,10 +124,10 @@ class CompareSession {
 
   int run_exact() {
     Diagnostics diagnostics;
-    const Engine engine = prepare(compiled_->network, compiled_->analyses, diagnostics);
+    const PreparedEngine engine = prepare(compiled_->network, compiled_->analyses, diagnostics);
     const Watched watch = watched(compiled_->network);
     Diagnostics known;
-    const Engine watching = prepare(watch.network, compiled_->analyses, known);
+    const PreparedEngine watching = prepare(watch.network, compiled_->analyses, known);
     messages_.report(diagnostics, sources_);
     if (!engine.simulate || !watching.simulate) return static_cast<int>(Status::wrong_input);
     const std::size_t signals = compiled_->network.signals.size();
@@ -152,7 +140,7 @@ class CompareSession {
     return sample(watching, watch, signals);
   }
 
-  int sample(const Engine& engine, const Watched& watch, std::size_t signals) {
+  int sample(const PreparedEngine& engine, const Watched& watch, std::size_t signals) {
     const circuit::Transient& transient = *compiled_->analyses.transient;
     const std::size_t columns = watch.network.signals.size();
     analysis::RunControl with_events = control();
@@ -170,7 +158,7 @@ class CompareSession {
     return report_.events_skipped ? 0 : watch_events(engine, watch, signals, events);
   }
 
-  int watch_events(const Engine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
+  int watch_events(const PreparedEngine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
     const circuit::Transient& transient = *compiled_->analyses.transient;
     std::vector<double> inner, middles;
     for (double event : events)

@@ -25,11 +25,12 @@ DeckReading read_deck(const std::string& name, const circuit::CompileOptions& op
   DeckReading reading;
   Diagnostics diagnostics;
   const auto parse_start = Clock::now();
-  const netlist::Loaded loaded = netlist::load(name, sources, diagnostics);
+  netlist::Loaded loaded = netlist::load(name, sources, diagnostics);
   reading.seconds_parse = since(parse_start);
   const auto flatten_start = Clock::now();
   if (loaded.readable) reading.compiled = circuit::compile(loaded.deck, sources, diagnostics, options);
   reading.seconds_flatten = since(flatten_start);
+  reading.deck = std::move(loaded.deck);
   messages.report(diagnostics, sources);
   if (reading.compiled) return reading;
   reading.status = !loaded.readable || only_unreadable_files(diagnostics) ? Status::file_error : Status::wrong_input;

@@ -11,6 +11,7 @@
 namespace pwlsim::cli {
 
 struct DeckReading {
+  netlist::Deck deck;
   std::optional<circuit::Compiled> compiled;  ///< empty where the deck is wrong
   Status status = Status::done;               ///< wrong_input or file_error then
   double seconds_parse = 0.0, seconds_flatten = 0.0;

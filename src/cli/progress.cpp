@@ -30,16 +30,24 @@ Progress::~Progress() {
 }
 
 void Progress::reached(double time) {
-  if (!shown_) return;
+  if (is_due()) draw(time, fmt::format("t = {}", analysis::quantity(time, "s", 4)));
+}
+
+void Progress::finished(double runs) {
+  if (is_due()) draw(runs, fmt::format("{} of {} runs", runs, stop_));
+}
+
+bool Progress::is_due() const { return shown_ && Clock::now() >= next_; }
+
+void Progress::draw(double reached, const std::string& text) {
   const auto now = Clock::now();
-  if (now < next_) return;
   next_ = now + redraw_interval;
   drawn_ = true;
-  const double part = std::clamp(time / stop_, 0.0, 1.0);
+  const double part = std::clamp(reached / stop_, 0.0, 1.0);
   const int full = static_cast<int>(part * bar_width);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  to_terminal(fmt::format("\r[{:#<{}}{:-<{}}] {:3.0f} %  t = {}, {:.0f} s to go\x1b[K", "", full, "", bar_width - full, 100.0 * part,
-                          analysis::quantity(time, "s", 4), part > 0.0 ? elapsed * (1.0 - part) / part : 0.0));
+  to_terminal(fmt::format("\r[{:#<{}}{:-<{}}] {:3.0f} %  {}, {:.0f} s to go\x1b[K", "", full, "", bar_width - full, 100.0 * part, text,
+                          part > 0.0 ? elapsed * (1.0 - part) / part : 0.0));
 }
 
 }  // namespace pwlsim::cli

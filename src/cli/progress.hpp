@@ -2,6 +2,7 @@
 /// A progress bar on standard error.
 
 #include <chrono>
+#include <string>
 
 namespace pwlsim::cli {
 
@@ -17,8 +18,12 @@ class Progress {
   [[nodiscard]] bool shown() const { return shown_; }
   /// Cheap; redraws at most ten times a second, and not in the first tenth.
   void reached(double time);
+  /// The same where the bar counts runs.
+  void finished(double runs);
 
  private:
+  [[nodiscard]] bool is_due() const;
+  void draw(double reached, const std::string& text);
   using Clock = std::chrono::steady_clock;
   bool shown_;
   bool drawn_ = false;

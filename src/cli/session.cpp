@@ -20,6 +20,7 @@
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
+#include "cli/sweep_session.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
 
@@ -49,6 +50,7 @@ class Session {
     int status = prepare();
     if (status == 0) status = open_files();
     if (status != 0) return status;
+    if (compiled_->analyses.sweeps.runs() > 0) return sweep();
     if (compiled_->analyses.operating_point) status = operating_point();
     if (compiled_->analyses.transient) status = std::max(status, transient());
     outcome_.status = status;
@@ -72,6 +74,8 @@ class Session {
   void warn_of_sparse_engine();
   int check_tolerance();
   int open_files();
+  int check_sweep();
+  int sweep();
   int operating_point();
   int transient();
   int conclude(const analysis::TransientRun& run);
@@ -88,6 +92,7 @@ class Session {
   const Clock::time_point start_ = Clock::now();
   Messages messages_;
   SourceStore sources_;
+  netlist::Deck deck_;
   std::optional<circuit::Compiled> compiled_;
   std::shared_ptr<const engine::ExactModel> exact_;
   std::shared_ptr<const engine::sparse::SparseModel> sparse_;
@@ -105,6 +110,8 @@ int Session::prepare() {
   report_.seconds.flatten = reading.seconds_flatten;
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
+  deck_ = std::move(reading.deck);
+  if (const int status = check_sweep(); status != 0) return status;
   outcome_.title = compiled_->title;
   const std::vector<std::string> names = analysis::column_names(*compiled_);
   outcome_.signals.assign(names.begin() + 1, names.end());
@@ -173,6 +180,29 @@ void Session::take_remarks(const engine::Answer& answer) {
   report_.certificate = answer.certificate;
   report_.seconds.simulate = answer.statistics.seconds_simulate;
   report_.seconds.certificate = answer.statistics.seconds_certificate;
+}
+
+/// What stands in the way of a deck with .step.
+int Session::check_sweep() {
+  if (compiled_->analyses.sweeps.runs() == 0) return 0;
+  const char* refused = !options_.plot.empty()                        ? "--plot"
+                        : !options_.report.empty()                    ? "--report"
+                        : options_.json                               ? "--json"
+                        : options_.format == analysis::RowFormat::raw ? "--format raw"
+                        : !compiled_->analyses.transient              ? ".op without .tran"
+                                                                      : nullptr;
+  if (refused != nullptr)
+    return fail(Status::wrong_input, "E-not-supported", fmt::format("{} of a deck with .step is not supported", refused));
+  if (compiled_->analyses.operating_point)
+    messages_.report({Severity::warning, "W-ignored-card", {}, ".op is ignored in a deck with .step"});
+  return 0;
+}
+
+int Session::sweep() {
+  const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_);
+  if (sparse_) warn_of_sparse_engine();
+  report_.seconds.total = since(start_);
+  return status;
 }
 
 int Session::operating_point() {

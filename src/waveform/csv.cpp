@@ -34,6 +34,16 @@ std::string csv_field(std::string_view text) {
   return field + '"';
 }
 
+void append_csv_row(std::string& text, std::string_view prefix, std::span<const double> values) {
+  text += prefix;
+  char number[longest_double];
+  for (const double value : values) {
+    text.append(number, std::to_chars(number, number + longest_double, value).ptr);
+    text += ',';
+  }
+  text.back() = '\n';
+}
+
 std::string shortest(double value) {
   char text[longest_double];
   return {text, std::to_chars(text, text + longest_double, value).ptr};

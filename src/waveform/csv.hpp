@@ -18,6 +18,9 @@ class OutputFile;
 /// A field as RFC 4180 has it: quoted where it holds a comma, a quote or a line end, its quotes doubled.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
+/// Appends `prefix` and the values as a line.
+void append_csv_row(std::string& text, std::string_view prefix, std::span<const double> values);
+
 /// The shortest text that reads back to `value`.
 [[nodiscard]] std::string shortest(double value);
 

@@ -171,11 +171,6 @@ TEST_CASE("two elements of one name are refused", "[unit]") {
   CHECK(has_place(refused("t\n" + good_source + "RL a 0 1\nRl a 0 2\n.tran 1 2\n")));
 }
 
-TEST_CASE("what comes later is refused by name", "[unit]") {
-  const std::string card = GENERATE(".step param x 1 2 3");
-  CHECK_THAT(refused("t\n" + good_source + good_load + std::string(card) + "\n.tran 1 2\n"), Contains("not supported yet"));
-}
-
 TEST_CASE("all errors of a deck are reported in one go", "[unit]") {
   const std::string messages = refused("t\nV1 a 0 1\nR1 a 0 {nix}\nR2 a\nD1 a 0 nomodel\n.nonsense\n.tran 1 -2\n");
   for (const char* place : {"bad.net:3:", "bad.net:4:", "bad.net:5:", "bad.net:6:", "bad.net:7:"}) CHECK_THAT(messages, Contains(place));

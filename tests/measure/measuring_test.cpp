@@ -43,6 +43,8 @@ TEST_CASE("means, integrals and extrema of an RC step response", "[unit]") {
                                   ".meas tran charge INTEG i(C1)\n"
                                   ".meas tran least MIN v(out) FROM=1m\n"
                                   ".meas tran most MAX v(out)\n"
+                                  ".meas tran most_at MAX_AT v(out)\n"
+                                  ".meas tran least_at MIN_AT v(out) FROM=1m\n"
                                   ".meas tran span PP v(out) FROM=1m TO=2m\n");
   REQUIRE(m.messages.empty());
   CHECK(m.passes == 1);
@@ -56,6 +58,8 @@ TEST_CASE("means, integrals and extrema of an RC step response", "[unit]") {
   CHECK(m.value.at("charge") == near(1e-6 * charge(5e-3)));
   CHECK(m.value.at("least") == near(charge(1e-3)));
   CHECK(m.value.at("most") == near(charge(5e-3)));
+  CHECK(m.value.at("most_at") == near(5e-3));
+  CHECK(m.value.at("least_at") == near(1e-3));
   CHECK(m.value.at("span") == near(charge(2e-3) - charge(1e-3)));
   CHECK(m.result("energy").unit == "J");
   CHECK(m.result("charge").unit == "C");

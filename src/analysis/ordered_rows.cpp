@@ -1,0 +1,45 @@
+#include "analysis/ordered_rows.hpp"
+
+#include "waveform/csv.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+constexpr std::size_t worth_writing = std::size_t{1} << 18;
+constexpr std::size_t most_kept = std::size_t{1} << 24;  ///< bytes of a run whose turn has not come
+
+}  // namespace
+
+bool OrderedRows::put(const std::string& text) { return text.empty() ? !file_.failed() : file_.write(text); }
+
+void OrderedRows::wait_to_begin(std::size_t run) {
+  std::unique_lock lock(mutex_);
+  turn_.wait(lock, [&] { return run < next_ + ahead_; });
+}
+
+bool OrderedRows::write(std::size_t run, std::string& text) {
+  std::unique_lock lock(mutex_);
+  if (file_.failed()) return false;
+  if (run != next_ && text.size() < most_kept) return true;
+  turn_.wait(lock, [&] { return run == next_ || file_.failed(); });
+  const bool written = put(text);
+  text.clear();
+  return written;
+}
+
+bool OrderedRows::finish(std::size_t run, std::string text) {
+  const std::scoped_lock lock(mutex_);
+  finished_.emplace(run, std::move(text));
+  bool written = !file_.failed();
+  for (auto first = finished_.begin(); first != finished_.end() && first->first == next_; first = finished_.erase(first), ++next_)
+    written = put(first->second);
+  turn_.notify_all();
+  return written;
+}
+
+bool SteppedRows::write(std::span<const double> values) {
+  for (std::size_t at = 0; at < values.size(); at += columns_) waveform::append_csv_row(text_, prefix_, values.subspan(at, columns_));
+  return text_.size() < worth_writing || rows_.write(run_, text_);
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "circuit/commands.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+constexpr std::string_view usage = ".step param name start stop step | list a b … | dec|oct start stop points";
+constexpr std::size_t most_sweeps = 3;
+constexpr double most_points = 1e6;
+
+enum class Spacing { linear, decade, octave, list };
+
+bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
+
+std::optional<Spacing> spacing_of(const Item& item) {
+  if (is_word(item, "lin")) return Spacing::linear;
+  if (is_word(item, "dec")) return Spacing::decade;
+  if (is_word(item, "oct")) return Spacing::octave;
+  if (is_word(item, "list")) return Spacing::list;
+  return std::nullopt;
+}
+
+class SweepReader {
+ public:
+  SweepReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {}
+
+  std::optional<Sweep> read() {
+    std::size_t at = 0;
+    const auto& items = card_.items;
+    const auto take_spacing = [&] {
+      if (at >= items.size()) return;
+      if (const auto spacing = spacing_of(items[at])) {
+        spacing_ = *spacing;
+        ++at;
+      }
+    };
+    take_spacing();
+    if (at < items.size() && is_word(items[at], "param")) {
+      ++at;
+      sweep_.is_parameter = true;
+    }
+    if (at >= items.size()) return fail("E-missing-value", card_.span, "it names nothing to step");
+    const Item& name = items[at++];
+    if (!accepts(name)) return std::nullopt;
+    sweep_.name = name.text;
+    sweep_.span = name.span;
+    take_spacing();
+    std::vector<double> numbers;
+    for (; at < items.size(); ++at) {
+      if (items[at].kind == ItemKind::assignment && same_name(items[at].text, "file"))
+        return fail("E-not-supported", items[at].span, "file= is not supported");
+      const std::optional<Number> number = scope_.number(items[at]);
+      if (!number) return std::nullopt;
+      numbers.push_back(number->value);
+    }
+    if (!spread(numbers)) return std::nullopt;
+    return std::move(sweep_);
+  }
+
+ private:
+  std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
+    reporter_.error(std::move(id), span, fmt::format(".step: {}; usage: {}", text, usage));
+    return std::nullopt;
+  }
+
+  bool accepts(const Item& name) {
+    if (sweep_.is_parameter && name.kind == ItemKind::word) return true;
+    const char letter = name.kind == ItemKind::word ? lower_letter(name.text.front()) : '?';
+    if (is_word(name, "temp"))
+      (void)fail("E-not-supported", name.span, "temperatures have no effect");
+    else if (letter != 'v' && letter != 'i')
+      (void)fail(
+          "E-not-supported", name.span,
+          fmt::format("{} is neither a parameter nor a source; for a value of a model try a parameter in it", reporter_.text(name.span)));
+    else
+      return true;
+    return false;
+  }
+
+  bool spread(const std::vector<double>& numbers) {
+    if (spacing_ == Spacing::list) {
+      if (numbers.empty()) (void)fail("E-missing-value", card_.span, "the list is empty");
+      sweep_.values = numbers;
+      return !numbers.empty();
+    }
+    if (numbers.size() != 3) {
+      (void)fail(numbers.size() < 3 ? "E-missing-value" : "E-unexpected", card_.span, "it takes three numbers");
+      return false;
+    }
+    return spacing_ == Spacing::linear ? spread_evenly(numbers) : spread_by_ratio(numbers);
+  }
+
+  bool too_many(double count) {
+    if (count <= most_points) return false;
+    reporter_.error("E-too-many-runs", card_.span,
+                    fmt::format("{:.6g} values of {}, more than {}; try a larger step", count, sweep_.name, most_points));
+    return true;
+  }
+
+  /// The stop belongs to it where rounding alone keeps it from being a step.
+  bool spread_evenly(const std::vector<double>& numbers) {
+    constexpr double rounding = 1e-9;
+    const double span = numbers[1] - numbers[0];
+    const double step = std::copysign(numbers[2], span);
+    if (step == 0.0 && span != 0.0) {
+      (void)fail("E-range", card_.span, "the step must not be 0");
+      return false;
+    }
+    const double count = span == 0.0 ? 0.0 : std::floor(span / step * (1.0 + rounding) + rounding);
+    if (too_many(count)) return false;
+    for (double k = 0.0; k <= count; ++k) sweep_.values.push_back(numbers[0] + k * step);
+    if (std::abs(sweep_.values.back() - numbers[1]) <= rounding * std::abs(step)) sweep_.values.back() = numbers[1];
+    return true;
+  }
+
+  bool spread_by_ratio(const std::vector<double>& numbers) {
+    constexpr double rounding = 1e-9;
+    const double base = spacing_ == Spacing::decade ? 10.0 : 2.0;
+    const bool possible = numbers[0] * numbers[1] > 0.0 && numbers[2] >= 1.0 && numbers[2] == std::floor(numbers[2]);
+    if (!possible) {
+      (void)fail("E-range", card_.span, "start and stop must have one sign, and the points of a decade or octave be a whole number");
+      return false;
+    }
+    const double direction = std::abs(numbers[1]) >= std::abs(numbers[0]) ? 1.0 : -1.0;
+    const double count = std::floor(std::abs(std::log(numbers[1] / numbers[0]) / std::log(base)) * numbers[2] + rounding);
+    if (too_many(count)) return false;
+    for (double k = 0.0; k <= count; ++k) sweep_.values.push_back(numbers[0] * std::pow(base, direction * k / numbers[2]));
+    if (std::abs(sweep_.values.back() - numbers[1]) <= rounding * std::abs(numbers[1])) sweep_.values.back() = numbers[1];
+    return true;
+  }
+
+  const Card& card_;
+  Scope& scope_;
+  Reporter& reporter_;
+  Sweep sweep_;
+  Spacing spacing_ = Spacing::linear;
+};
+
+}  // namespace
+
+std::size_t Sweeps::runs() const {
+  std::size_t count = list.empty() ? 0 : 1;
+  for (const Sweep& sweep : list) count *= sweep.values.size();
+  return count;
+}
+
+std::vector<double> Sweeps::point(std::size_t run) const {
+  std::vector<double> values;
+  for (const Sweep& sweep : list) {
+    values.push_back(sweep.values[run % sweep.values.size()]);
+    run /= sweep.values.size();
+  }
+  return values;
+}
+
+void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps) {
+  for (const Card* card : definitions.sweeps) {
+    if (card->damaged) continue;
+    std::optional<Sweep> sweep = SweepReader(*card, scope, reporter).read();
+    if (!sweep) continue;
+    const auto same = [&](const Sweep& other) { return same_name(other.name, sweep->name); };
+    if (std::any_of(sweeps.list.begin(), sweeps.list.end(), same))
+      reporter.error("E-duplicate-parameter", sweep->span, fmt::format("{} is stepped twice", sweep->name));
+    else
+      sweeps.list.push_back(std::move(*sweep));
+  }
+  if (sweeps.list.size() > most_sweeps)
+    reporter.error("E-unexpected", sweeps.list[most_sweeps].span, fmt::format("more than {} .step cards", most_sweeps));
+  double runs = 1.0;
+  for (const Sweep& sweep : sweeps.list) runs *= static_cast<double>(sweep.values.size());
+  if (runs > most_points)
+    reporter.error("E-too-many-runs", sweeps.list.back().span,
+                   fmt::format("the .step cards ask for {:.6g} runs, more than {}", runs, most_points));
+}
+
+void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope) {
+  const std::vector<double> values = sweeps.point(run);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (sweeps.list[k].is_parameter) scope.define(sweeps.list[k].name, values[k], sweeps.list[k].span);
+}
+
+void set_stepped_sources(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit) {
+  const std::vector<double> values = sweeps.point(run);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const Sweep& sweep = sweeps.list[k];
+    if (sweep.is_parameter) continue;
+    const auto found = std::find_if(circuit.instances.begin(), circuit.instances.end(),
+                                    [&](const elements::Instance& instance) { return same_name(instance.name, sweep.name); });
+    if (found == circuit.instances.end()) {
+      reporter.error("E-unknown-element", sweep.span, fmt::format("unknown source '{}'", sweep.name));
+    } else if (found->waveform && std::holds_alternative<model::Dc>(*found->waveform)) {
+      found->waveform = model::Dc{values[k]};
+    } else {
+      reporter.error("E-not-supported", sweep.span,
+                     fmt::format(".step: {} follows a waveform and has no one value to step; try a parameter in it", sweep.name));
+    }
+  }
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,26 @@
+#pragma once
+/// The runs of a deck with .step.
+
+#include "analysis/report.hpp"
+#include "circuit/compile.hpp"
+#include "cli/command_line.hpp"
+#include "cli/messages.hpp"
+#include "netlist/ast.hpp"
+#include "waveform/output_file.hpp"
+
+namespace pwlsim::cli {
+
+struct SweepTask {
+  const RunOptions& options;
+  const netlist::Deck& deck;
+  const SourceStore& sources;
+  const circuit::Compiled& first;  ///< the deck as the first run has it
+  double reltol = 0.0;             ///< of the sparse engine
+  waveform::OutputFile& rows;
+};
+
+/// Runs them on all cores, writes their rows in order and commits the file, prints the measurements as a table. A run that fails is said and counted, and
+/// does not stop the others; after a signal the rows that there are stay. The answer is the exit status; statistics are summed up in `report`.
+[[nodiscard]] int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report);
+
+}  // namespace pwlsim::cli
