@@ -1,5 +1,7 @@
 #include "circuit/compile.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "circuit/assemble.hpp"
@@ -14,6 +16,9 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
+  if (!options.measure && circuit.analyses.sweeps.runs() > 1)
+    reporter.note("N-first-run", circuit.analyses.sweeps.list.front().span,
+                  fmt::format("of the {} runs that .step asks for the first is taken", circuit.analyses.sweeps.runs()));
   if (!options.measure) network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
   if (options.measure) compiled.measurements = circuit.measurements;
