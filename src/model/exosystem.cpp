@@ -11,9 +11,11 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-/// sin and cos of 2π·cycles + phase with the whole cycles taken off first, so that late times lose nothing.
-void sine_cosine(double cycles, double phase, double& sine, double& cosine) {
-  const double fraction = cycles - std::nearbyint(cycles);
+/// sin and cos of 2π·frequency·(time + late) + phase, with the whole cycles taken off first and no rounding before that, so that late times
+/// lose nothing.
+void sine_cosine(double frequency, double time, double late, double phase, double& sine, double& cosine) {
+  const double cycles = frequency * time;
+  const double fraction = (cycles - std::nearbyint(cycles)) + (std::fma(frequency, time, -cycles) + frequency * late);
   const double angle = two_pi * fraction + phase;
   sine = std::sin(angle);
   cosine = std::cos(angle);
@@ -26,7 +28,7 @@ bool ends_with_jump(const Exosystem::Block& block) {
   if (block.kind != Exosystem::Block::Kind::oscillation || !(block.end < forever)) return false;
   const double age = block.end - block.delay;
   double sine = 0.0, cosine = 0.0;
-  sine_cosine(block.omega / two_pi * age, block.phase, sine, cosine);
+  sine_cosine(block.frequency, age, 0.0, block.phase, sine, cosine);
   return std::abs(std::exp(-block.damping * age) * sine - std::sin(block.phase)) > 1e3 * epsilon * (1.0 + block.omega * age);
 }
 
@@ -57,6 +59,7 @@ Exosystem::Exosystem(const std::vector<SourceFunction>& functions, bool needs_co
   if (needs_constant) constant_ = blocks_[add_block({})].first;
   for (std::size_t i = 0; i < functions.size(); ++i) std::visit([&](const auto& f) { add(static_cast<int>(i), f); }, functions[i]);
   fill_matrices(static_cast<int>(functions.size()));
+  curved_ = std::any_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.is_curved(); });
 }
 
 double Exosystem::fastest() const {
@@ -66,12 +69,10 @@ double Exosystem::fastest() const {
   return rate;
 }
 
-bool Exosystem::is_piecewise_linear() const {
-  return std::none_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.is_curved(); });
-}
+bool Exosystem::is_piecewise_linear() const { return !curved_; }
 
 bool Exosystem::is_polyline() const {
-  return is_piecewise_linear() && std::all_of(tracks_.begin(), tracks_.end(), [](const TrackBlock& t) { return t.track.is_continuous(); });
+  return !curved_ && std::all_of(tracks_.begin(), tracks_.end(), [](const TrackBlock& t) { return t.track.is_continuous(); });
 }
 
 int Exosystem::add_block(Block block) {
@@ -103,6 +104,7 @@ void Exosystem::add(int source, const Sin& f) {
   const bool simple = f.delay == 0.0 && f.damping == 0.0 && !(f.cycles < forever);
   Block block;
   block.kind = Block::Kind::oscillation;
+  block.frequency = f.frequency;
   block.omega = omega;
   block.damping = f.damping;
   block.rate = std::hypot(omega, f.damping);
@@ -224,16 +226,26 @@ void Exosystem::evaluate(const Phase& phase, double time, double* zeta) const {
     zeta[block.first] = cursor.at(time);
     if (block.kind == Block::Kind::ramp) zeta[block.first + 1] = cursor.slope / block.rate;
   }
+  evaluate_curved(phase, time, 0.0, zeta);
+}
+
+void Exosystem::evaluate_curved(const Phase& phase, double time, double late, double* zeta) const {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
+    if (!block.is_curved()) continue;
     const bool alive = phase.stage[i] == 1;
     double* z = zeta + block.first;
-    if (block.kind == Block::Kind::decay) z[0] = alive ? std::exp(-block.damping * (time - block.delay)) : 0.0;
-    if (block.kind != Block::Kind::oscillation) continue;
+    const double age = time - block.delay;
+    if (block.kind == Block::Kind::decay) {
+      z[0] = alive ? std::exp(-block.damping * (age + late)) : 0.0;
+      continue;
+    }
     z[0] = z[1] = 0.0;
-    if (alive) sine_cosine(block.omega / two_pi * (time - block.delay), block.phase, z[0], z[1]);
+    // What rounding took off the age, where the delay is no longer than the time.
+    const double rest = alive ? (time - age) - block.delay : 0.0;
+    if (alive) sine_cosine(block.frequency, age, late + rest, block.phase, z[0], z[1]);
     if (alive && block.damping != 0.0) {
-      const double envelope = std::exp(-block.damping * (time - block.delay));
+      const double envelope = std::exp(-block.damping * (age + late));
       z[0] *= envelope;
       z[1] *= envelope;
     }

@@ -61,7 +61,7 @@ class Exosystem {
     int first = 0;      ///< index of its first state
     int source = -1;    ///< −1 where sources share it
     double rate = 0.0;  ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
-    double omega = 0.0, damping = 0.0, phase = 0.0;
+    double frequency = 0.0, omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none
     /// Moves by a rate of its own: no constant, level or ramp.
@@ -99,6 +99,9 @@ class Exosystem {
   bool advance(Phase& phase, double time, double tolerance) const;
   /// ζ at `time` within the segments where the phase stands.
   void evaluate(const Phase& phase, double time, double* zeta) const;
+  /// The same of oscillations and decays alone, at time + late, where `late` is what rounding took off the time.
+  void evaluate_curved(const Phase& phase, double time, double late, double* zeta) const;
+  [[nodiscard]] bool has_curved() const { return curved_; }
 
  private:
   int add_block(Block block);
@@ -123,6 +126,7 @@ class Exosystem {
     bool may_jump;  ///< false where a decay makes up for the track's jump
   };
   linalg::Matrix a_, rows_;
+  bool curved_ = false;
   std::vector<Block> blocks_;
   std::vector<TrackBlock> tracks_;
   std::vector<Coefficient> coefficients_;

@@ -13,6 +13,8 @@ PICTURES = DOCS / "work-precision"
 FLOOR = 1e-17  # an error of 0 is drawn here
 PROGRAMS = [("pwlsim exact", "#1f5fbf", 7), ("pwlsim sparse", "#1b7f3b", 9), ("ngspice", "#d1480a", 5), ("gnucap", "#7a3fa0", 13)]
 TARGETS = (1e-3, 1e-4)
+PROFILE_TARGETS = (1e-3, 1e-6)
+LONGEST_FACTOR = 1e5
 ORDER = ["converter", "rectifier", "stiff", "impulsive", "grazing", "chattering", "paper", "large"]
 
 
@@ -39,6 +41,39 @@ def gnuplot(name, points, front):
         script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / (name + '.' + ending)}'", *blocks,
                             "set logscale xy; set format '10^{%L}'; set ytics 1e3; set yrange [1e-17:10]; set grid lc rgb '#dddddd'; set key outside right top",
                             f"set xlabel 'run time (s)'; set ylabel 'error'; set title '{name.replace('_', ' ')}'", "plot " + ", ".join(plots)])
+        subprocess.run(["gnuplot"], input=script, text=True, check=True, stderr=subprocess.DEVNULL)
+
+
+# ---- the performance profile
+def ratios_to_best(points, target):
+    """{program: [its shortest time at an error of at most `target` over the shortest of all programs], one for each circuit it solves}, and the number of circuits."""
+    ratios, solved = {program: [] for program, _, _ in PROGRAMS}, 0
+    for name in sorted({p.case for p in points}):
+        best = {program: fastest(of(points, name, program), target) for program in ratios}
+        times = {program: point.seconds for program, point in best.items() if point}
+        solved += bool(times)
+        for program, seconds in times.items():
+            ratios[program].append(seconds / min(times.values()))
+    return ratios, solved
+
+
+def profile(points):
+    """Share of the circuits that a program solves within a factor of the fastest (Dolan and Moré 2002, Mathematical Programming 91, 201-213)."""
+    blocks, panels = [], []
+    for column, target in enumerate(PROFILE_TARGETS):
+        ratios, solved = ratios_to_best(points, target)
+        plots = []
+        for program, colour, _ in PROGRAMS:
+            label, steps = f"$data{column}{len(plots)}", sorted(ratios[program])
+            rows = [(1.0, 0.0), *((factor, (k + 1) / solved) for k, factor in enumerate(steps)), (LONGEST_FACTOR, len(steps) / solved)]
+            blocks.append(f"{label} << EOD\n" + "\n".join(f"{x:.6g} {y:.6g}" for x, y in rows) + "\nEOD")
+            plots.append(f"{label} with steps lw 2 lc rgb '{colour}' title '{program}'")
+        panels.append(f"set title 'error of at most {target:.0e}, {solved} circuits'\n" + ("unset key" if column == 0 else "set key at graph 0.97, 0.8") + "\nplot " + ", ".join(plots))
+    for terminal, ending in (("svg size 900,380 font 'sans,12' background rgb 'white'", "svg"), ("pngcairo size 1350,570 font 'sans,12'", "png")):
+        script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / ('performance-profile.' + ending)}'", *blocks,
+                            f"set logscale x; set format x '10^{{%L}}'; set xrange [1:{LONGEST_FACTOR:g}]; set yrange [0:1.02]; set grid lc rgb '#dddddd'",
+                            "set xlabel 'run time over that of the fastest program'; set ylabel 'share of the circuits'",
+                            f"set multiplot layout 1,{len(panels)}", *panels, "unset multiplot"])
         subprocess.run(["gnuplot"], input=script, text=True, check=True, stderr=subprocess.DEVNULL)
 
 
@@ -138,6 +173,10 @@ def head(points):
         "- **ratio**: ngspice's time over that of the exact engine at that error.",
         "- gnucap is given what it can read: no sources with expressions, no phase of a sine, no diodes with a drop, exponential diodes for the others.",
         "",
+        "![Share of the circuits that a program solves within a factor of the fastest one](work-precision/performance-profile.svg)",
+        "",
+        "Performance profile (Dolan and Moré 2002): the share of the circuits that a program brings below the error within a factor of the fastest program's time.",
+        "",
     ]
 
 
@@ -164,4 +203,5 @@ def write(points, front):
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in sorted({p.case for p in points}):
         gnuplot(name, points, front)
+    profile(points)
     (DOCS / "report.md").write_text("\n".join(head(points) + table(points)).rstrip("\n") + "\n", encoding="utf-8")

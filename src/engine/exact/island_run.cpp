@@ -17,7 +17,8 @@ constexpr std::uint64_t worth_building = 4;
 constexpr double row_noise = 1e-12;
 /// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
 constexpr double threshold_noise = 3e-14;
-constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
+constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
+constexpr int most_corners = 1024;                  ///< passed at once, so that a run can be interrupted
 
 }  // namespace
 
@@ -56,7 +57,7 @@ double IslandRun::certify(double end) {
   for (int corners = 0; corner_ahead_ && phase_.next < end; ++corners) {
     event_ = locator_.locate(segment_, phase_.next - segment_.anchor);
     if (event_.found) {
-      event_time_ = std::min(phase_.next, segment_.anchor + event_.tau);
+      take_event(phase_.next);
       return event_time_;
     }
     if (corners == most_corners || !pass_corner()) return phase_.next;
@@ -64,8 +65,16 @@ double IslandRun::certify(double end) {
   if (segment_.anchor + segment_.certified >= end) return end;
   event_ = locator_.locate(segment_, end - segment_.anchor);
   if (!event_.found) return end;
-  event_time_ = std::min(end, segment_.anchor + event_.tau);
+  take_event(end);
   return event_time_;
+}
+
+/// The time of the event that was found before `end`.
+void IslandRun::take_event(double end) {
+  const double tau = event_.tau + segment_.late;
+  const double sum = segment_.anchor + tau;
+  event_time_ = std::min(end, sum);
+  event_late_ = event_time_ == sum ? (segment_.anchor - sum) + tau : 0.0;
 }
 
 /// Goes on behind a corner, unless a switch is at its threshold there: then it is an instant of the run.
@@ -86,11 +95,11 @@ bool IslandRun::pass_corner() {
     }
   }
   take_breakpoints(time);
-  begin_segment(time);
+  begin_segment(time, 0.0);
   return true;
 }
 
-void IslandRun::open(double time) {
+void IslandRun::open(double time, double late) {
   if (open_) return;
   open_ = true;
   trigger = -1;
@@ -110,12 +119,13 @@ void IslandRun::open(double time) {
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
     undecided_ = event_.row < 0;
   } else {
-    const double tau = time - segment_.anchor;
+    const double tau = (time - segment_.anchor) + (late - segment_.late);
     // The march may have stepped past this instant, or go on in a slow part; then the anchor is the place to start from.
     const bool from_anchor = tau < segment_.tau || segment_.part != nullptr;
     if (from_anchor) std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), y.begin());
     m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
   }
+  if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late, y.data() + m.n1);
   model::from_mode(system_, m, y.data(), x.data());
 }
 
@@ -123,6 +133,7 @@ void IslandRun::go_to_limit(const AccumulationWatch::Limit& limit) {
   event_ = {};
   event_.found = at_limit_ = true;
   event_time_ = limit.time;
+  event_late_ = 0.0;
   limit_ = limit.xi;
 }
 
@@ -264,21 +275,22 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
   }
 }
 
-void IslandRun::close(double time, const std::vector<char>& on) {
+void IslandRun::close(double time, double late, const std::vector<char>& on) {
   open_ = false;
   event_ = {};
-  begin_segment(time);
+  begin_segment(time, late);
   choose_guards(on);
   selector_.mark_visited(*mode);
   row_valid_ = false;
 }
 
 /// From x in the mode as it is.
-void IslandRun::begin_segment(double time) {
+void IslandRun::begin_segment(double time, double late) {
   const auto ny = static_cast<std::size_t>(mode->ny);
   segment_.mode = segment_.whole = mode;
   segment_.part = nullptr;
   segment_.anchor = time;
+  segment_.late = late;
   ++segment_number_;
   if (segment_.y0.size() < x.size()) {
     segment_.y0.resize(x.size());
@@ -309,25 +321,31 @@ void IslandRun::add_signals(double time, double* out) {
   if (!row_valid_) {
     std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), row_y_.begin());
     row_time_ = segment_.anchor;
+    row_late_ = segment_.late;
     row_propagator_ = &row_propagators_[&m];
     row_valid_ = true;
   }
-  const double step = time - row_time_;
+  const double step = (time - row_time_) - row_late_;
   if (std::abs(step - row_step_) <= step_rounding * row_step_ && ++row_propagator_->uses >= worth_building) {
     model::Matrix& propagator = row_propagator_->matrix;
     if (propagator.size() == 0) propagator = m.flow.minus_identity(row_step_);
     advance_row(propagator, 1.0);
     row_time_ += row_step_;
     // A row's time is k·Tstep rounded; what adds up beyond that is made good.
-    const double rest = time - row_time_;
+    const double rest = (time - row_time_) - row_late_;
     if (std::abs(rest) > row_time_rounding * time) {
       advance_row(m.flow.a(), rest);
       row_time_ = time;
+      row_late_ = 0.0;
     }
   } else {
     if (step > 0.0) m.flow.apply(step, row_y_.data(), work_.data());
     row_time_ = time;
+    row_late_ = 0.0;
   }
+  // Over many rows without an event what each step rounds would add up.
+  if (system_.exosystem->has_curved() && (is_static() || ++rows_ % rows_between_sources == 0))
+    system_.exosystem->evaluate_curved(phase_, time, 0.0, row_y_.data() + m.n1);
   outputs_from(m, row_y_.data(), out);
 }
 

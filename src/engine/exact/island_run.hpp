@@ -30,9 +30,11 @@ class IslandRun {
   double certify(double end);
   [[nodiscard]] bool has_event() const { return event_.found; }
   [[nodiscard]] double event_time() const { return event_time_; }
+  /// What rounding took off the event's time. Over many events it would add up to a drift of the sources.
+  [[nodiscard]] double event_late() const { return event_late_; }
 
-  /// Opens the instant `time`: the state just before it goes to x, sources still at their left limit.
-  void open(double time);
+  /// Opens the instant `time` + `late`: the state just before it goes to x, sources still at their left limit.
+  void open(double time, double late);
   [[nodiscard]] bool is_open() const { return open_; }
   /// The next event is the limit of those before it (accumulation.hpp): at that time the states are ξ.
   void go_to_limit(const AccumulationWatch::Limit& limit);
@@ -54,8 +56,8 @@ class IslandRun {
   /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
   const std::vector<int>& violated_without_mode(const std::vector<char>& on, bool at_start);
-  /// Begins the new segment at `time`.
-  void close(double time, const std::vector<char>& on);
+  /// Begins the new segment at `time` + `late`.
+  void close(double time, double late, const std::vector<char>& on);
 
   /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
   void add_signals(double time, double* out);
@@ -78,7 +80,8 @@ class IslandRun {
   [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void take_limit(double time, double* out) const;
-  void begin_segment(double time);
+  void take_event(double end);
+  void begin_segment(double time, double late);
   void choose_guards(const std::vector<char>& on);
   void outputs_from(const model::Mode& m, const double* y, double* out);
   void advance_row(const model::Matrix& m, double factor);
@@ -95,7 +98,7 @@ class IslandRun {
   Segment segment_;
   std::uint64_t segment_number_ = 0;
   Located event_;
-  double event_time_ = 0.0;
+  double event_time_ = 0.0, event_late_ = 0.0;
   AccumulationWatch accumulation_;
   model::Vector limit_;    ///< ξ where events accumulate
   bool at_limit_ = false;  ///< the event at hand is that
@@ -105,8 +108,9 @@ class IslandRun {
   int rests_ = -1;          ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_;
-  double row_time_ = 0.0;  ///< of row_y_
+  double row_time_ = 0.0, row_late_ = 0.0;  ///< of row_y_
   bool row_valid_ = false;
+  std::uint64_t rows_ = 0;
   double row_step_ = 0.0;
   struct RowPropagator {
     std::uint64_t uses = 0;

@@ -24,6 +24,7 @@ struct Segment {
   const model::Mode* whole = nullptr;        ///< the mode itself
   const model::SlowPart* part = nullptr;     ///< of which `mode` is the mode; y is then in its coordinates
   double anchor = 0.0;                       ///< absolute time, s
+  double late = 0.0;                         ///< what rounding took off the anchor
   std::vector<double> y0;                    ///< state at the anchor
   std::vector<int> rows;                     ///< guard rows in force
   std::vector<model::Departure> departures;  ///< of each at the anchor

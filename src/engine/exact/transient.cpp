@@ -151,7 +151,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   pieces_.advance(islands_, instant.time);
-  island.open(instant.time);
+  island.open(instant.time, instant.late);
   jump_recorder_.before(number_of(island), island.x);
   if (island.take_breakpoints(instant.time)) instant.source_edge = true;
 }
@@ -172,8 +172,11 @@ bool Transient::handle(double time) {
   instant.time = time;
   for (std::size_t i = 0; i < islands_.size(); ++i) modes_before_[i] = islands_[i].mode;
   bool any = false;
-  for (const auto& island : islands_)
-    any |= island.next_break() <= time + tolerance_ || (island.has_event() && island.event_time() <= time);
+  for (const auto& island : islands_) {
+    const bool crosses = island.has_event() && island.event_time() <= time;
+    any |= crosses || island.next_break() <= time + tolerance_;
+    if (crosses && island.event_time() == time && instant.late == 0.0) instant.late = island.event_late();
+  }
   if (!any) return true;
   const bool has_rows = request_.events && time >= first_row_time_ - tolerance_;
   if (has_rows) fill_row(time, row_before_.data());
@@ -210,7 +213,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     for (auto& island : islands_) {
       if (!island.is_open()) continue;
       jump_recorder_.after(number_of(island), instant.time, island.x);
-      island.close(instant.time, on_);
+      island.close(instant.time, instant.late, on_);
     }
     return true;
   }

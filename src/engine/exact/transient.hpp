@@ -22,6 +22,7 @@ class Transient {
   /// What happened at one instant.
   struct Instant {
     double time = 0.0;
+    double late = 0.0;  ///< what rounding took off the time
     bool source_edge = false;
     bool mode_change = false;
     bool flips = false;
