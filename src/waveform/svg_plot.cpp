@@ -11,7 +11,7 @@
 namespace pwlsim::waveform {
 namespace {
 
-constexpr double width = 900.0, left = 80.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
+constexpr double width = 930.0, left = 110.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
 constexpr double plot_width = width - left - right;
 constexpr double row_height = 16.0, bar_height = 11.0;
 constexpr int columns_per_unit = 2;  ///< of marks and lanes
@@ -161,7 +161,7 @@ class Picture {
 
   /// The end of a long name tells more than its beginning.
   void row_label(const std::string& name, double y) {
-    constexpr std::size_t most_letters = 10;
+    constexpr std::size_t most_letters = 16;
     std::size_t begin = name.size() <= most_letters ? 0 : name.size() - most_letters + 1;
     while (begin < name.size() && (static_cast<unsigned char>(name[begin]) & 0xC0U) == 0x80U) ++begin;  // within a letter of several bytes
     const std::string text = begin == 0 ? name : "…" + name.substr(begin);

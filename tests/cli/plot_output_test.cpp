@@ -43,7 +43,7 @@ TEST_CASE("--plot draws the signals in panels by unit, events and modes below", 
                           Contains(">D1<") && Contains("time (ms)"));
   CHECK(count(picture, "<polyline") == 2);
   // The diode conducts in the two positive half periods of 10 ms, 200 of 800 units each.
-  CHECK_THAT(picture, Contains("<rect x=\"80\"") && Contains("<rect x=\"480\""));
+  CHECK_THAT(picture, Contains("<rect x=\"110\"") && Contains("<rect x=\"510\""));
   CHECK(count(picture, "width=\"200\" height=\"11\"") == 2);
 }
 
@@ -118,9 +118,9 @@ TEST_CASE("a name that ends in .png gives a PNG picture", "[unit]") {
   CHECK(scratch.names() == Names{"p.PNG", "r.csv", "r.net"});
   const std::string bytes = read_file(scratch / "p.PNG");
   REQUIRE(bytes.size() > 10'000);
-  // PNG (ISO/IEC 15948) 5.2 and 11.2.2: the signature, then IHDR with width and height. The picture is 900 units wide.
+  // PNG (ISO/IEC 15948) 5.2 and 11.2.2: the signature, then IHDR with width and height. The picture is 930 units wide, 1860 dots.
   CHECK(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
-  CHECK(bytes.substr(12, 8) == std::string("IHDR\0\0\x07\x08", 8));
+  CHECK(bytes.substr(12, 8) == std::string("IHDR\0\0\x07\x44", 8));
 }
 
 TEST_CASE("without a converter a PNG picture is refused before the run", "[golden]") {

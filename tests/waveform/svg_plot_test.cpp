@@ -41,9 +41,9 @@ TEST_CASE("a figure is one self-contained SVG with a panel and its curves", "[un
 }
 
 TEST_CASE("a curve runs from corner to corner of the panel", "[unit]") {
-  // 900 wide, margins 80 and 20: from x = 80 to x = 880; the panel is 180 high with 5 % of the span above and below.
+  // 930 wide, margins 110 and 20: from x = 110 to x = 910; the panel is 180 high with 5 % of the span above and below.
   const std::string text = svg(figure_of({"", {0, 1}, {0, 1}, false}));
-  CHECK_THAT(text, Contains("points=\"80.00,211.82 880.00,48.18 \""));
+  CHECK_THAT(text, Contains("points=\"110.00,211.82 910.00,48.18 \""));
 }
 
 TEST_CASE("a long curve is drawn by its extremes: a spike of one point stays", "[unit]") {
@@ -59,7 +59,7 @@ TEST_CASE("a long curve is drawn by its extremes: a spike of one point stays", "
 
 TEST_CASE("what is not finite is left out", "[unit]") {
   const std::string text = svg(figure_of({"", {0, 1, 2}, {0, std::numeric_limits<double>::quiet_NaN(), 1}, false}));
-  CHECK_THAT(text, Contains("points=\"80.00,211.82 880.00,48.18 \"") && !Contains("nan"));
+  CHECK_THAT(text, Contains("points=\"110.00,211.82 910.00,48.18 \"") && !Contains("nan"));
 }
 
 TEST_CASE("a lane is a bar where it is on, shaded where it is on for a share of the time", "[unit]") {
@@ -67,16 +67,16 @@ TEST_CASE("a lane is a bar where it is on, shaded where it is on for a share of 
   figure.lanes = {{"D<1>", {0.0, 0.25, 0.5}, {1.0, 0.0, 0.5}}};
   const std::string text = svg(figure);
   // The panel ends at 220; 16 below it the strip begins. 800 units of width are one second.
-  CHECK_THAT(text, Contains("<rect x=\"80\" y=\"238\" width=\"200\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"1\"/>"));
-  CHECK_THAT(text, Contains("<rect x=\"480\" y=\"238\" width=\"400\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"0.5\"/>"));
+  CHECK_THAT(text, Contains("<rect x=\"110\" y=\"238\" width=\"200\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"1\"/>"));
+  CHECK_THAT(text, Contains("<rect x=\"510\" y=\"238\" width=\"400\" height=\"11\" fill=\"#1f5fbf\" fill-opacity=\"0.5\"/>"));
   CHECK(count(text, "fill-opacity") == 2);
   CHECK_THAT(text, Contains("D&lt;1&gt;"));
 }
 
 TEST_CASE("of a long name of a lane the end is shown, in whole letters", "[unit]") {
   Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
-  figure.lanes = {{"X1.aµµµµµµ", {0.0}, {0.0}}, {"X1.X2.X3.D1", {0.0}, {0.0}}};
-  CHECK_THAT(svg(figure), Contains(">…µµµµ<") && Contains(">….X2.X3.D1<"));
+  figure.lanes = {{"X1.aµµµµµµµµ", {0.0}, {0.0}}, {"X1.X2.X3.X4.X5.D1", {0.0}, {0.0}}};
+  CHECK_THAT(svg(figure), Contains(">…µµµµµµµ<") && Contains(">….X2.X3.X4.X5.D1<"));
 }
 
 TEST_CASE("marks are ticks, one for all that fall into one column", "[unit]") {

@@ -3,7 +3,7 @@
   const data = JSON.parse(document.getElementById("run").textContent);
   const run = data.run;
   const colours = ["#1f5fbf", "#d1480a", "#1b7f3b", "#7a3fa0", "#8a6d00", "#b0154f"];
-  const axisWidth = 80;
+  const axisWidth = 104;
   const element = id => document.getElementById(id);
   const show = id => { element(id).hidden = false; };
 
@@ -132,7 +132,7 @@
       },
       cursor: {sync: {key: "time"}, drag: {x: true, y: false, setScale: false}},
       axes: [
-        {values: (plot, ticks) => ticks.map(tick => quantity(tick, "s"))},
+        {space: 90, values: (plot, ticks) => ticks.map(tick => quantity(tick, "s"))},
         {size: axisWidth, values: (plot, ticks) => ticks.map(tick => quantity(tick, unit))},
       ],
       series: [{label: "time", value: (plot, value) => quantity(value, "s", 9)}].concat(members.map((member, k) => ({
@@ -190,7 +190,7 @@
     let y = 2;
     const label = name => {
       context.fillStyle = "#222";
-      context.fillText(name.length > 11 ? "…" + name.slice(-10) : name, axisWidth - 6, y + rowHeight / 2);
+      context.fillText(name.length > 16 ? "…" + name.slice(-15) : name, axisWidth - 6, y + rowHeight / 2);
     };
     for (const marks of data.marks) {
       label(marks.name);
