@@ -165,7 +165,7 @@ def head(points):
         "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of the others the CPU time of the process less that of an",
         "empty deck. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol, largest step and method are swept",
         "([run.py](../../validation/work_precision/run.py) has the lists), and the columns hold the fastest setting that reaches the error. Picking it with the reference in hand flatters them.",
-        "Once ngspice has run for about a minute on a circuit, finer steps are left out. Below a millisecond its times are noise of the process's start.",
+        "Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out. Below a millisecond its times are noise of the process's start.",
         "All points: [points.csv](../../validation/work_precision/points.csv).",
         "",
         "- **exact**: pwlsim's exact engine, time (error). **sparse**: the fastest tolerance of the sparse engine below 1e-3, where one is.",
