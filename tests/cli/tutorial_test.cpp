@@ -1,0 +1,84 @@
+// docs/tutorial: the page shows its decks as they are, and what they print.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "cli/run_in.hpp"
+
+using namespace pwlsim::test;
+
+namespace {
+
+/// Between the page, written on one machine, and the run, on any.
+constexpr double same = 1e-9;
+
+std::string tutorial(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR "/docs/tutorial/") + name; }
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> result;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+/// name = value, a line each.
+std::map<std::string, double> results(const std::string& text) {
+  std::map<std::string, double> found;
+  for (const auto& line : lines(text))
+    if (const auto at = line.find(" = "); at != std::string::npos && line.find(' ', at + 3) == std::string::npos)
+      found[line.substr(line.find_first_not_of(' '), at - line.find_first_not_of(' '))] = std::strtod(line.c_str() + at + 3, nullptr);
+  return found;
+}
+
+std::vector<double> numbers(const std::string& line) {
+  std::vector<double> found;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) found.push_back(std::strtod(cell.c_str(), nullptr));
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("the tutorial shows its first deck line by line", "[golden]") {
+  const std::string page = read_file(tutorial("README.md"));
+  for (const auto& line : lines(read_file(tutorial("buck.net")))) {
+    CAPTURE(line);
+    CHECK((line == ".end" || page.find("    " + line + "\n") != std::string::npos));
+  }
+}
+
+// An ideal buck converter in continuous conduction gives D·Vin on average and loses nothing (Erickson and Maksimović, Fundamentals of
+// Power Electronics, eq. 2.7).
+TEST_CASE("the first deck of the tutorial measures what theory says and what the page shows", "[golden]") {
+  constexpr double expected = 0.45 * 24.0, rounding = 1e-11;
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {tutorial("buck.net")});
+  REQUIRE(finished.status == 0);
+  const auto found = results(finished.out), shown = results(read_file(tutorial("README.md")));
+  REQUIRE(found.size() == 5);
+  CHECK(found.at("vout") == Approx(expected).epsilon(rounding));
+  CHECK(found.at("efficiency") == Approx(1.0).epsilon(rounding));
+  for (const auto& [name, value] : found) {
+    CAPTURE(name);
+    REQUIRE(shown.count(name) == 1);
+    CHECK(shown.at(name) == Approx(value).epsilon(same));
+  }
+}
+
+TEST_CASE("the sweep of the tutorial prints what the page shows", "[golden]") {
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {tutorial("losses.net")});
+  REQUIRE(finished.status == 0);
+  const auto page = lines(read_file(tutorial("README.md"))), table = lines(finished.out);
+  REQUIRE(table.size() == 5);
+  auto row = std::find(page.begin(), page.end(), "    " + table[0]);
+  for (std::size_t k = 1; k < table.size(); ++k) {
+    REQUIRE(page.end() - row > 1);
+    const auto found = numbers(table[k]), shown = numbers(*++row);
+    REQUIRE(shown.size() == found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(shown[i] == Approx(found[i]).epsilon(same));
+  }
+}
