@@ -27,9 +27,14 @@ bool OrderedRows::write(std::size_t run, std::string& text) {
   return written;
 }
 
+bool OrderedRows::failed() {
+  const std::scoped_lock lock(mutex_);
+  return file_.failed();
+}
+
 bool OrderedRows::finish(std::size_t run, std::string text) {
   const std::scoped_lock lock(mutex_);
-  finished_.emplace(run, std::move(text));
+  if (run >= next_) finished_.emplace(run, std::move(text));  // else it is finished already
   bool written = !file_.failed();
   for (auto first = finished_.begin(); first != finished_.end() && first->first == next_; first = finished_.erase(first), ++next_)
     written = put(first->second);

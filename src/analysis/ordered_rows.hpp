@@ -24,6 +24,8 @@ class OrderedRows {
   bool write(std::size_t run, std::string& text);
   /// Takes the rest; the run after it may write.
   bool finish(std::size_t run, std::string text);
+  /// Whether the file takes no more.
+  [[nodiscard]] bool failed();
   /// What stands before the rows.
   bool write_head(const std::string& text) { return file_.write(text); }
 

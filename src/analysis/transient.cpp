@@ -141,14 +141,15 @@ class MeasuredRun {
     request.probes = measuring_.probes();
     engine::Answer answer = simulate_(request, sink);
     measuring_.end_pass(answer.time);
-    if (answer.outcome == engine::Outcome::completed) run_again(request);
+    if (answer.outcome == engine::Outcome::completed) run_again(request, answer);
     return answer;
   }
 
   [[nodiscard]] measure::Results results() const { return measuring_.results(); }
 
  private:
-  void run_again(engine::Request request) {
+  /// A signal meanwhile counts as one in the first run.
+  void run_again(engine::Request request, engine::Answer& first) {
     NoRows sink;
     request.grid = {};
     request.events = request.jumps = false;
@@ -157,7 +158,13 @@ class MeasuredRun {
       request.probes = measuring_.probes();
       const engine::Answer answer = simulate_(request, sink);
       measuring_.end_pass(answer.time);
-      if (answer.outcome != engine::Outcome::completed) return;
+      if (answer.outcome == engine::Outcome::completed) continue;
+      if (answer.outcome == engine::Outcome::interrupted) {
+        first.outcome = answer.outcome;
+        first.id = answer.id;
+        first.message = answer.message;
+      }
+      return;
     }
   }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -87,7 +88,13 @@ class OptionReader {
     if (!number) return;
     const double value = number->value;
     const bool whole = without_case(item.text).starts_with("max_");
-    const elements::Parameter parameter{item.text, "", 0.0, whole ? Range::whole_positive : Range::positive, false, ""};
+    const bool is_seed = same_name(item.text, "seed");
+    const elements::Parameter parameter{item.text, "", 0.0, is_seed ? Range::not_negative : whole ? Range::whole_positive : Range::positive,
+                                        false,     ""};
+    if (is_seed && value != std::floor(value)) {
+      reporter_.error("E-range", item.items[0].span, fmt::format("the option seed must be a whole number, not {}", value));
+      return;
+    }
     const bool deep = same_name(item.text, "max_subcircuit_depth") && value > deepest_calls;
     if (!elements::in_range(parameter, value) || value > 1e15 || deep) {
       const std::string limit =
@@ -96,7 +103,7 @@ class OptionReader {
       return;
     }
     if (same_name(item.text, "reltol")) analyses_.relative_tolerance = value;
-    if (same_name(item.text, "seed")) options.seed = static_cast<std::uint64_t>(value);
+    if (is_seed) options.seed = static_cast<std::uint64_t>(value);
     if (same_name(item.text, "i0")) options.settings.tangent_current = value;
     if (same_name(item.text, "vdrive")) options.settings.gate_drive = value;
     if (same_name(item.text, "max_rows")) analyses_.row_limit = static_cast<std::uint64_t>(value);

@@ -34,6 +34,7 @@ int open_output(const std::string& name, const std::string& deck, Messages& mess
 int write_whole(waveform::OutputFile& file, const std::string& text, Messages& messages) {
   if (file.write(text) && file.commit()) return static_cast<int>(Status::done);
   if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);
+  file.discard();
   return fail(messages, Status::file_error, "E-cannot-write", fmt::format("{}: {}", file.name(), file.problem()));
 }
 

@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "analysis/ordered_rows.hpp"
@@ -118,7 +119,11 @@ class Sweep {
 
   void run_all(Progress& progress) {
     std::vector<std::thread> threads;
-    for (std::size_t k = 0; k < threads_; ++k) threads.emplace_back([this] { work(); });
+    try {
+      for (std::size_t k = 0; k < threads_; ++k) threads.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {  // no more threads are to be had: the run goes on with those there are
+      if (threads.empty()) work();
+    }
     for (std::unique_lock lock(mutex_); finished_ < records_.size();) {
       one_finished_.wait_for(lock, between_looks);
       progress.finished(static_cast<double>(finished_));
@@ -140,7 +145,7 @@ class Sweep {
     RunRecord& record = records_[run];
     bool has_rows = false;
     try {
-      if (caught_signal() != 0)
+      if (caught_signal() != 0 || rows_.failed())
         record.interrupted = true;
       else
         has_rows = simulate(run, record);

@@ -17,6 +17,7 @@ constexpr double overhang = 1e-9;
 constexpr double surroundings = 1e-3;
 /// Of the larger side of a comparison: a difference below it is none.
 constexpr double equality = 1e-13;
+constexpr const char* not_finite = "the expression is not finite everywhere in its window";
 
 circuit::MeasuredExpression difference_of(const circuit::Crossing& crossing) {
   circuit::MeasuredExpression difference = crossing.left;
@@ -122,6 +123,8 @@ void Meter::read_at(PieceView& view, double time) {
 void Meter::take_when(PieceView& view, double from, double to) {
   const double noise = noise_of(view, from, to);
   view.resolve(difference_, results_, from, to, scale_, [&](const Part& part) {
+    const bool is_done = found_ && !measurement_.when->last;
+    if (is_done || !is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     watch_->take(part, noise, [&](double time) { read_at(view, time); });
   });
@@ -129,9 +132,17 @@ void Meter::take_when(PieceView& view, double from, double to) {
 
 void Meter::take_window(PieceView& view, double from, double to) {
   view.resolve(expression_, results_, from, to, scale_, [&](const Part& part) {
+    if (!is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     add(part);
   });
+}
+
+/// False, and failed, where the expression has no value.
+bool Meter::is_finite(const Part& part) {
+  if (std::all_of(part.values.begin(), part.values.end(), [](double value) { return std::isfinite(value); })) return true;
+  fail(not_finite);
+  return false;
 }
 
 void Meter::add(const Part& part) {
@@ -166,7 +177,7 @@ void Meter::finish(double reached) {
   if (!failure_.empty()) return;
   const bool is_short = reached < to_ - sliver_;
   if (watch_ || measurement_.at) {
-    if (found_) return;
+    if (found_ && !(is_short && watch_ && measurement_.when->last)) return;
     if (is_short) return fail(fmt::format("the run ended at t = {} s", reached));
     const circuit::Crossing& crossing = *measurement_.when;
     return fail(fmt::format("{} {} {} {} from {} s to {} s{}", crossing.left.text, verb(crossing.edge), crossing.right.text,
@@ -201,7 +212,7 @@ void Meter::finish(double reached) {
       value_ = largest_at_;
       break;
   }
-  if (!std::isfinite(value_)) fail("the expression is not finite everywhere in its window");
+  if (!std::isfinite(value_)) fail(not_finite);
 }
 
 }  // namespace pwlsim::measure

@@ -35,6 +35,7 @@ class Meter {
   using Kind = circuit::Measurement::Kind;
   void set_window(double start, double stop);
   void set_place(double stop);
+  [[nodiscard]] bool is_finite(const Part& part);
   void fail(std::string text) { failure_ = std::move(text); }
   [[nodiscard]] bool is_window() const;
   void take_window(PieceView& view, double from, double to);

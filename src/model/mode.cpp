@@ -41,6 +41,7 @@ constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
 constexpr double bad_condition = 1e2;
 /// Of an entry of D that was not rounded to double: a few of its last places at order one.
 constexpr Wide entry_rounding = 4e-19L;
+constexpr Wide output_rounding = 1e-15L;  ///< of the terms of an entry that reads state and ports, both rounded to double
 /// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
 constexpr double row_noise = 1e-15;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
@@ -199,7 +200,7 @@ class Builder {
   void build_flow();
   void build_rows();
   template <class Input>
-  void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input);
+  void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input, Wide rounding);
   void clean_diode_rows(WideMatrix& rows) const;
   [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
 
@@ -377,7 +378,7 @@ void Builder::build_flow() {
 
 /// rows(row, ·) += input·K, cleaned.
 template <class Input>
-void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input) {
+void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input, Wide rounding) {
   input_.resize(kj_.rows());
   for (std::size_t a = 0; a < r_.j.size(); ++a) input_[static_cast<Eigen::Index>(a)] = input[r_.j[a]];
   if (input_.isZero(0)) return;
@@ -389,7 +390,7 @@ void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input)
       sum += term;
       bound += std::abs(term);
     }
-    rows(row, j) = std::abs(sum) <= linalg::wide_clean_tolerance * bound ? 0 : sum;
+    rows(row, j) = std::abs(sum) <= rounding * bound ? 0 : sum;
   }
 }
 
@@ -417,13 +418,13 @@ void Builder::build_rows() {
   for (int i = 0; i < s_.diodes; ++i) {
     if (m.active.contains(i)) continue;
     full.row(i) = w_->c.row(i);
-    add_inputs(full, i, w_->d.row(i));
+    add_inputs(full, i, w_->d.row(i), linalg::wide_clean_tolerance);
   }
   for (int i = 0; i < controls + outputs; ++i) {
     const OutputRow& row =
         i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
     full.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
-    add_inputs(full, s_.diodes + i, row.input);
+    add_inputs(full, s_.diodes + i, row.input, i < controls ? linalg::wide_clean_tolerance : output_rounding);
   }
   clean_diode_rows(full);
   const Matrix rows = in_mode(full);

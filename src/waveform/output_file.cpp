@@ -139,6 +139,11 @@ OutputFile::~OutputFile() {
     if (descriptor >= 0 && descriptor != STDOUT_FILENO) ::close(descriptor);
 }
 
+void OutputFile::discard() {
+  if (!partial_.empty()) ::unlink(partial_.c_str());
+  partial_.clear();
+}
+
 bool OutputFile::write(std::string_view bytes, std::size_t row_bytes) {
   if (failure_ != 0) return false;
   std::size_t written = 0;

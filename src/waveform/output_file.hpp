@@ -35,6 +35,9 @@ class OutputFile {
   /// Completes and renames. False where writing, now or before, or renaming failed.
   bool commit();
 
+  /// Part of it is worth nothing: the temporary file goes.
+  void discard();
+
   [[nodiscard]] bool failed() const { return failure_ != 0; }
   [[nodiscard]] bool closed_pipe() const;
   /// The operating system's words for the failure, "" where there is none.

@@ -1,6 +1,9 @@
 // What .meas and .four print, and where.
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
 
 #include "cli/run_in.hpp"
 
@@ -98,4 +101,32 @@ TEST_CASE("a mistake in a .meas card is an error before anything runs", "[unit]"
   CHECK(finished.status == 2);
   CHECK(finished.out.empty());
   CHECK(!std::filesystem::exists(scratch / "wrong.csv"));
+}
+
+// A diode with Ron = 10 mOhm and 0.7 V feeds 1 kOhm from 10 sin ωt: it conducts while 10 sin ωt > 0.7, and carries nothing before that.
+TEST_CASE("the current of a blocking diode passes zero when it starts and ends to flow, not before", "[unit]") {
+  constexpr double pi = std::numbers::pi, rounding = 1e-12;
+  const Scratch scratch;
+  scratch.write("d.net",
+                "blocking diode\nV1 a 0 SIN(0 10 50)\nD1 a b DD\nR1 b 0 1k\n.model DD D(Ron=10m Vfwd=0.7)\n.tran 1m 40m\n"
+                ".meas first WHEN i(D1)=0 FALL=1\n.meas second WHEN i(D1)=0 RISE=LAST\n.meas off FIND i(D1) AT=0.1m\n");
+  const Finished finished = run_in(scratch, {"d.net", "--quiet"});
+  const auto value = [&](const std::string& name) {
+    const auto at = finished.out.find(name + " = ");
+    REQUIRE(at != std::string::npos);
+    return std::strtod(finished.out.c_str() + at + name.size() + 3, nullptr);
+  };
+  const double delay = std::asin(0.07) / (100.0 * pi);
+  CHECK(value("first") == Approx(0.01 - delay).epsilon(rounding));
+  CHECK(value("second") == Approx(0.02 + delay).epsilon(rounding));
+  CHECK(value("off") == 0.0);
+}
+
+TEST_CASE("an extremum of what has no value for part of the window fails", "[unit]") {
+  const Scratch scratch;
+  scratch.write("n.net",
+                "part of it\nV1 a 0 SIN(0 2 50)\nR1 a 0 1\n.tran 1m 20m\n.meas m MAX sqrt(v(a)-1)\n.meas w WHEN sqrt(v(a)-1)=0.5\n");
+  const Finished finished = run_in(scratch, {"n.net"});
+  CHECK(finished.out == "m = failed\nw = failed\n");
+  CHECK_THAT(finished.err, Contains("not finite"));
 }

@@ -74,7 +74,9 @@ void IslandRun::take_event(double end) {
   const double tau = event_.tau + segment_.late;
   const double sum = segment_.anchor + tau;
   event_time_ = std::min(end, sum);
-  event_late_ = event_time_ == sum ? (segment_.anchor - sum) + tau : 0.0;
+  // Knuth's sum without a condition on the sizes: anchor + tau = sum + late.
+  const double share = sum - segment_.anchor;
+  event_late_ = event_time_ == sum ? (segment_.anchor - (sum - share)) + (tau - share) : 0.0;
 }
 
 /// Goes on behind a corner, unless a switch is at its threshold there: then it is an instant of the run.

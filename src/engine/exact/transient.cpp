@@ -410,6 +410,7 @@ bool Transient::push_row() {
   ++answer_.statistics.rows;
   if (++buffered_ < rows_per_block) return true;
   if (request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0) {
+    now_ = std::max(now_, row_time_);  // nothing happens between the last instant and this row
     fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {});
     flush();
     return false;
