@@ -218,7 +218,8 @@ class Sweep {
     }
     for (const auto& [id, place] : first_and_count) {
       const auto& remarks = records_[place.first].remarks;
-      const auto remark = std::find_if(remarks.begin(), remarks.end(), [&](const engine::Remark& other) { return other.id == id; });
+      const auto remark =
+          std::find_if(remarks.begin(), remarks.end(), [&wanted = id](const engine::Remark& other) { return other.id == wanted; });
       const std::string others = place.second > 1 ? fmt::format(" (and likewise in {} other runs)", place.second - 1) : "";
       messages_.report({id.starts_with("W-") ? Severity::warning : Severity::note,
                         id,
