@@ -1,11 +1,12 @@
 #include "circuit/floating.hpp"
 
 #include <map>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "model/disjoint_sets.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -15,21 +16,13 @@ using model::NodeIndex;
 /// Node k stands at k+1, ground at 0; the root of ground's group is 0.
 class Groups {
  public:
-  explicit Groups(std::size_t nodes) : parent_(nodes + 1) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  explicit Groups(std::size_t nodes) : sets_(static_cast<int>(nodes) + 1) {}
 
-  std::size_t root(NodeIndex node) { return find(static_cast<std::size_t>(node + 1)); }
-  void join(NodeIndex a, NodeIndex b) {
-    const std::size_t x = root(a), y = root(b);
-    parent_[std::max(x, y)] = std::min(x, y);
-  }
+  int root(NodeIndex node) { return sets_.find(node + 1); }
+  void join(NodeIndex a, NodeIndex b) { sets_.join(a + 1, b + 1); }
 
  private:
-  std::size_t find(std::size_t k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-
-  std::vector<std::size_t> parent_;
+  model::DisjointSets sets_;
 };
 
 using elements::Instance;
@@ -80,9 +73,9 @@ std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& g
 void report_floating(const Circuit& circuit, Reporter& reporter) {
   Groups groups(circuit.nodes().size());
   join(circuit, groups);
-  std::map<std::size_t, std::vector<std::size_t>> floating;
+  std::map<int, std::vector<std::size_t>> floating;
   for (std::size_t k = 0; k < circuit.nodes().size(); ++k) {
-    if (const std::size_t root = groups.root(static_cast<NodeIndex>(k)); root != 0) floating[root].push_back(k);
+    if (const int root = groups.root(static_cast<NodeIndex>(k)); root != 0) floating[root].push_back(k);
   }
   for (const auto& [root, group] : floating) {
     const model::Label& first = circuit.nodes()[group[0]];

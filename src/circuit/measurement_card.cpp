@@ -5,6 +5,7 @@
 
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/items.hpp"
 #include "circuit/measured_expression.hpp"
 #include "circuit/save_request.hpp"
 #include "netlist/card_style.hpp"
@@ -45,8 +46,6 @@ constexpr KindName kind_names[] = {
     {"when", Kind::time},
     {"param", Kind::parameter},
 };
-
-bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
 
 bool is_keyword(const Item& item) { return item.kind == ItemKind::word && netlist::is_measurement_keyword(item.text); }
 

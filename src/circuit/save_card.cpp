@@ -5,6 +5,7 @@
 
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/items.hpp"
 #include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
@@ -15,8 +16,6 @@ using netlist::Item;
 using ItemKind = Item::Kind;
 
 constexpr std::string_view usage = "v(node), v(node,node), i(element), x(system,1), u(system,1), y(system,1), or all";
-
-bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
 
 bool holds_words(const Item& group, std::size_t least, std::size_t most) {
   if (group.items.size() < least || group.items.size() > most) return false;

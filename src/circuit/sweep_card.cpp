@@ -5,6 +5,7 @@
 
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/items.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -18,8 +19,6 @@ constexpr std::size_t most_sweeps = 3;
 constexpr double most_points = 1e6;
 
 enum class Spacing { linear, decade, octave, list };
-
-bool is_word(const Item& item, std::string_view text) { return item.kind == ItemKind::word && same_name(item.text, text); }
 
 std::optional<Spacing> spacing_of(const Item& item) {
   if (is_word(item, "lin")) return Spacing::linear;

@@ -4,6 +4,7 @@
 
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/items.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -42,12 +43,12 @@ class TransientReader {
   }
 
   void read_item(const Item& item) {
-    if (item.kind == ItemKind::word && (same_name(item.text, "uic") || same_name(item.text, "skipbp"))) {
+    if (is_word(item, "uic") || is_word(item, "skipbp")) {
       use_initial_conditions_ = true;
-    } else if (item.kind == ItemKind::word && same_name(item.text, "startup")) {
+    } else if (is_word(item, "startup")) {
       use_initial_conditions_ = true;
       reporter_.warning("W-startup", item.span, "startup is read as uic: the sources are there from t = 0 on and do not rise within 20 us");
-    } else if (item.kind == ItemKind::word && same_name(item.text, "nodiscard")) {
+    } else if (is_word(item, "nodiscard")) {
       return;  // every row from Tstart on is kept anyway
     } else if (item.kind == ItemKind::word && is_foreign(item.text)) {
       reporter_.error("E-not-supported", item.span, fmt::format("{} on .tran is not supported; usage: {}", item.text, usage));

@@ -18,10 +18,10 @@
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
+#include "cli/prepared_engine.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/sweep_session.hpp"
-#include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
 
 namespace pwlsim::cli {
@@ -70,7 +70,6 @@ class Session {
   }
 
   int prepare();
-  void prepare_engine(Diagnostics& diagnostics);
   void warn_of_sparse_engine();
   int check_tolerance();
   int open_files();
@@ -94,8 +93,7 @@ class Session {
   SourceStore sources_;
   netlist::Deck deck_;
   std::optional<circuit::Compiled> compiled_;
-  std::shared_ptr<const engine::ExactModel> exact_;
-  std::shared_ptr<const engine::sparse::SparseModel> sparse_;
+  PreparedEngine engine_;
   double reltol_ = engine::sparse::default_tolerance;
   std::optional<OutputFile> rows_file_, statistics_file_, report_file_;
   PictureFile plot_file_;
@@ -118,23 +116,14 @@ int Session::prepare() {
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
-  prepare_engine(diagnostics);
+  reltol_ = options_.reltol.value_or(compiled_->analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
+  engine_ = prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics);
+  report_.engine = engine_.name;
   report_.seconds.model = since(model_start);
   messages_.report(diagnostics, sources_);
-  if ((!exact_ && !sparse_) || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
-  if (const int status = sparse_ ? check_tolerance() : 0; status != 0) return status;
+  if (!engine_.simulate || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+  if (const int status = engine_.is_sparse() ? check_tolerance() : 0; status != 0) return status;
   return interrupted_before_run();
-}
-
-void Session::prepare_engine(Diagnostics& diagnostics) {
-  const bool large = options_.engine == EngineChoice::automatic && engine::sparse::pays(compiled_->network);
-  if (large || options_.engine == EngineChoice::sparse) {
-    sparse_ = engine::sparse::prepare(compiled_->network, diagnostics);
-    report_.engine = "sparse";
-  } else {
-    exact_ = engine::prepare(compiled_->network, diagnostics);
-    report_.engine = "exact";
-  }
 }
 
 /// What sets its results apart from exact ones.
@@ -151,7 +140,6 @@ void Session::warn_of_sparse_engine() {
 }
 
 int Session::check_tolerance() {
-  reltol_ = options_.reltol.value_or(compiled_->analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
   if (reltol_ >= engine::sparse::least_tolerance && reltol_ <= engine::sparse::largest_tolerance) return 0;
   return fail(Status::wrong_input, "E-tolerance",
               fmt::format("a relative tolerance of {} is {}; try {}, or --engine exact", reltol_,
@@ -200,13 +188,13 @@ int Session::check_sweep() {
 
 int Session::sweep() {
   const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_);
-  if (sparse_) warn_of_sparse_engine();
+  if (engine_.is_sparse()) warn_of_sparse_engine();
   report_.seconds.total = since(start_);
   return status;
 }
 
 int Session::operating_point() {
-  const engine::OperatingPoint point = sparse_ ? engine::sparse::operating_point(*sparse_) : engine::operating_point(*exact_);
+  const engine::OperatingPoint point = engine_.operating_point();
   take_remarks(point.answer);
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
   outcome_.operating_point = point.values;
@@ -224,15 +212,12 @@ int Session::transient() {
     analysis::RunControl control{
         options_.events, options_.events || options_.json || report_file_ || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
-    const auto simulate = [this](const engine::Request& request, engine::RowSink& sink) {
-      return sparse_ ? engine::sparse::run(*sparse_, request, reltol_, sink) : engine::run(*exact_, request, sink);
-    };
     if (plot_file_.is_open() || report_file_)
       control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->saved_signals());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
-    run = analysis::run_transient(*compiled_, simulate, *rows_file_, *writer, control);
+    run = analysis::run_transient(*compiled_, engine_.simulate, *rows_file_, *writer, control);
   }
-  if (sparse_) warn_of_sparse_engine();
+  if (engine_.is_sparse()) warn_of_sparse_engine();
   take_remarks(run.answer);
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;

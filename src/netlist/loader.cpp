@@ -303,7 +303,7 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
     read.reason = "no such file beside the file that names it, nor in the current directory";
   }
   const std::string text = fmt::format("cannot read '{}': {}", request.file, read.reason);
-  if (request.library && (is_standard_library(request.file) || is_windows_path(request.file))) {
+  if (request.is_library && (is_standard_library(request.file) || is_windows_path(request.file))) {
     errors_.diagnostics().warning("W-lib-skipped", request.file_span, text + "; its models are missing where they are used");
   } else {
     errors_.report("E-include-unreadable", request.file_span, text);

@@ -39,7 +39,7 @@ class Loader {
     std::string_view section;  ///< empty: the whole file
     SourceSpan file_span;
     SourceSpan section_span;
-    bool library = false;
+    bool is_library = false;
   };
   /// What is being read, to see recursion and depth.
   struct Visit {

@@ -2,10 +2,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
-#include "regression/deck_run.hpp"
+#include "regression/cards.hpp"
 
 using namespace pwlsim;
 using namespace pwlsim::test;
@@ -13,23 +12,6 @@ using namespace pwlsim::test;
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double exact = 1e-11;  ///< of the largest value of a signal
-
-DeckRun completed(const std::string& cards, bool events = false) {
-  DeckRun run = run_text("t\n" + cards, events);
-  INFO(run.messages << run.answer.message);
-  REQUIRE(run.messages.empty());
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  return run;
-}
-
-/// The signal saved as number k, from 1, against a function of time; `size` is its largest value.
-void check(const DeckRun& run, std::size_t k, double size, const std::function<double(double)>& expected) {
-  for (const auto& row : run.rows) {
-    INFO(run.signals[k - 1] << " at t = " << row[0]);
-    CHECK(row[k] == Approx(expected(row[0])).margin(exact * size));
-  }
-}
 
 /// Times at which the values of a run with events change abruptly or its rows come in pairs, in order, each once.
 std::vector<double> event_times(const DeckRun& run) {
@@ -55,15 +37,15 @@ double root(const std::function<double(double)>& f, double a, double b) {
 
 TEST_CASE("thyristor: half-wave rectifier with a resistor conducts from the firing angle to the zero of the voltage", "[regression]") {
   const double alpha = pi / 3.0;
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 s 0 SIN(0 100 {1/(2*pi)})\nX1 s o g thyristor\nR1 o 0 10\nVG g o PULSE(0 1 {pi/3} 0 0 0.01 {2*pi})\n.save v(o) i(x1.D1)\n"
       ".tran 0.13 13\n");
   const auto current = [&](double t) {
     const double angle = std::fmod(t, 2.0 * pi);
     return angle > alpha && angle < pi ? 10.0 * std::sin(t) : 0.0;
   };
-  check(run, 1, 100.0, [&](double t) { return 10.0 * current(t); });
-  check(run, 2, 10.0, current);
+  check_signal(run, 1, 100.0, [&](double t) { return 10.0 * current(t); });
+  check_signal(run, 2, 10.0, current);
 }
 
 TEST_CASE("thyristor: half-wave rectifier with an inductor conducts on to the extinction angle", "[regression]") {
@@ -73,12 +55,12 @@ TEST_CASE("thyristor: half-wave rectifier with an inductor conducts on to the ex
     return (std::sin(t - pi / 4.0) - std::sin(alpha - pi / 4.0) * std::exp(alpha - t)) / std::sqrt(2.0);
   };
   const double beta = root([&](double t) { return -current(t); }, std::max(pi, alpha + 0.01), 2.0 * pi);
-  const DeckRun run = completed("V1 s 0 SIN(0 1 {1/(2*pi)})\nX1 s o g thyristor\nL1 o p 1\nR1 p 0 1\nVG g o PULSE(0 1 " +
+  const DeckRun run = run_cards("V1 s 0 SIN(0 1 {1/(2*pi)})\nX1 s o g thyristor\nL1 o p 1\nR1 p 0 1\nVG g o PULSE(0 1 " +
                                     std::to_string(alpha) + " 0 0 1m {2*pi})\n.save i(L1)\n.tran 0.0625 12\n",
                                 true);
   CHECK(holds(event_times(run), beta));
   CHECK(holds(event_times(run), alpha + 2.0 * pi));
-  check(run, 1, 1.0, [&](double t) {
+  check_signal(run, 1, 1.0, [&](double t) {
     const double angle = std::fmod(t, 2.0 * pi);
     return angle >= alpha && angle <= beta ? current(angle) : 0.0;
   });
@@ -86,29 +68,30 @@ TEST_CASE("thyristor: half-wave rectifier with an inductor conducts on to the ex
 
 TEST_CASE("thyristor: once fired it needs no gate, and blocks forward voltage until it is fired again", "[regression]") {
   // A pulse rings half a period through L and C, which stays at twice the voltage; discharged by S1 the capacitor is charged again at t = 7.
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 s 0 1\nX1 s a g thyristor\nL1 a c 1\nC1 c 0 1\nS1 c 0 d 0 sw\n.model sw SW(Vt=0.5)\nVG g a PULSE(0 1 1 0 0 10m 6)\n"
       "VD d 0 PULSE(0 1 5 0 0 0.5)\n.save v(c) i(L1)\n.tran 0.0625 12 uic\n");
   const auto charge = [](double t, double start) { return t < start ? 0.0 : 1.0 - std::cos(std::min(t - start, pi)); };
-  check(run, 1, 2.0, [&](double t) { return t < 5.0 ? charge(t, 1.0) : charge(t, 7.0); });
-  check(run, 2, 1.0, [&](double t) {
+  check_signal(run, 1, 2.0, [&](double t) { return t < 5.0 ? charge(t, 1.0) : charge(t, 7.0); });
+  check_signal(run, 2, 1.0, [&](double t) {
     const double phase = t - (t < 5.0 ? 1.0 : 7.0);
     return phase > 0.0 && phase < pi ? std::sin(phase) : 0.0;
   });
 }
 
 TEST_CASE("thyristor: a gate under reverse voltage does not fire it, one that lasts fires it when the voltage turns", "[regression]") {
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 s 0 SIN(0 1 {1/(2*pi)})\nX1 s o g thyristor\nR1 o 0 1\nVG g o PWL(0 0 4 0 4 1 5 1 5 0 11 0 11 1 13 1 13 0)\n.save v(o)\n.tran "
       "0.1 "
       "18\n");
-  check(run, 1, 1.0, [](double t) { return t > 4.0 * pi && t < 5.0 * pi ? std::sin(t) : 0.0; });
+  check_signal(run, 1, 1.0, [](double t) { return t > 4.0 * pi && t < 5.0 * pi ? std::sin(t) : 0.0; });
 }
 
 TEST_CASE("thyristor: drop, resistance and holding current", "[regression]") {
   const double current_held = 0.5;
-  const DeckRun run = completed(
-      "V1 s 0 SIN(0 10 {1/(2*pi)})\nX1 s o g thyristor ron=0.5 vf=1 ih=0.5 vgt=0.9\nR1 o 0 1.5\nVG g o PULSE(0 1 1 0 0 10m)\n.save v(o)\n.tran "
+  const DeckRun run = run_cards(
+      "V1 s 0 SIN(0 10 {1/(2*pi)})\nX1 s o g thyristor ron=0.5 vf=1 ih=0.5 vgt=0.9\nR1 o 0 1.5\nVG g o PULSE(0 1 1 0 0 10m)\n.save "
+      "v(o)\n.tran "
       "0.01 6\n",
       true);
   const auto current = [](double t) { return (10.0 * std::sin(t) - 1.0) / 2.0; };
@@ -122,14 +105,14 @@ TEST_CASE("thyristor: drop, resistance and holding current", "[regression]") {
 TEST_CASE("thyristor: single-phase bridge that feeds a current commutates at the firing angle", "[regression]") {
   const double alpha = 0.75;
   // DF carries the current until the first thyristors fire.
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 p n SIN(0 1 {1/(2*pi)})\nR1 n 0 1\nX1 p d g1 thyristor\nX2 n d g2 thyristor\nX3 e p g3 thyristor\nX4 e n g4 thyristor\n"
       "I1 d e 1\nDF e f d\nVF f d 3\n.model d D\n.param a=0.75\nV11 g1 d PULSE(0 1 {a} 0 0 1m {2*pi})\nV14 g4 n PULSE(0 1 {a} 0 0 1m "
       "{2*pi})\n"
       "V12 g2 d PULSE(0 1 {a-pi} 0 0 1m {2*pi})\nV13 g3 p PULSE(0 1 {a-pi} 0 0 1m {2*pi})\n.save v(d,e) i(X1.D1)\n"
       ".tran 0.1 13 1\n");
-  check(run, 1, 1.0, [&](double t) { return std::fmod(t - alpha, 2.0 * pi) < pi ? std::sin(t) : -std::sin(t); });
-  check(run, 2, 1.0, [&](double t) { return std::fmod(t - alpha, 2.0 * pi) < pi ? 1.0 : 0.0; });
+  check_signal(run, 1, 1.0, [&](double t) { return std::fmod(t - alpha, 2.0 * pi) < pi ? std::sin(t) : -std::sin(t); });
+  check_signal(run, 2, 1.0, [&](double t) { return std::fmod(t - alpha, 2.0 * pi) < pi ? 1.0 : 0.0; });
 }
 
 TEST_CASE("thyristor: six-pulse bridge with source inductance commutates over the overlap angle", "[regression]") {
@@ -148,7 +131,7 @@ TEST_CASE("thyristor: six-pulse bridge with source inductance commutates over th
     cards += "VU" + phase + " gu" + phase + " p PULSE(0 1 {" + delay + "} 0 0 1.2 {T})\n";
     cards += "VL" + phase + " gl" + phase + " " + phase + " PULSE(0 1 {" + delay + "-T/2} 0 0 1.2 {T})\n";
   }
-  const DeckRun run = completed(cards + ".save v(p,n) i(La)\n.tran 0.05 20 6.4\n", true);
+  const DeckRun run = run_cards(cards + ".save v(p,n) i(La)\n.tran 0.05 20 6.4\n", true);
   const std::vector<double> times = event_times(run);
   const double firing = pi / 6.0 + alpha + 2.0 * pi;
   for (int k = 0; k < 6; ++k) {
@@ -166,11 +149,11 @@ TEST_CASE("thyristor: six-pulse bridge with source inductance commutates over th
 
 TEST_CASE("mosfet: conducts both ways when on, through its body diode when off", "[regression]") {
   // 1 ohm behind 4 sin t; Ron = 1 when on; off, the diode takes what is below -vf with rd.
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 s 0 SIN(0 4 {1/(2*pi)})\nR1 s d 1\nX1 d g 0 mosfet ron=1 vth=3 vh=0.5 vf=0.5 rd=3\nVG g 0 PWL(0 0 1 0 1 10 7 10 7 3.2 8 3.2 8 "
       "0)\n"
       ".save v(d)\n.tran 0.1 13\n");
-  check(run, 1, 4.0, [](double t) {
+  check_signal(run, 1, 4.0, [](double t) {
     const double v = 4.0 * std::sin(t);
     if (t >= 1.0 && t < 8.0) {
       const double on = 0.5 * v;
@@ -181,10 +164,10 @@ TEST_CASE("mosfet: conducts both ways when on, through its body diode when off",
 }
 
 TEST_CASE("igbt: conducts from collector to emitter when on, its diode the other way", "[regression]") {
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 s 0 SIN(0 4 {1/(2*pi)})\nR1 s c 1\nX1 c g 0 igbt ron=1 vce=1 vf=0.5 rd=0.6\nVG g 0 PULSE(0 15 1 0 0 6)\n.save v(c)\n.tran 0.1 "
       "13\n");
-  check(run, 1, 4.0, [](double t) {
+  check_signal(run, 1, 4.0, [](double t) {
     const double v = 4.0 * std::sin(t);
     if (v < -0.5) return -0.5 + (v + 0.5) * 0.6 / 1.6;
     return t >= 1.0 && t < 7.0 && v > 1.0 ? 1.0 + 0.5 * (v - 1.0) : v;
@@ -193,46 +176,46 @@ TEST_CASE("igbt: conducts from collector to emitter when on, its diode the other
 
 TEST_CASE("opamp: an inverting amplifier that saturates", "[regression]") {
   const std::string x = GENERATE("X1 n 0 out opamp vmax=15 vmin=-12\n", "X1 0 n p m out opamp5\nVP p 0 15\nVM m 0 -12\n");
-  const DeckRun run = completed("V1 in 0 SIN(0 2 {1/(2*pi)})\nR1 in n 1k\nR2 n out 10k\n" + x + ".save v(out) v(n)\n.tran 0.1 13\n");
+  const DeckRun run = run_cards("V1 in 0 SIN(0 2 {1/(2*pi)})\nR1 in n 1k\nR2 n out 10k\n" + x + ".save v(out) v(n)\n.tran 0.1 13\n");
   const auto out = [](double t) { return std::clamp(-20.0 * std::sin(t), -12.0, 15.0); };
-  check(run, 1, 15.0, out);
-  check(run, 2, 2.0, [&](double t) { return (10.0 * 2.0 * std::sin(t) + out(t)) / 11.0; });
+  check_signal(run, 1, 15.0, out);
+  check_signal(run, 2, 2.0, [&](double t) { return (10.0 * 2.0 * std::sin(t) + out(t)) / 11.0; });
 }
 
 TEST_CASE("opamp: an integrator between its rails", "[regression]") {
   // -1 V into R C = 1 s: up to the rail at 3 s; from 5 s on, +1 V: what the capacitor took over R meanwhile must go first.
   const DeckRun run =
-      completed("V1 in 0 PULSE(-1 1 5 0 0 20)\nR1 in n 1\nC1 n out 1\nX1 n 0 out opamp vmax=3 vmin=-3\n.save v(out)\n.tran 0.1 12 uic\n");
+      run_cards("V1 in 0 PULSE(-1 1 5 0 0 20)\nR1 in n 1\nC1 n out 1\nX1 n 0 out opamp vmax=3 vmin=-3\n.save v(out)\n.tran 0.1 12 uic\n");
   // On the rail v(n) follows -1 + exp(-(t - 3)); from 5 s on it rises towards 1 and the output falls when it is back at zero.
   const double low = std::exp(-2.0) - 1.0;
   const double back = 5.0 + std::log(1.0 - low);
-  check(run, 1, 3.0, [&](double t) { return t < 5.0 ? std::min(t, 3.0) : std::clamp(3.0 - (t - back), -3.0, 3.0); });
+  check_signal(run, 1, 3.0, [&](double t) { return t < 5.0 ? std::min(t, 3.0) : std::clamp(3.0 - (t - back), -3.0, 3.0); });
 }
 
 TEST_CASE("opamp: a Schmitt trigger switches at a third of its rails", "[regression]") {
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 in 0 SIN(0 10 {1/(2*pi)})\nR1 p 0 1k\nR2 p out 2k\nX1 in p out opamp vmax=15 vmin=-15 gbw=1T\n.save v(out)\n"
       ".tran 0.1 13 0.1\n");
   const double up = pi + std::asin(1.0 / 2.0);  // from a start on the threshold in the middle it goes down
-  check(run, 1, 15.0, [&](double t) { return t < up || std::fmod(t - up, 2.0 * pi) > pi ? -15.0 : 15.0; });
+  check_signal(run, 1, 15.0, [&](double t) { return t < up || std::fmod(t - up, 2.0 * pi) > pi ? -15.0 : 15.0; });
 }
 
 TEST_CASE("opamp: the pole of a follower lies at its gain-bandwidth product", "[regression]") {
-  const DeckRun run = completed("V1 in 0 PULSE(0 1 0)\nX1 out in out opamp gbw={1/(2*pi)}\n.save v(out)\n.tran 0.1 5\n");
-  check(run, 1, 1.0, [](double t) { return 1.0 - std::exp(-t); });
-  const DeckRun finite = completed("V1 in 0 2\nR1 in n 1k\nR2 n out 10k\nX1 n 0 out opamp aol=99\n.save v(out)\n.tran 1 2\n");
-  check(finite, 1, 20.0, [](double) { return -20.0 / (1.0 + 11.0 / 99.0); });
+  const DeckRun run = run_cards("V1 in 0 PULSE(0 1 0)\nX1 out in out opamp gbw={1/(2*pi)}\n.save v(out)\n.tran 0.1 5\n");
+  check_signal(run, 1, 1.0, [](double t) { return 1.0 - std::exp(-t); });
+  const DeckRun finite = run_cards("V1 in 0 2\nR1 in n 1k\nR2 n out 10k\nX1 n 0 out opamp aol=99\n.save v(out)\n.tran 1 2\n");
+  check_signal(finite, 1, 20.0, [](double) { return -20.0 / (1.0 + 11.0 / 99.0); });
 }
 
 TEST_CASE("xfmr: voltage, current and impedance by the ratio", "[regression]") {
   const DeckRun run =
-      completed("V1 s 0 SIN(0 100 {1/(2*pi)})\nX1 s 0 a 0 xfmr n=4\nD1 a b d\n.model d D\nR1 b 0 5\n.save v(a) v(b) i(V1)\n.tran 0.1 13\n");
-  check(run, 1, 25.0, [](double t) { return 25.0 * std::sin(t); });
-  check(run, 2, 25.0, [](double t) { return std::max(25.0 * std::sin(t), 0.0); });
-  check(run, 3, 1.25, [](double t) { return -std::max(25.0 * std::sin(t), 0.0) / 5.0 / 4.0; });
+      run_cards("V1 s 0 SIN(0 100 {1/(2*pi)})\nX1 s 0 a 0 xfmr n=4\nD1 a b d\n.model d D\nR1 b 0 5\n.save v(a) v(b) i(V1)\n.tran 0.1 13\n");
+  check_signal(run, 1, 25.0, [](double t) { return 25.0 * std::sin(t); });
+  check_signal(run, 2, 25.0, [](double t) { return std::max(25.0 * std::sin(t), 0.0); });
+  check_signal(run, 3, 1.25, [](double t) { return -std::max(25.0 * std::sin(t), 0.0) / 5.0 / 4.0; });
 }
 
 TEST_CASE("a deck's own subcircuit of a shipped name rules", "[regression]") {
-  const DeckRun run = completed("V1 a 0 1\nX1 a b xfmr\nR1 b 0 1\n.subckt xfmr a b\nR1 a b 3\n.ends\n.save v(b)\n.tran 1 1\n");
-  check(run, 1, 1.0, [](double) { return 0.25; });
+  const DeckRun run = run_cards("V1 a 0 1\nX1 a b xfmr\nR1 b 0 1\n.subckt xfmr a b\nR1 a b 3\n.ends\n.save v(b)\n.tran 1 1\n");
+  check_signal(run, 1, 1.0, [](double) { return 0.25; });
 }

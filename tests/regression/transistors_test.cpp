@@ -2,34 +2,17 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <string>
 
-#include "regression/deck_run.hpp"
+#include "regression/cards.hpp"
 
 using namespace pwlsim;
 using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-11;  ///< of the largest value of a signal
 /// kT/q at 27 °C from the constants of the SI.
 constexpr double thermal = 1.380649e-23 * 300.15 / 1.602176634e-19;
-
-DeckRun completed(const std::string& cards) {
-  DeckRun run = run_text("t\n" + cards);
-  INFO(run.messages << run.answer.message);
-  REQUIRE(run.messages.empty());
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  return run;
-}
-
-void check(const DeckRun& run, std::size_t k, double size, const std::function<double(double)>& expected) {
-  for (const auto& row : run.rows) {
-    INFO(run.signals[k - 1] << " at t = " << row[0]);
-    CHECK(row[k] == Approx(expected(row[0])).margin(exact * size));
-  }
-}
 
 /// The tangent of RS·i + N·Vt·ln(i/IS) at i0.
 double drop(double saturation, double i0) { return thermal * (std::log(i0 / saturation) - 1.0); }
@@ -47,28 +30,28 @@ TEST_CASE("a MOSFET closes at its threshold with the resistance of its model", "
                Form{"NMOS(level=1 VTO=4 KP=2e-5 W=1 L=1u LAMBDA=0.01)", 1.0 / (2e-5 * 1e6 * 6.0)},
                Form{"NMOS(level=3 VTO=4 TOX=50n UO=500 W=1 L=1u)", 1.0 / (0.05 * 3.9 * 8.8541878128e-12 / 50e-9 * 1e6 * 6.0)});
   const std::string nodes = GENERATE("d g 0", "d g 0 0");
-  const DeckRun run = completed("V1 a 0 10\nR1 a d 10\nM1 " + nodes + " MX\n.model MX " + form.model +
+  const DeckRun run = run_cards("V1 a 0 10\nR1 a d 10\nM1 " + nodes + " MX\n.model MX " + form.model +
                                 "\nVG g 0 PWL(0 0 1 10)\n.save v(d) i(M1)\n.tran 0.0625 1\n");
   const auto on = [](double t) { return 10.0 * t > 4.0; };
-  check(run, 1, 10.0, [&](double t) { return on(t) ? 10.0 * form.resistance / (10.0 + form.resistance) : 10.0; });
-  check(run, 2, 1.0, [&](double t) { return on(t) ? 10.0 / (10.0 + form.resistance) : 0.0; });
+  check_signal(run, 1, 10.0, [&](double t) { return on(t) ? 10.0 * form.resistance / (10.0 + form.resistance) : 10.0; });
+  check_signal(run, 2, 1.0, [&](double t) { return on(t) ? 10.0 / (10.0 + form.resistance) : 0.0; });
 }
 
 TEST_CASE("a MOSFET's shape and number count where its model has no resistance of its own", "[regression]") {
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 a 0 10\nR1 a d 10\nM1 d g 0 0 MX W=0.1 L=2u m=4\n.model MX NMOS(KP=2e-5 VTO=1 RD=0.2 RS=0.3)\nVG g 0 10\n.options vdrive=6\n"
       ".save v(d)\n.tran 1 1\n");
   const double resistance = (0.5 + 1.0 / (2e-5 * 0.1 / 2e-6 * 5.0)) / 4.0;
-  check(run, 1, 10.0, [&](double) { return 10.0 * resistance / (10.0 + resistance); });
+  check_signal(run, 1, 10.0, [&](double) { return 10.0 * resistance / (10.0 + resistance); });
 }
 
 TEST_CASE("a P-channel MOSFET closes below its source", "[regression]") {
   const std::string model = GENERATE("VDMOS(pchan Vto=-3 Ron=1)", "PMOS(VTO=-3 Ron=1)");
   const DeckRun run =
-      completed("V1 s 0 12\nM1 d g s MX\nR1 d 0 11\n.model MX " + model + "\nVG g 0 PWL(0 12 1 0)\n.save v(d) i(M1)\n.tran 0.0625 1\n");
+      run_cards("V1 s 0 12\nM1 d g s MX\nR1 d 0 11\n.model MX " + model + "\nVG g 0 PWL(0 12 1 0)\n.save v(d) i(M1)\n.tran 0.0625 1\n");
   const auto on = [](double t) { return 12.0 * t >= 3.0; };
-  check(run, 1, 11.0, [&](double t) { return on(t) ? 11.0 : 0.0; });
-  check(run, 2, 1.0, [&](double t) { return on(t) ? -1.0 : 0.0; });
+  check_signal(run, 1, 11.0, [&](double t) { return on(t) ? 11.0 : 0.0; });
+  check_signal(run, 2, 1.0, [&](double t) { return on(t) ? -1.0 : 0.0; });
 }
 
 TEST_CASE("the body diode of a MOSFET is that of its model, or ideal", "[regression]") {
@@ -82,9 +65,9 @@ TEST_CASE("the body diode of a MOSFET is that of its model, or ideal", "[regress
   const std::string type = GENERATE("nchan", "pchan");
   // 1 ohm between a sine of 5 V and a transistor that is off; its diode conducts at negative voltage (P channel: with drain and source exchanged).
   const DeckRun run =
-      completed("V1 s 0 SIN(0 5 1)\nR1 s a 1\nM1 " + std::string(type == "nchan" ? "a 0 0" : "0 0 a") + " MX\n.model MX VDMOS(" + type +
+      run_cards("V1 s 0 SIN(0 5 1)\nR1 s a 1\nM1 " + std::string(type == "nchan" ? "a 0 0" : "0 0 a") + " MX\n.model MX VDMOS(" + type +
                 " Vto=" + (type == "nchan" ? "30" : "-30") + form.parameters + " Ron=0)\n.save v(a)\n.tran 0.01 2\n");
-  check(run, 1, 5.0, [&](double t) {
+  check_signal(run, 1, 5.0, [&](double t) {
     const double v = 5.0 * std::sin(2.0 * std::acos(-1.0) * t);
     if (v > form.breakdown) return form.breakdown;
     return v > -form.drop ? v : -form.drop + (v + form.drop) * form.resistance / (1.0 + form.resistance);
@@ -93,15 +76,15 @@ TEST_CASE("the body diode of a MOSFET is that of its model, or ideal", "[regress
 
 TEST_CASE("a bulk of its own has a diode to the drain and one to the source", "[regression]") {
   // The bulk is held at 2 V; drain and source hang on 10 ohm each and are pulled up by the diodes.
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "VB b 0 2\nR1 d 0 10\nR2 s 0 10\nM1 d g s b MX\nVG g s 0\n.model MX NMOS(VTO=1 Vfwd=0.5 Ron=1)\n.save v(d) v(s) i(VB)\n.tran 1 1\n");
-  check(run, 1, 2.0, [](double) { return 1.5; });
-  check(run, 2, 2.0, [](double) { return 1.5; });
-  check(run, 3, 1.0, [](double) { return -0.3; });
+  check_signal(run, 1, 2.0, [](double) { return 1.5; });
+  check_signal(run, 2, 2.0, [](double) { return 1.5; });
+  check_signal(run, 3, 1.0, [](double) { return -0.3; });
 }
 
 TEST_CASE("a chopper with a MOSFET, a diode, and a coil", "[regression]") {
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 a 0 10\nM1 a g s MX\nVG g s PULSE(0 12 0 0 0 0.5 1)\nD1 0 s DI\nL1 s o 1\nR1 o 0 1\n.model DI D\n.model MX VDMOS(Vto=3 Ron=0)\n"
       ".save i(L1) i(M1)\n.tran 0.01 3 uic\n");
   // From i0 towards 10 A while on, towards 0 while off, with a time constant of 1 s.
@@ -114,8 +97,8 @@ TEST_CASE("a chopper with a MOSFET, a diode, and a coil", "[regression]") {
       i *= std::exp(-0.5);
     }
   };
-  check(run, 1, 10.0, current);
-  check(run, 2, 10.0, [&](double t) { return std::fmod(t, 1.0) < 0.5 ? current(t) : 0.0; });
+  check_signal(run, 1, 10.0, current);
+  check_signal(run, 2, 10.0, [&](double t) { return std::fmod(t, 1.0) < 0.5 ? current(t) : 0.0; });
 }
 
 TEST_CASE("a bipolar transistor blocks, amplifies, saturates", "[regression]") {
@@ -140,24 +123,24 @@ TEST_CASE("a bipolar transistor blocks, amplifies, saturates", "[regression]") {
   };
   const bool mirrored = GENERATE(false, true);
   const std::string sign = mirrored ? "-" : "";
-  const DeckRun run = completed("V1 a 0 " + sign + "10\nRC a c 1k\nQ1 c b 0 QX\nRB s b 1k\nVS s 0 PWL(0 0 1 " + sign + "5)\n.model QX " +
+  const DeckRun run = run_cards("V1 a 0 " + sign + "10\nRC a c 1k\nQ1 c b 0 QX\nRB s b 1k\nVS s 0 PWL(0 0 1 " + sign + "5)\n.model QX " +
                                 (mirrored ? "PNP" : "NPN") + "(IS=1f BF=50 CJE=1p VAF=100)\n.options i0=1m\n.save v(c)\n.tran 0.01 1\n");
-  check(run, 1, 10.0, [&](double t) { return (mirrored ? -1.0 : 1.0) * expected(5.0 * t); });
+  check_signal(run, 1, 10.0, [&](double t) { return (mirrored ? -1.0 : 1.0) * expected(5.0 * t); });
 }
 
 TEST_CASE("an emitter follower with the series resistances of its transistor", "[regression]") {
   const double gain = 99.0, be = drop(1e-16, 1.0), slope = gain / (1.0 + gain) * thermal;
-  const DeckRun run = completed(
+  const DeckRun run = run_cards(
       "V1 a 0 10\nQ1 a b e 0 QX\nVS b 0 PWL(0 0 1 5)\nRL e 0 10\n.model QX NPN(BF=99 RB=100 RE=0.5 RC=1)\n.save v(e)\n.tran 0.01 1\n");
-  check(run, 1, 5.0, [&](double t) { return std::max(0.0, 5.0 * t - be) * 10.0 / (10.0 + 0.5 + slope + 100.0 / (1.0 + gain)); });
+  check_signal(run, 1, 5.0, [&](double t) { return std::max(0.0, 5.0 * t - be) * 10.0 / (10.0 + 0.5 + slope + 100.0 / (1.0 + gain)); });
 }
 
 TEST_CASE("a junction FET is closed without a gate voltage", "[regression]") {
   const bool p_type = GENERATE(false, true);
   const double sign = p_type ? -1.0 : 1.0;
   const DeckRun run =
-      completed("V1 a 0 " + std::to_string(sign * 10.0) + "\nR1 a d 1k\nJ1 d g 0 JX\nVG g 0 PWL(0 0 1 " + std::to_string(-5.0 * sign) +
+      run_cards("V1 a 0 " + std::to_string(sign * 10.0) + "\nR1 a d 1k\nJ1 d g 0 JX\nVG g 0 PWL(0 0 1 " + std::to_string(-5.0 * sign) +
                 ")\n.model JX " + (p_type ? "PJF" : "NJF") + "(VTO=-2 BETA=1m RD=50)\n.save v(d)\n.tran 0.0625 1\n");
   const double resistance = 50.0 + 1.0 / (2.0 * 1e-3 * 2.0);
-  check(run, 1, 10.0, [&](double t) { return sign * (5.0 * t < 2.0 ? 10.0 * resistance / (1e3 + resistance) : 10.0); });
+  check_signal(run, 1, 10.0, [&](double t) { return sign * (5.0 * t < 2.0 ? 10.0 * resistance / (1e3 + resistance) : 10.0); });
 }

@@ -1,0 +1,16 @@
+#pragma once
+/// What an item of a card is.
+
+#include <string_view>
+
+#include "base/names.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+/// The bare word `text`, in any case.
+[[nodiscard]] inline bool is_word(const netlist::Item& item, std::string_view text) {
+  return item.kind == netlist::Item::Kind::word && same_name(item.text, text);
+}
+
+}  // namespace pwlsim::circuit
