@@ -1,11 +1,12 @@
-# cmake --install: the program, its man page, completion, documentation and examples; cpack -G DEB makes a Debian package of them.
+# cmake --install: the program, its man page, completion, documentation and examples, the library; cpack -G DEB makes a Debian package of them.
 include(GNUInstallDirs)
+include(cmake/library.cmake)
 configure_file(packaging/pwlsim.1 ${PROJECT_BINARY_DIR}/packaging/pwlsim.1 @ONLY)
 install(TARGETS pwlsim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_BINARY_DIR}/packaging/pwlsim.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES packaging/pwlsim.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME pwlsim)
 install(FILES README.md LIMITS.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs netlists DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN make EXCLUDE PATTERN developer EXCLUDE)
+install(DIRECTORY docs netlists examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN make EXCLUDE PATTERN developer EXCLUDE)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME pwlsim)
@@ -18,6 +19,6 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION electronics)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ngspice, librsvg2-bin")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ngspice, librsvg2-bin, libsuitesparse-dev")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 include(CPack)

@@ -1,4 +1,4 @@
-# What cmake --install puts where, and that it works there. -DBUILD= is the build folder.
+# What cmake --install puts where, and that it works there. -DBUILD= is the build folder, -DCOMPILER=, -DFLAGS= what the library was compiled with.
 set(prefix ${BUILD}/installed)
 file(REMOVE_RECURSE ${prefix})
 
@@ -12,7 +12,8 @@ endfunction()
 
 run(ignored ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 foreach(name bin/pwlsim share/man/man1/pwlsim.1 share/bash-completion/completions/pwlsim share/doc/pwlsim/LICENSE
-             share/doc/pwlsim/docs/tutorial/README.md share/doc/pwlsim/netlists/buck.net)
+             share/doc/pwlsim/docs/tutorial/README.md share/doc/pwlsim/netlists/buck.net share/doc/pwlsim/examples/buck/buck.cpp
+             include/pwlsim/pwlsim.hpp)
   if(NOT EXISTS ${prefix}/${name})
     message(SEND_ERROR "${name} is not installed")
   endif()
@@ -55,4 +56,24 @@ try pwlsim --engine s
   if(NOT words STREQUAL "--mode\nsparse\n")
     message(SEND_ERROR "bash completes to ${words}")
   endif()
+endif()
+
+# Another project finds the library; its program compares each number with the textbook's.
+run(ignored ${CMAKE_COMMAND} -S ${prefix}/share/doc/pwlsim/examples/buck -B ${prefix}/build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER}
+  -DCMAKE_CXX_FLAGS=${FLAGS} -DCMAKE_BUILD_TYPE=Debug)
+run(ignored ${CMAKE_COMMAND} --build ${prefix}/build)
+run(table ${prefix}/build/buck)
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  file(GLOB_RECURSE description ${prefix}/pwlsim.pc)
+  cmake_path(GET description PARENT_PATH descriptions)
+  run(flags ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${descriptions} ${PKG_CONFIG} --cflags pwlsim)
+  string(STRIP "${flags}" flags)
+  string(REGEX REPLACE "^-I" "" flags "${flags}")
+  if(NOT EXISTS ${flags}/pwlsim/pwlsim.hpp)
+    message(SEND_ERROR "pkg-config leads to ${flags}")
+  endif()
+endif()
+if(NOT table MATCHES "\n0.50   1.276595745 A   1.276595745 A")
+  message(SEND_ERROR "the example prints ${table}")
 endif()

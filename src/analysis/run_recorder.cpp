@@ -16,6 +16,16 @@ constexpr std::size_t most_changes_told = 12;
 
 }  // namespace
 
+std::vector<std::string> port_names(std::span<const std::string> elements) {
+  std::map<std::string, int> seen;
+  std::vector<std::string> names;
+  for (const std::string& element : elements) {
+    const int number = ++seen[element];
+    names.push_back(number == 1 ? element : fmt::format("{} ({})", element, number));
+  }
+  return names;
+}
+
 RunRecorder::RunRecorder(double from, double to, std::size_t signals)
     : from_(from),
       to_(to),
@@ -37,12 +47,7 @@ std::size_t RunRecorder::piece_of(double time) const {
 
 void RunRecorder::begin(std::span<const std::string> elements, std::span<const char> on) {
   last_.assign(on.begin(), on.end());
-  // An element may have several ports: a diode that also breaks down, a block.
-  std::map<std::string, int> seen;
-  for (const std::string& element : elements) {
-    const int number = ++seen[element];
-    elements_.push_back(number == 1 ? element : fmt::format("{} ({})", element, number));
-  }
+  elements_ = port_names(elements);
   for (std::size_t i = 0; i < std::min(elements_.size(), most_lanes); ++i)
     tracks_.push_back({elements_[i], on[i] != 0, on[i] != 0, from_, {}, {}});
 }

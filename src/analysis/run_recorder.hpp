@@ -2,6 +2,7 @@
 /// What the pictures of a run need, kept in bounded memory while it runs: its rows, its events, which ports conduct.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct ToldEvent {
   std::vector<std::string> changes;  ///< "D1 on", "S1 off"; at most a dozen
   std::size_t more_changes = 0;
 };
+
+/// Of elements, one a port, names that differ: an element may have several ports (a diode that also breaks down, a block): "D1", "D1 (2)".
+[[nodiscard]] std::vector<std::string> port_names(std::span<const std::string> elements);
 
 class RunRecorder : public engine::EventWatcher {
  public:

@@ -185,7 +185,7 @@ engine::Request request_of(const circuit::Analyses& analyses, const RunControl& 
   request.non_unique = non_unique(analyses.non_unique);
   request.progress = control.progress;
   request.interrupt = control.interrupt;
-  request.watcher = control.recorder;
+  request.watcher = control.recorder != nullptr ? control.recorder : control.watcher;
   return request;
 }
 
@@ -193,6 +193,10 @@ std::vector<std::string> column_names(const circuit::Compiled& compiled) {
   std::vector<std::string> names{"time"};
   for (std::size_t k = 0; k < compiled.saved_signals(); ++k) names.push_back(compiled.network.signals[k].name);
   return names;
+}
+
+Diagnostic message_of(const engine::Remark& remark) {
+  return {remark.id.starts_with("W-") ? Severity::warning : Severity::note, remark.id, {}, remark.text};
 }
 
 std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled, waveform::OutputFile& file) {

@@ -27,6 +27,7 @@ struct RunControl {
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
   RunRecorder* recorder = nullptr;              ///< is told of rows and events; may be null
+  engine::EventWatcher* watcher = nullptr;      ///< is told of events where there is no recorder; may be null
 };
 
 enum class Ending {
@@ -54,6 +55,9 @@ struct TransientRun {
 
 /// The column heads: `time` and the signals.
 [[nodiscard]] std::vector<std::string> column_names(const circuit::Compiled& compiled);
+
+/// A warning or a note, by its id.
+[[nodiscard]] Diagnostic message_of(const engine::Remark& remark);
 
 enum class RowFormat { csv, raw };
 

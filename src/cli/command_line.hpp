@@ -7,12 +7,12 @@
 #include <variant>
 #include <vector>
 
-#include "analysis/transient.hpp"
+#include "analysis/prepared_engine.hpp"
 #include "base/diagnostic.hpp"
 
 namespace pwlsim::cli {
 
-enum class EngineChoice { automatic, exact, sparse };
+using analysis::EngineChoice;
 
 /// `pwlsim circuit.net …`: run the analyses of a deck.
 struct RunOptions {

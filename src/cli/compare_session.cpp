@@ -8,13 +8,11 @@
 #include <span>
 
 #include "analysis/json.hpp"
+#include "analysis/prepared_engine.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
-#include "cli/prepared_engine.hpp"
 #include "cli/signals.hpp"
-#include "engine/exact/exact.hpp"
-#include "engine/sparse/sparse.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -23,9 +21,8 @@ constexpr std::size_t sample_count = 200;
 constexpr std::size_t most_events = 20'000;
 
 /// The engine that `pwlsim circuit.net` takes.
-PreparedEngine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
-  return prepare_engine(network, EngineChoice::automatic, analyses.relative_tolerance.value_or(engine::sparse::default_tolerance),
-                        diagnostics);
+analysis::PreparedEngine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
+  return analysis::prepare_engine(network, analysis::EngineChoice::automatic, analysis::relative_tolerance({}, analyses), diagnostics);
 }
 
 /// Equally spaced within (start, stop), moved off the events: there a signal may jump.
@@ -124,23 +121,22 @@ class CompareSession {
 
   int run_exact() {
     Diagnostics diagnostics;
-    const PreparedEngine engine = prepare(compiled_->network, compiled_->analyses, diagnostics);
+    const analysis::PreparedEngine engine = prepare(compiled_->network, compiled_->analyses, diagnostics);
     const Watched watch = watched(compiled_->network);
     Diagnostics known;
-    const PreparedEngine watching = prepare(watch.network, compiled_->analyses, known);
+    const analysis::PreparedEngine watching = prepare(watch.network, compiled_->analyses, known);
     messages_.report(diagnostics, sources_);
     if (!engine.simulate || !watching.simulate) return static_cast<int>(Status::wrong_input);
     const std::size_t signals = compiled_->network.signals.size();
     report_.engine = engine.name;
     report_.grid = analysis::sample_grid(compiled_->analyses, signals, engine.simulate, control());
     report_.exact = report_.grid.answer;
-    for (const engine::Remark& remark : report_.exact.remarks)
-      messages_.report({remark.id.starts_with("W-") ? Severity::warning : Severity::note, remark.id, {}, remark.text});
+    for (const engine::Remark& remark : report_.exact.remarks) messages_.report(analysis::message_of(remark));
     if (const int status = conclude(report_.exact); status != 0) return status;
     return sample(watching, watch, signals);
   }
 
-  int sample(const PreparedEngine& engine, const Watched& watch, std::size_t signals) {
+  int sample(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals) {
     const circuit::Transient& transient = *compiled_->analyses.transient;
     const std::size_t columns = watch.network.signals.size();
     analysis::RunControl with_events = control();
@@ -158,7 +154,7 @@ class CompareSession {
     return report_.events_skipped ? 0 : watch_events(engine, watch, signals, events);
   }
 
-  int watch_events(const PreparedEngine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
+  int watch_events(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
     const circuit::Transient& transient = *compiled_->analyses.transient;
     std::vector<double> inner, middles;
     for (double event : events)

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "analysis/html_report.hpp"
+#include "analysis/prepared_engine.hpp"
 #include "analysis/report.hpp"
 #include "analysis/run_figure.hpp"
 #include "analysis/run_json.hpp"
@@ -18,11 +19,9 @@
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
-#include "cli/prepared_engine.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/sweep_session.hpp"
-#include "engine/sparse/sparse.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -30,8 +29,6 @@ namespace {
 using analysis::Ending;
 using waveform::OutputFile;
 using Clock = std::chrono::steady_clock;
-
-Severity severity_of(const engine::Remark& remark) { return remark.id.starts_with("W-") ? Severity::warning : Severity::note; }
 
 class Session {
  public:
@@ -70,8 +67,6 @@ class Session {
   }
 
   int prepare();
-  void warn_of_sparse_engine();
-  int check_tolerance();
   int open_files();
   int check_sweep();
   int sweep();
@@ -93,8 +88,8 @@ class Session {
   SourceStore sources_;
   netlist::Deck deck_;
   std::optional<circuit::Compiled> compiled_;
-  PreparedEngine engine_;
-  double reltol_ = engine::sparse::default_tolerance;
+  analysis::PreparedEngine engine_;
+  double reltol_ = 0.0;
   std::optional<OutputFile> rows_file_, statistics_file_, report_file_;
   PictureFile plot_file_;
   std::optional<analysis::RunRecorder> recorder_;
@@ -116,35 +111,13 @@ int Session::prepare() {
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
-  reltol_ = options_.reltol.value_or(compiled_->analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
-  engine_ = prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics);
+  reltol_ = analysis::relative_tolerance(options_.reltol, compiled_->analyses);
+  engine_ = analysis::prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics);
   report_.engine = engine_.name;
   report_.seconds.model = since(model_start);
   messages_.report(diagnostics, sources_);
   if (!engine_.simulate || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
-  if (const int status = engine_.is_sparse() ? check_tolerance() : 0; status != 0) return status;
   return interrupted_before_run();
-}
-
-/// What sets its results apart from exact ones.
-void Session::warn_of_sparse_engine() {
-  const std::string_view reason =
-      options_.engine == EngineChoice::automatic ? "a part of this circuit is too large for the exact engine's dense modes; " : "";
-  messages_.report(
-      {Severity::warning,
-       "W-sparse-engine",
-       {},
-       fmt::format("{}the sparse engine takes implicit steps: rows carry errors of about its tolerance ({}) and more over many events, and "
-                   "it does not examine whether the solution is the only one; compare a smaller case with --engine exact",
-                   reason, reltol_)});
-}
-
-int Session::check_tolerance() {
-  if (reltol_ >= engine::sparse::least_tolerance && reltol_ <= engine::sparse::largest_tolerance) return 0;
-  return fail(Status::wrong_input, "E-tolerance",
-              fmt::format("a relative tolerance of {} is {}; try {}, or --engine exact", reltol_,
-                          reltol_ < engine::sparse::least_tolerance ? "below rounding" : "none",
-                          reltol_ < engine::sparse::least_tolerance ? engine::sparse::least_tolerance : engine::sparse::largest_tolerance));
 }
 
 int Session::open_files() {
@@ -159,7 +132,7 @@ int Session::open_files() {
 }
 
 void Session::take_remarks(const engine::Answer& answer) {
-  for (const engine::Remark& remark : answer.remarks) messages_.report({severity_of(remark), remark.id, {}, remark.text});
+  for (const engine::Remark& remark : answer.remarks) messages_.report(analysis::message_of(remark));
   report_.statistics = answer.statistics;
   report_.jumps = answer.jumps;
   if (options_.events)
@@ -188,7 +161,7 @@ int Session::check_sweep() {
 
 int Session::sweep() {
   const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_);
-  if (engine_.is_sparse()) warn_of_sparse_engine();
+  if (engine_.warning) messages_.report(*engine_.warning);
   report_.seconds.total = since(start_);
   return status;
 }
@@ -217,7 +190,7 @@ int Session::transient() {
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     run = analysis::run_transient(*compiled_, engine_.simulate, *rows_file_, *writer, control);
   }
-  if (engine_.is_sparse()) warn_of_sparse_engine();
+  if (engine_.warning) messages_.report(*engine_.warning);
   take_remarks(run.answer);
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "analysis/ordered_rows.hpp"
+#include "analysis/prepared_engine.hpp"
 #include "analysis/transient.hpp"
 #include "cli/output.hpp"
-#include "cli/prepared_engine.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/status.hpp"
@@ -161,8 +161,8 @@ class Sweep {
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
     const auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
-    PreparedEngine engine;
-    if (compiled) engine = prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics);
+    analysis::PreparedEngine engine;
+    if (compiled) engine = analysis::prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics);
     if (!engine.simulate || diagnostics.has_errors()) {
       note_error(diagnostics, record);
       return false;
@@ -221,10 +221,7 @@ class Sweep {
       const auto remark =
           std::find_if(remarks.begin(), remarks.end(), [&wanted = id](const engine::Remark& other) { return other.id == wanted; });
       const std::string others = place.second > 1 ? fmt::format(" (and likewise in {} other runs)", place.second - 1) : "";
-      messages_.report({id.starts_with("W-") ? Severity::warning : Severity::note,
-                        id,
-                        {},
-                        fmt::format("run with {}: {}{}", name(place.first), remark->text, others)});
+      messages_.report(analysis::message_of({id, fmt::format("run with {}: {}{}", name(place.first), remark->text, others)}));
     }
   }
 

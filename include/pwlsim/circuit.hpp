@@ -1,0 +1,137 @@
+#pragma once
+/// Circuits: built in code, read from a deck, or both.
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <pwlsim/error.hpp>
+#include <pwlsim/result.hpp>
+#include <pwlsim/value.hpp>
+
+namespace pwlsim {
+
+/// automatic: exact, unless a part of the circuit is too large for it (docs/reference/engines.md).
+enum class Engine { automatic, exact, sparse };
+
+struct Options {
+  double stop = 0.0;   ///< s; 0: the deck's `.tran`, and the next three are not used
+  double step = 0.0;   ///< s between rows; 0: a thousandth of what is run. Rows are a grid to read from, not a step of integration
+  double start = 0.0;  ///< s, of the first row; the run begins at 0 all the same
+  bool use_initial_conditions = false;  ///< no operating point: from `ic=` and initial values, zero elsewhere (uic)
+
+  Engine engine = Engine::automatic;
+  std::optional<double> reltol =
+      {};  ///< of the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
+  bool rows_at_events = false;  ///< further rows before and after every event
+  bool events = true;           ///< keep a list of all events
+  std::size_t run = 0;          ///< of those that the deck's `.step` asks for, from 0
+
+  /// Called now and then with the time reached, s, by the thread that runs. It must not throw.
+  std::function<void(double)> progress = {};
+  /// Nonzero ends the run soon; any thread may set it.
+  const std::atomic<int>* interrupt = nullptr;
+};
+
+/// Each function adds a card of the deck language (docs/reference/netlist.md) and returns the circuit. Nodes are names; "0" and "gnd" are ground.
+/// The name of an element begins with its kind's letter, which stands at each function. Case does not matter to names.
+/// Throws Error (E-name) for a name that cannot stand on a card. All else is checked by run: unknown models, floating parts, values out of range.
+///
+/// Circuits share nothing: each thread may use its own, and threads may run one circuit while nobody changes it.
+class Circuit {
+ public:
+  explicit Circuit(std::string title = "circuit");
+  /// The deck in a file; what is added in code counts as written at its end. The file is read by run.
+  [[nodiscard]] static Circuit from_file(std::string path);
+  /// A deck; the first line is the title. Files it includes are sought from the current directory.
+  [[nodiscard]] static Circuit from_text(std::string deck);
+
+  /// R…, in ohm.
+  Circuit& resistor(std::string_view name, std::string_view p, std::string_view n, const Value& resistance, const Parameters& more = {});
+  /// C…, in farad; {"ic", v} among `more` is its initial voltage.
+  Circuit& capacitor(std::string_view name, std::string_view p, std::string_view n, const Value& capacitance, const Parameters& more = {});
+  /// L…, in henry; {"ic", i} among `more` is its initial current.
+  Circuit& inductor(std::string_view name, std::string_view p, std::string_view n, const Value& inductance, const Parameters& more = {});
+  /// K…: couples inductors by −1 ≤ coefficient ≤ 1; 1 is exact.
+  Circuit& coupling(std::string_view name, const std::vector<std::string>& inductors, const Value& coefficient);
+  /// V…
+  Circuit& voltage_source(std::string_view name, std::string_view p, std::string_view n, const Waveform& voltage,
+                          const Parameters& more = {});
+  /// I…: the current flows from p through the source to n.
+  Circuit& current_source(std::string_view name, std::string_view p, std::string_view n, const Waveform& current,
+                          const Parameters& more = {});
+  /// D…: ideal, or by a model of type D.
+  Circuit& diode(std::string_view name, std::string_view anode, std::string_view cathode, std::string_view model = {},
+                 const Parameters& more = {});
+  /// S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the start within its hysteresis.
+  Circuit& voltage_switch(std::string_view name, std::string_view p, std::string_view n, std::string_view cp, std::string_view cn,
+                          std::string_view model, bool on = false);
+  /// W…: closed while the current of an element is above the threshold of a model of type CSW.
+  Circuit& current_switch(std::string_view name, std::string_view p, std::string_view n, std::string_view element, std::string_view model,
+                          bool on = false);
+  /// E…: v(p,n) = gain·v(cp,cn).
+  Circuit& voltage_controlled_voltage(std::string_view name, std::string_view p, std::string_view n, std::string_view cp,
+                                      std::string_view cn, const Value& gain);
+  /// G…: a current of gain·v(cp,cn) from p through it to n.
+  Circuit& voltage_controlled_current(std::string_view name, std::string_view p, std::string_view n, std::string_view cp,
+                                      std::string_view cn, const Value& gain);
+  /// H…: v(p,n) = gain·i(element).
+  Circuit& current_controlled_voltage(std::string_view name, std::string_view p, std::string_view n, std::string_view element,
+                                      const Value& gain);
+  /// F…: a current of gain·i(element) from p through it to n.
+  Circuit& current_controlled_current(std::string_view name, std::string_view p, std::string_view n, std::string_view element,
+                                      const Value& gain);
+  /// B…: v(p,n) = a piecewise-linear expression of voltages, currents and time: "max(v(a),2*i(R1))".
+  Circuit& expression_voltage(std::string_view name, std::string_view p, std::string_view n, std::string_view expression);
+  /// B…: a current of such an expression from p through it to n.
+  Circuit& expression_current(std::string_view name, std::string_view p, std::string_view n, std::string_view expression);
+  /// X…: a subcircuit of the deck, or of the library that is part of the program (docs/reference/library.md).
+  Circuit& subcircuit(std::string_view name, const std::vector<std::string>& nodes, std::string_view definition,
+                      const Parameters& more = {});
+
+  /// `.model`: model("fast", "D", {{"Ron", 0.01}, {"Vfwd", 0.7}}).
+  Circuit& model(std::string_view name, std::string_view type, const Parameters& parameters = {});
+  /// `.param`: the last one of a name rules, over those of the deck too.
+  Circuit& parameter(std::string_view name, const Value& value);
+  /// `.options`.
+  Circuit& option(std::string_view name, const Value& value);
+  /// `.ic` of a node, V: forced in the operating point, the start with use_initial_conditions.
+  Circuit& initial_voltage(std::string_view node, const Value& voltage);
+  /// `.ic` of an inductor, A.
+  Circuit& initial_current(std::string_view inductor, const Value& current);
+  /// `.save`: signals "v(n)", "v(a,b)", "i(X)". Without any: all node voltages, and the currents of L, V, E, H, D, S.
+  Circuit& save(const std::vector<std::string>& signals);
+  /// `.meas tran name …`: measure("mean", "AVG v(out) FROM=1m") (docs/reference/measurements.md).
+  Circuit& measure(std::string_view name, std::string_view what);
+  /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
+  Circuit& cards(std::string_view lines);
+
+  /// Runs it. Throws Error where the circuit is wrong, with all that is wrong with it; RunError where the run came to no end.
+  /// A run that was interrupted is returned, not completed.
+  [[nodiscard]] Result run(const Options& options = {}) const;
+  /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
+  /// How many runs the deck's `.step` asks for; 1 without. Throws as run does.
+  [[nodiscard]] std::size_t runs() const;
+  /// What was added in code, as cards below the title. Messages name it `code`.
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  Circuit& add(char letter, std::string_view name, std::initializer_list<std::string_view> nodes, std::string_view rest,
+               const Parameters& more = {});
+
+  friend class Compilation;
+  enum class Base { none, file, text };
+  Base base_ = Base::none;
+  std::string base_text_;  // path or deck
+  std::string text_;       // title, then cards
+  bool has_ideal_diode_ = false;
+};
+
+}  // namespace pwlsim

@@ -1,0 +1,24 @@
+#pragma once
+/// What a Result holds.
+
+#include <pwlsim/result.hpp>
+
+namespace pwlsim {
+
+struct Result::Data {
+  bool completed = false;
+  double end = 0.0;
+  std::vector<double> time;
+  std::vector<std::string> signals;
+  std::vector<std::vector<double>> columns;  ///< one a signal
+  std::vector<Event> events;
+  std::vector<std::string> on_at_start;
+  std::vector<Measurement> measurements;
+  std::vector<Fourier> fourier;
+  Certificate certificate;
+  Statistics statistics;
+  std::vector<Message> messages;
+  std::vector<std::pair<std::string, double>> stepped;
+};
+
+}  // namespace pwlsim
