@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
+#include "analysis/joined_rows.hpp"
 #include "analysis/json.hpp"
 #include "analysis/page_parts.hpp"
 #include "analysis/quantity.hpp"
@@ -28,7 +32,7 @@ std::string array_of(const Values& values, const Write& write) {
 std::string numbers(const std::vector<double>& values) { return array_of(values, waveform::shortest); }
 /// What a screen can show.
 std::string short_numbers(const std::vector<double>& values) {
-  return array_of(values, [](double value) { return fmt::format("{:.7g}", value); });
+  return array_of(values, [](double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; });
 }
 std::string index_text(std::size_t index) { return std::to_string(index); }
 
@@ -77,6 +81,58 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
                     {"events", array_of(recorder.told(), event_text)}});
 }
 
+constexpr std::size_t most_numbers = 1'500'000;
+
+/// As many signals of all drawn runs as a page can hold; a panel each.
+std::size_t shown_signals(const JoinedRows& joined, std::size_t signals) {
+  const std::size_t curves = most_numbers / std::max<std::size_t>(joined.times.size() * joined.columns.size(), 1);
+  constexpr std::size_t most_panels = 20;
+  return std::min({signals, most_panels, std::max<std::size_t>(curves, 1)});
+}
+
+std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
+  std::vector<waveform::ThinnedRows::Rows> rows;
+  std::vector<std::string> names, colours;
+  double from = std::numeric_limits<double>::infinity(), to = 0.0;
+  bool is_thinned = false;
+  for (std::size_t index = 0; index < outcome.sweep.drawn.size(); ++index) {
+    const DrawnRun& drawn = outcome.sweep.drawn[index];
+    if (!drawn.recorder) continue;
+    rows.push_back(drawn.recorder->rows());
+    names.push_back(outcome.sweep.name(drawn.run));
+    colours.push_back(colour_of_run(outcome.sweep, index));
+    from = std::min(from, drawn.recorder->from());
+    to = std::max(to, drawn.recorder->to());
+    is_thinned = is_thinned || drawn.recorder->rows_thinned();
+  }
+  const JoinedRows joined = join_rows(rows);
+  const std::size_t signals = rows.empty() ? 0 : shown_signals(joined, rows.front().columns.size());
+  std::vector<std::string> curves, panels(signals, "[");
+  for (std::size_t k = 0; k < signals; ++k) {
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      panels[k] += (r == 0 ? "" : ",") + index_text(curves.size());
+      curves.push_back(json_line({{"name", json_string(outcome.signals[k] + ", " + names[r])},
+                                  {"unit", json_string(unit_of_signal(outcome.signals[k]))},
+                                  {"colour", json_string(colours[r])},
+                                  {"values", short_numbers(joined.columns[r][k])}}));
+    }
+    panels[k] += "]";
+  }
+  return json_line({{"run", run_json(outcome, run)},
+                    {"from", json_number(from)},
+                    {"to", json_number(to)},
+                    {"thinned", json_truth(is_thinned)},
+                    {"times", numbers(joined.times)},
+                    {"signals", json_line(curves)},
+                    {"panels", json_line(panels)},
+                    {"drawnRuns", index_text(names.size())},
+                    {"ports", "0"},
+                    {"lanes", "[]"},
+                    {"marks", "[]"},
+                    {"eventCount", "0"},
+                    {"events", "[]"}});
+}
+
 /// No text of the run can end the element that holds it.
 std::string for_script(const std::string& json) {
   std::string result;
@@ -93,10 +149,12 @@ std::string for_script(const std::string& json) {
 
 std::string html_report(const RunOutcome& outcome, const RunReport& run, const RunRecorder* recorder) {
   const RunRecorder nothing(0.0, 0.0, 0);
+  const bool is_sweep = !outcome.sweep.list.empty();
   const std::array<std::pair<std::string_view, std::string>, 5> parts{
       {{"@plot_style@", std::string(page_plot_style)},
        {"@style@", std::string(page_style)},
-       {"@data@", for_script(data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
+       {"@data@",
+        for_script(is_sweep ? sweep_data_text(outcome, run) : data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
        {"@plot_script@", std::string(page_plot_script)},
        {"@script@", std::string(page_script)}}};
   std::string page;

@@ -1,5 +1,7 @@
 #include "analysis/ordered_rows.hpp"
 
+#include <string_view>
+
 #include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
@@ -10,7 +12,7 @@ constexpr std::size_t most_kept = std::size_t{1} << 24;  ///< bytes of a run who
 
 }  // namespace
 
-bool OrderedRows::put(const std::string& text) { return text.empty() ? !file_.failed() : file_.write(text); }
+bool OrderedRows::put(const std::string& text) { return text.empty() ? !file_.failed() : file_.write(text, row_bytes_); }
 
 void OrderedRows::wait_to_begin(std::size_t run) {
   std::unique_lock lock(mutex_);
@@ -42,8 +44,21 @@ bool OrderedRows::finish(std::size_t run, std::string text) {
   return written;
 }
 
+RowFormatter stepped_csv(const std::vector<double>& stepped) {
+  std::string prefix;
+  for (const double value : stepped) prefix += waveform::shortest(value) + ",";
+  return [=](std::string& text, std::span<const double> row) { waveform::append_csv_row(text, prefix, row); };
+}
+
+RowFormatter stepped_doubles(const std::vector<double>& stepped) {
+  const auto bytes = [](std::span<const double> values) {
+    return std::string_view(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  };
+  return [=, suffix = std::string(bytes(stepped))](std::string& text, std::span<const double> row) { (text += bytes(row)) += suffix; };
+}
+
 bool SteppedRows::write(std::span<const double> values) {
-  for (std::size_t at = 0; at < values.size(); at += columns_) waveform::append_csv_row(text_, prefix_, values.subspan(at, columns_));
+  for (std::size_t at = 0; at < values.size(); at += columns_) format_(text_, values.subspan(at, columns_));
   return text_.size() < worth_writing || rows_.write(run_, text_);
 }
 

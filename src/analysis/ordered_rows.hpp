@@ -3,9 +3,12 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "waveform/output_file.hpp"
 #include "waveform/row_writer.hpp"
@@ -15,8 +18,8 @@ namespace pwlsim::analysis {
 /// Shared by the threads. The first run that is not finished writes through; runs after it keep their text, and wait when they have much of it.
 class OrderedRows {
  public:
-  /// Not more than `ahead` runs are begun beyond the first unfinished one.
-  OrderedRows(waveform::OutputFile& file, std::size_t ahead) : file_(file), ahead_(ahead) {}
+  /// Not more than `ahead` runs are begun beyond the first unfinished one. `row_bytes`: of each row of a binary file, 0 for lines of text.
+  OrderedRows(waveform::OutputFile& file, std::size_t ahead, std::size_t row_bytes) : file_(file), ahead_(ahead), row_bytes_(row_bytes) {}
 
   /// Waits until the run may begin. Runs begin in their order.
   void wait_to_begin(std::size_t run);
@@ -26,34 +29,39 @@ class OrderedRows {
   bool finish(std::size_t run, std::string text);
   /// Whether the file takes no more.
   [[nodiscard]] bool failed();
-  /// What stands before the rows.
-  bool write_head(const std::string& text) { return file_.write(text); }
 
  private:
   bool put(const std::string& text);
 
   waveform::OutputFile& file_;
-  std::size_t ahead_;
+  std::size_t ahead_, row_bytes_;
   std::mutex mutex_;
   std::condition_variable turn_;
   std::size_t next_ = 0;  ///< first run that is not finished
   std::map<std::size_t, std::string> finished_;
 };
 
-/// Rows of one of these runs as CSV: first the values that were stepped, then the row.
+/// Appends one row to a text.
+using RowFormatter = std::function<void(std::string& text, std::span<const double> row)>;
+
+/// A line of CSV: first the values that were stepped, then the row.
+[[nodiscard]] RowFormatter stepped_csv(const std::vector<double>& stepped);
+/// Doubles: the row, then the values that were stepped.
+[[nodiscard]] RowFormatter stepped_doubles(const std::vector<double>& stepped);
+
+/// Rows of one of these runs, formatted.
 class SteppedRows : public waveform::RowWriter {
  public:
-  SteppedRows(OrderedRows& rows, std::size_t run, std::string prefix, std::size_t columns)
-      : rows_(rows), run_(run), prefix_(std::move(prefix)), columns_(columns) {}
+  SteppedRows(OrderedRows& rows, std::size_t run, std::size_t columns, RowFormatter format)
+      : rows_(rows), run_(run), columns_(columns), format_(std::move(format)) {}
 
   bool write(std::span<const double> values) override;
   bool flush() override { return rows_.finish(run_, std::move(text_)); }
 
  private:
   OrderedRows& rows_;
-  std::size_t run_;
-  std::string prefix_;
-  std::size_t columns_;
+  std::size_t run_, columns_;
+  RowFormatter format_;
   std::string text_;
 };
 

@@ -73,9 +73,19 @@ std::string statistics_json(const RunReport& report) {
   return json.take();
 }
 
+void write_certificate(JsonWriter& json, const engine::Certificate& certificate) {
+  json.key("certificate");
+  json.begin_object();
+  json.member("complementarity", json_number(certificate.complementarity));
+  json.member("kcl_kvl", json_number(certificate.kcl_kvl));
+  json.member("energy", json_number(certificate.energy));
+  json.member("passive", certificate.has_passivity ? json_truth(certificate.passive) : "null");
+  json.member("points_checked", std::to_string(certificate.points_checked));
+  json.end_object();
+}
+
 void write_statistics(JsonWriter& json, const RunReport& report) {
   const engine::Statistics& s = report.statistics;
-  const engine::Certificate& c = report.certificate;
   const Seconds& t = report.seconds;
   const auto count = [&](std::string_view name, std::uint64_t value) { json.member(name, std::to_string(value)); };
   const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
@@ -112,14 +122,7 @@ void write_statistics(JsonWriter& json, const RunReport& report) {
   number("certificate", t.certificate);
   number("total", t.total);
   json.end_object();
-  json.key("certificate");
-  json.begin_object();
-  number("complementarity", c.complementarity);
-  number("kcl_kvl", c.kcl_kvl);
-  number("energy", c.energy);
-  json.member("passive", c.has_passivity ? json_truth(c.passive) : "null");
-  count("points_checked", c.points_checked);
-  json.end_object();
+  write_certificate(json, report.certificate);
   json.key("notes");
   json.begin_array();
   for (const std::string& note : report.notes) json.value(json_string(note));

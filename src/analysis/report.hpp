@@ -38,6 +38,8 @@ struct RunReport {
 class JsonWriter;
 /// The same as a value of a larger object.
 void write_statistics(JsonWriter& json, const RunReport& report);
+/// The member `certificate`.
+void write_certificate(JsonWriter& json, const engine::Certificate& certificate);
 
 /// "wrote out.csv: 501 rows, 1000 events to t = 5 ms in 420 µs; worst residuals: complementarity …, KCL/KVL …, energy …; passive".
 [[nodiscard]] std::string summary(const RunReport& report, const std::string& output, double stop);

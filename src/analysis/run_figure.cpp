@@ -65,4 +65,27 @@ waveform::Figure run_figure(const std::string& title, const std::vector<std::str
   return figure;
 }
 
+std::string colour_of_run(const SweptRuns& runs, std::size_t index) {
+  return waveform::ramp_colour(runs.drawn.size() < 2 ? 0.0 : static_cast<double>(index) / static_cast<double>(runs.drawn.size() - 1));
+}
+
+waveform::Figure sweep_figure(const std::string& title, const std::vector<std::string>& names, const SweptRuns& runs) {
+  waveform::Figure figure{title, "time", "s", {}};
+  const std::size_t panels = std::min({names.size(), most_panels, RunRecorder::most_signals});
+  for (std::size_t k = 0; k < panels; ++k) figure.panels.push_back({names[k], {}, std::string(unit_of_signal(names[k]))});
+  for (std::size_t index = 0; index < runs.drawn.size(); ++index) {
+    const DrawnRun& drawn = runs.drawn[index];
+    if (!drawn.recorder) continue;
+    const std::string colour = colour_of_run(runs, index);
+    figure.legend.push_back({runs.name(drawn.run), colour});
+    waveform::ThinnedRows::Rows rows = drawn.recorder->rows();
+    for (std::size_t k = 0; k < panels; ++k) figure.panels[k].curves.push_back({"", rows.times, std::move(rows.columns[k]), false, colour});
+  }
+  std::vector<std::string> parts;
+  if (panels < names.size()) parts.push_back(fmt::format("{} of {} signals", panels, names.size()));
+  if (figure.legend.size() < runs.list.size()) parts.push_back(fmt::format("{} of {} runs", figure.legend.size(), runs.list.size()));
+  if (!parts.empty()) figure.title += fmt::format(" ({})", fmt::join(parts, ", "));
+  return figure;
+}
+
 }  // namespace pwlsim::analysis

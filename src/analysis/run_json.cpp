@@ -1,5 +1,7 @@
 #include "analysis/run_json.hpp"
 
+#include <fmt/format.h>
+
 #include "analysis/json.hpp"
 #include "analysis/quantity.hpp"
 
@@ -63,6 +65,41 @@ void write_measurements(JsonWriter& json, const measure::Results& results) {
   json.end_array();
 }
 
+std::string failure_text(const SweptRun& run) {
+  if (run.done) return "null";
+  return json_string(run.id.empty() ? "interrupted" : fmt::format("{}: {}", run.id, run.message));
+}
+
+void write_parameters(JsonWriter& json, const circuit::Sweeps& sweeps, std::size_t run) {
+  const std::vector<double> values = sweeps.point(run);
+  json.key("parameters");
+  json.begin_object();
+  for (std::size_t k = 0; k < values.size(); ++k) json.member(sweeps.list[k].name, json_number(values[k]));
+  json.end_object();
+}
+
+void write_runs(JsonWriter& json, const SweptRuns& sweep) {
+  if (sweep.list.empty()) {
+    json.member("runs", "null");
+    return;
+  }
+  json.key("runs");
+  json.begin_array();
+  for (std::size_t k = 0; k < sweep.list.size(); ++k) {
+    const SweptRun& run = sweep.list[k];
+    json.begin_object();
+    write_parameters(json, sweep.sweeps, k);
+    json.member("failure", failure_text(run));
+    json.member("end", json_number(run.end));
+    json.member("rows", std::to_string(run.rows));
+    json.member("events", std::to_string(run.statistics.events));
+    write_measurements(json, run.measurements);
+    write_certificate(json, run.certificate);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 std::string run_json(const RunOutcome& outcome, const RunReport& run) {
@@ -77,6 +114,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   write_signals(json, outcome.signals);
   write_operating_point(json, outcome);
   write_measurements(json, outcome.measurements);
+  write_runs(json, outcome.sweep);
   json.key("notes");
   json.begin_array();
   for (const std::string& note : run.notes) json.value(json_string(note));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/report.hpp"
+#include "analysis/swept_runs.hpp"
 #include "measure/measuring.hpp"
 
 namespace pwlsim::analysis {
@@ -25,7 +26,8 @@ struct RunOutcome {
   std::vector<std::string> signals;
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
-  std::string plot, report;                            ///< files written, or empty
+  SweptRuns sweep;           ///< of a deck with .step
+  std::string plot, report;  ///< files written, or empty
 };
 
 /// Ended by a line feed; keys in docs/reference/output.md. Statistics are null where no model came about (`run.engine` is empty).

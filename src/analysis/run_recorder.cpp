@@ -26,13 +26,13 @@ std::vector<std::string> port_names(std::span<const std::string> elements) {
   return names;
 }
 
-RunRecorder::RunRecorder(double from, double to, std::size_t signals)
+RunRecorder::RunRecorder(double from, double to, std::size_t signals, std::size_t sharers)
     : from_(from),
       to_(to),
       end_(to),
       signals_(signals),
       kept_signals_(std::min(signals, most_signals)),
-      rows_(from, to, kept_signals_, std::min(most_rows, most_values / (kept_signals_ + 1))) {}
+      rows_(from, to, kept_signals_, std::min(most_rows, most_values / (kept_signals_ + 1)) / sharers) {}
 
 void RunRecorder::take_rows(std::span<const double> values, std::size_t count) {
   for (std::size_t row = 0; row < count; ++row) rows_.add(values.subspan(row * (signals_ + 1), kept_signals_ + 1));

@@ -25,7 +25,8 @@ struct ToldEvent {
 class RunRecorder : public engine::EventWatcher {
  public:
   /// Rows and events from `from` to `to` are kept. The first `most_signals` of the signals are.
-  RunRecorder(double from, double to, std::size_t signals);
+  /// `sharers`: how many recorders share the memory that one may take.
+  RunRecorder(double from, double to, std::size_t signals, std::size_t sharers = 1);
   static constexpr std::size_t most_signals = 200, most_lanes = 64, most_told = 1000;
 
   /// Whole rows of all signals.

@@ -14,7 +14,6 @@
 #include "analysis/row_grid.hpp"
 #include "analysis/run_recorder.hpp"
 #include "waveform/csv.hpp"
-#include "waveform/raw_file.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -199,12 +198,16 @@ Diagnostic message_of(const engine::Remark& remark) {
   return {remark.id.starts_with("W-") ? Severity::warning : Severity::note, remark.id, {}, remark.text};
 }
 
-std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled, waveform::OutputFile& file) {
+std::vector<waveform::RawVector> raw_vectors(const circuit::Compiled& compiled) {
   const std::vector<std::string> names = column_names(compiled);
-  if (format == RowFormat::csv) return std::make_unique<waveform::CsvWriter>(file, names);
   std::vector<waveform::RawVector> vectors{{names[0], "time"}};
   for (std::size_t k = 1; k < names.size(); ++k) vectors.push_back({names[k], raw_type(names[k])});
-  return std::make_unique<waveform::RawWriter>(file, compiled.title, vectors);
+  return vectors;
+}
+
+std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled, waveform::OutputFile& file) {
+  if (format == RowFormat::csv) return std::make_unique<waveform::CsvWriter>(file, column_names(compiled));
+  return std::make_unique<waveform::RawWriter>(file, compiled.title, raw_vectors(compiled));
 }
 
 TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer, const RunControl& control) {

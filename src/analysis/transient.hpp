@@ -12,6 +12,7 @@
 #include "engine/run.hpp"
 #include "measure/measuring.hpp"
 #include "waveform/output_file.hpp"
+#include "waveform/raw_file.hpp"
 #include "waveform/row_writer.hpp"
 
 namespace pwlsim::analysis {
@@ -60,6 +61,9 @@ struct TransientRun {
 [[nodiscard]] Diagnostic message_of(const engine::Remark& remark);
 
 enum class RowFormat { csv, raw };
+
+/// The columns as vectors of a raw file.
+[[nodiscard]] std::vector<waveform::RawVector> raw_vectors(const circuit::Compiled& compiled);
 
 /// Writes the rows of `compiled` into `file`, which must outlive it.
 [[nodiscard]] std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit::Compiled& compiled,

@@ -37,6 +37,11 @@ void Scope::define(const std::string& name, double value, SourceSpan span) {
   order_.push_back(key);
 }
 
+void Scope::define_failed(const std::string& name, SourceSpan span) {
+  define(name, 0.0, span);
+  entries_.at(without_case(name)).state = State::failed;
+}
+
 std::vector<std::string> Scope::parameter_names() const {
   std::vector<std::string> names;
   for (const auto& entry : entries_) names.push_back(entry.second.text.name);

@@ -48,6 +48,8 @@ class Scope {
   bool give(std::string_view name, double value);
   /// The same for one that the definition need not have.
   void define(const std::string& name, double value, SourceSpan span);
+  /// One whose value could not be read, which has been reported.
+  void define_failed(const std::string& name, SourceSpan span);
   [[nodiscard]] std::vector<std::string> parameter_names() const;
   /// Evaluates every parameter, so that each mistake is reported even where nothing uses it.
   void evaluate_all();

@@ -62,8 +62,11 @@ class SweepReader {
       numbers.push_back(number->value);
     }
     if (!spread(numbers)) return std::nullopt;
-    return std::move(sweep_);
+    return sweep_;
   }
+
+  /// What could be read where there was an error: of a parameter, the name.
+  [[nodiscard]] const Sweep& so_far() const { return sweep_; }
 
  private:
   std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
@@ -164,8 +167,12 @@ std::vector<double> Sweeps::point(std::size_t run) const {
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps) {
   for (const Card* card : definitions.sweeps) {
     if (card->damaged) continue;
-    std::optional<Sweep> sweep = SweepReader(*card, scope, reporter).read();
-    if (!sweep) continue;
+    SweepReader reader(*card, scope, reporter);
+    std::optional<Sweep> sweep = reader.read();
+    if (!sweep) {
+      if (reader.so_far().is_parameter && !reader.so_far().name.empty()) scope.define_failed(reader.so_far().name, reader.so_far().span);
+      continue;
+    }
     const auto same = [&](const Sweep& other) { return same_name(other.name, sweep->name); };
     if (std::any_of(sweeps.list.begin(), sweeps.list.end(), same))
       reporter.error("E-duplicate-parameter", sweep->span, fmt::format("{} is stepped twice", sweep->name));

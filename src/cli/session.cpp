@@ -47,9 +47,12 @@ class Session {
     int status = prepare();
     if (status == 0) status = open_files();
     if (status != 0) return status;
-    if (compiled_->analyses.sweeps.runs() > 0) return sweep();
-    if (compiled_->analyses.operating_point) status = operating_point();
-    if (compiled_->analyses.transient) status = std::max(status, transient());
+    if (compiled_->analyses.sweeps.runs() > 0) {
+      status = sweep();
+    } else {
+      if (compiled_->analyses.operating_point) status = operating_point();
+      if (compiled_->analyses.transient) status = std::max(status, transient());
+    }
     outcome_.status = status;
     const bool rows_are_lost = status == static_cast<int>(Status::file_error) || status == static_cast<int>(Status::closed_pipe);
     return rows_are_lost ? status : std::max(status, write_pictures());
@@ -79,7 +82,8 @@ class Session {
   int written(int status, const std::string& name, std::string& noted);
   int write_statistics();
   int print_json();
-  void note_rows(const analysis::TransientRun& run);
+  void note_rows(bool write_failed, bool complete, double end);
+  void tell_details();
   void take_remarks(const engine::Answer& answer);
 
   const RunOptions& options_;
@@ -146,23 +150,22 @@ void Session::take_remarks(const engine::Answer& answer) {
 /// What stands in the way of a deck with .step.
 int Session::check_sweep() {
   if (compiled_->analyses.sweeps.runs() == 0) return 0;
-  const char* refused = !options_.plot.empty()                        ? "--plot"
-                        : !options_.report.empty()                    ? "--report"
-                        : options_.json                               ? "--json"
-                        : options_.format == analysis::RowFormat::raw ? "--format raw"
-                        : !compiled_->analyses.transient              ? ".op without .tran"
-                                                                      : nullptr;
-  if (refused != nullptr)
-    return fail(Status::wrong_input, "E-not-supported", fmt::format("{} of a deck with .step is not supported", refused));
+  if (!compiled_->analyses.transient)
+    return fail(Status::wrong_input, "E-not-supported", ".op without .tran of a deck with .step is not supported; try .tran");
   if (compiled_->analyses.operating_point)
     messages_.report({Severity::warning, "W-ignored-card", {}, ".op is ignored in a deck with .step"});
   return 0;
 }
 
 int Session::sweep() {
-  const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_);
+  outcome_.sweep = analysis::SweptRuns(compiled_->analyses.sweeps, plot_file_.is_open() || report_file_);
+  const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_, outcome_.sweep);
   if (engine_.warning) messages_.report(*engine_.warning);
   report_.seconds.total = since(start_);
+  double end = 0.0;
+  for (const analysis::SweptRun& run : outcome_.sweep.list) end = std::max(end, run.end);
+  note_rows(rows_file_->failed(), status == 0, end);
+  if (status == 0) tell_details();
   return status;
 }
 
@@ -195,7 +198,7 @@ int Session::transient() {
   report_.statistics.rows = run.rows;
   report_.seconds.write = run.seconds_write;
   report_.seconds.total = since(start_);
-  note_rows(run);
+  note_rows(run.ending == Ending::write_failed, run.ending == Ending::completed, run.answer.time);
   const int status = conclude(run);
   outcome_.measurements = std::move(run.measurements);
   return std::max(status, report_measurements(outcome_.measurements));
@@ -215,10 +218,17 @@ int Session::report_measurements(const measure::Results& results) {
   return print(measure::results_text(results), messages_, options_.output == "-" ? Stream::error : Stream::output);
 }
 
-void Session::note_rows(const analysis::TransientRun& run) {
-  const bool lost = run.ending == Ending::write_failed && !rows_file_->partial_name().empty();
+void Session::note_rows(bool write_failed, bool complete, double end) {
+  const bool lost = write_failed && !rows_file_->partial_name().empty();
   outcome_.rows = {lost ? rows_file_->partial_name() : rows_file_->name(), options_.format == analysis::RowFormat::raw ? "raw" : "csv",
-                   run.ending == Ending::completed, run.answer.time};
+                   complete, end};
+}
+
+/// What stands behind the summary.
+void Session::tell_details() {
+  if (options_.verbose) messages_.remark(analysis::details(report_));
+  messages_.remark(options_.verbose ? analysis::departures_table(messages_.departures())
+                                    : analysis::departures_line(messages_.departures()));
 }
 
 int Session::conclude(const analysis::TransientRun& run) {
@@ -226,9 +236,7 @@ int Session::conclude(const analysis::TransientRun& run) {
   switch (run.ending) {
     case Ending::completed:
       messages_.remark(analysis::summary(report_, rows_file_->name(), run.answer.time));
-      if (options_.verbose) messages_.remark(analysis::details(report_));
-      messages_.remark(options_.verbose ? analysis::departures_table(messages_.departures())
-                                        : analysis::departures_line(messages_.departures()));
+      tell_details();
       return 0;
     case Ending::failed:
       return fail(Status::run_failed, run.id, kept);
@@ -258,7 +266,9 @@ int Session::written(int status, const std::string& name, std::string& noted) {
 int Session::write_pictures() {
   int status = 0;
   if (plot_file_.is_open()) {
-    const std::string svg = waveform::svg(analysis::run_figure(outcome_.title, outcome_.signals, *recorder_));
+    const std::string svg =
+        waveform::svg(outcome_.sweep.list.empty() ? analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)
+                                                  : analysis::sweep_figure(outcome_.title, outcome_.signals, outcome_.sweep));
     status = written(plot_file_.write(svg, messages_), plot_file_.name(), outcome_.plot);
   }
   if (!report_file_) return status;

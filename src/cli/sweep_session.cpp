@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -19,102 +20,66 @@
 #include "cli/signals.hpp"
 #include "cli/status.hpp"
 #include "waveform/csv.hpp"
+#include "waveform/raw_file.hpp"
 
 namespace pwlsim::cli {
 namespace {
 
-using analysis::Ending;
+using analysis::SweptRun;
 
 constexpr std::size_t runs_ahead = 4;  ///< of each thread, of the first run that is not finished
 constexpr auto between_looks = std::chrono::milliseconds(50);
 constexpr std::size_t most_failures_told = 20;
 
-/// What is kept of a run.
-struct RunRecord {
-  bool done = false;
-  bool interrupted = false;
-  std::string id, message;  ///< of a failure
-  engine::Statistics statistics;
-  engine::Certificate certificate;
-  std::vector<engine::Remark> remarks;
-  measure::Results measurements;
-  std::uint64_t rows = 0;
-};
-
-void add(engine::Statistics& sum, const engine::Statistics& one) {
-  sum.islands = std::max(sum.islands, one.islands);
-  sum.states = std::max(sum.states, one.states);
-  sum.ports = std::max(sum.ports, one.ports);
-  sum.switches = std::max(sum.switches, one.switches);
-  sum.modes_visited += one.modes_visited;
-  sum.events += one.events;
-  sum.jumps += one.jumps;
-  sum.accumulations += one.accumulations;
-  sum.lcp_pivots += one.lcp_pivots;
-  sum.klu_factorizations += one.klu_factorizations;
-  sum.klu_solves += one.klu_solves;
-  sum.steps += one.steps;
-  sum.seconds_simulate += one.seconds_simulate;
-  sum.seconds_certificate += one.seconds_certificate;
-}
-
-void add(engine::Certificate& worst, const engine::Certificate& one, bool is_first) {
-  worst.complementarity = std::max(worst.complementarity, one.complementarity);
-  worst.kcl_kvl = std::max(worst.kcl_kvl, one.kcl_kvl);
-  worst.energy = std::max(worst.energy, one.energy);
-  worst.has_passivity = one.has_passivity && (is_first || worst.has_passivity);
-  worst.passive = one.passive && (is_first || worst.passive);
-  worst.points_checked += one.points_checked;
-}
-
 class Sweep {
  public:
-  Sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report)
+  Sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs)
       : task_(task),
         messages_(messages),
         report_(report),
-        sweeps_(task.first.analyses.sweeps),
-        threads_(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, sweeps_.runs())),
-        records_(sweeps_.runs()),
-        rows_(task.rows, runs_ahead * threads_) {}
+        runs_(runs),
+        records_(runs.list),
+        sweeps_(runs.sweeps),
+        threads_(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, records_.size())),
+        columns_(analysis::column_names(task.first)),
+        rows_(task.rows, runs_ahead * threads_, is_raw() ? (columns_.size() + sweeps_.list.size()) * sizeof(double) : 0) {}
 
   int run() {
-    rows_.write_head(head());
+    write_head();
     {
       Progress progress(task_.options.progress, static_cast<double>(records_.size()));
       run_all(progress);
     }
-    sum_up();
+    runs_.sum_up(report_);
     tell_remarks();
     const int status = std::max(tell_failures(), complete());
     return std::max(status, print_measurements());
   }
 
  private:
-  /// "1000,1e-06,"
-  [[nodiscard]] std::string prefix(std::size_t run) const {
-    std::string text;
-    for (const double value : sweeps_.point(run)) text += waveform::shortest(value) + ",";
-    return text;
-  }
-  /// "R=1000, C=1e-06"
-  [[nodiscard]] std::string name(std::size_t run) const {
-    std::string text;
-    const std::vector<double> values = sweeps_.point(run);
-    for (std::size_t k = 0; k < values.size(); ++k)
-      text += fmt::format("{}{}={}", k == 0 ? "" : ", ", sweeps_.list[k].name, waveform::shortest(values[k]));
-    return text;
-  }
+  [[nodiscard]] bool is_raw() const { return task_.options.format == analysis::RowFormat::raw; }
+  [[nodiscard]] std::string name(std::size_t run) const { return runs_.name(run); }
   [[nodiscard]] std::string swept_names() const {
     std::string text;
     for (const circuit::Sweep& sweep : sweeps_.list) text += waveform::csv_field(sweep.name) + ",";
     return text;
   }
-  [[nodiscard]] std::string head() const {
-    std::string text = swept_names();
-    for (const std::string& column : analysis::column_names(task_.first)) text += waveform::csv_field(column) + ",";
-    text.back() = '\n';
-    return text;
+
+  void write_head() {
+    if (!is_raw()) {
+      std::string text = swept_names();
+      for (const std::string& column : columns_) text += waveform::csv_field(column) + ",";
+      text.back() = '\n';
+      task_.rows.write(text);
+      return;
+    }
+    std::vector<waveform::RawVector> vectors = analysis::raw_vectors(task_.first);
+    for (const circuit::Sweep& sweep : sweeps_.list) vectors.push_back({sweep.name, "notype"});
+    raw_.emplace(task_.rows, task_.first.title, vectors, true);
+  }
+
+  [[nodiscard]] analysis::RowFormatter format_of(std::size_t run) const {
+    return is_raw() ? analysis::stepped_doubles(sweeps_.point(run)) : analysis::stepped_csv(sweeps_.point(run));
   }
 
   void run_all(Progress& progress) {
@@ -142,7 +107,7 @@ class Sweep {
   }
 
   void one_run(std::size_t run) {
-    RunRecord& record = records_[run];
+    SweptRun& record = records_[run];
     bool has_rows = false;
     try {
       if (caught_signal() != 0 || rows_.failed())
@@ -157,7 +122,7 @@ class Sweep {
   }
 
   /// False where the run did not come to rows.
-  bool simulate(std::size_t run, RunRecord& record) {
+  bool simulate(std::size_t run, SweptRun& record) {
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
     const auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
@@ -167,42 +132,26 @@ class Sweep {
       note_error(diagnostics, record);
       return false;
     }
-    analysis::SteppedRows writer(rows_, run, prefix(run), analysis::column_names(*compiled).size());
-    const analysis::TransientRun result =
-        analysis::run_rows(*compiled, engine.simulate, writer, {task_.options.events, false, {}, &caught_signal(), nullptr});
-    record.done = result.ending == Ending::completed;
-    record.interrupted = result.ending == Ending::interrupted;
-    record.id = result.id;
-    record.message = result.message;
-    record.statistics = result.answer.statistics;
-    record.certificate = result.answer.certificate;
-    record.remarks = result.answer.remarks;
-    record.measurements = result.measurements;
-    record.rows = result.rows;
+    analysis::SteppedRows writer(rows_, run, columns_.size(), format_of(run));
+    record = analysis::swept_run(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)));
     return true;
   }
 
-  static void note_error(const Diagnostics& diagnostics, RunRecord& record) {
+  analysis::RunControl control_of(std::size_t run, const circuit::Compiled& compiled) {
+    analysis::RunControl control{task_.options.events, false, {}, &caught_signal()};
+    const circuit::Transient& transient = *compiled.analyses.transient;
+    if (auto* const recorder = runs_.recorder_of(run); recorder != nullptr)
+      control.recorder = &recorder->emplace(transient.start.seconds, transient.stop.seconds, compiled.saved_signals(), runs_.drawn.size());
+    return control;
+  }
+
+  static void note_error(const Diagnostics& diagnostics, SweptRun& record) {
     for (const Diagnostic& diagnostic : diagnostics.all()) {
       if (diagnostic.severity != Severity::error) continue;
       record.id = diagnostic.id;
       record.message = diagnostic.text;
       return;
     }
-  }
-
-  void sum_up() {
-    report_.runs = records_.size();
-    bool is_first = true;
-    for (const RunRecord& record : records_) {
-      add(report_.statistics, record.statistics);
-      report_.statistics.rows += record.rows;
-      add(report_.certificate, record.certificate, is_first);
-      is_first = false;
-      report_.failed_runs += static_cast<std::uint64_t>(!record.done);
-    }
-    report_.seconds.simulate = report_.statistics.seconds_simulate;
-    report_.seconds.certificate = report_.statistics.seconds_certificate;
   }
 
   /// The first remark of each kind, with how many runs have one.
@@ -228,7 +177,7 @@ class Sweep {
   int tell_failures() {
     std::size_t failures = 0;
     for (std::size_t run = 0; run < records_.size(); ++run) {
-      const RunRecord& record = records_[run];
+      const SweptRun& record = records_[run];
       if (record.done || record.interrupted || record.id.empty()) continue;
       if (++failures <= most_failures_told)
         (void)fail(messages_, Status::run_failed, record.id, fmt::format("run with {}: {}", name(run), record.message));
@@ -236,7 +185,7 @@ class Sweep {
     if (failures > most_failures_told)
       messages_.report({Severity::note, "N-more-failures", {}, fmt::format("{} more runs failed", failures - most_failures_told)});
     if (const int signal_number = caught_signal(); signal_number != 0) {
-      const auto done = std::count_if(records_.begin(), records_.end(), [](const RunRecord& record) { return record.done; });
+      const auto done = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return record.done; });
       (void)fail(messages_, Status::run_failed, "E-interrupted",
                  fmt::format("stopped by a signal after {} of {} runs; their rows are in {}", done, records_.size(), task_.rows.name()));
       return status_of_signal(signal_number);
@@ -245,7 +194,8 @@ class Sweep {
   }
 
   int complete() {
-    if (task_.rows.commit()) {
+    const bool is_counted = !raw_ || raw_->flush();
+    if (is_counted && task_.rows.commit()) {
       const auto done = report_.runs - report_.failed_runs;
       messages_.remark(fmt::format("wrote {}: {} runs{}, {} rows, {} events\n", task_.rows.name(), done,
                                    report_.failed_runs > 0 ? fmt::format(" of {}", report_.runs) : "", report_.statistics.rows,
@@ -262,6 +212,7 @@ class Sweep {
   int print_measurements() {
     if (task_.first.measurements.empty()) return 0;
     tell_failed_measurements();
+    if (task_.options.json) return 0;
     std::string text;
     const auto& list = task_.first.measurements.list;
     if (std::any_of(list.begin(), list.end(), [](const auto& m) { return m.shown; })) text = measurement_table();
@@ -274,7 +225,7 @@ class Sweep {
   /// Of each measurement the first run that lacks it, with how many others do.
   void tell_failed_measurements() {
     for (std::size_t k = 0; k < task_.first.measurements.list.size(); ++k) {
-      const auto lacks = [&](const RunRecord& record) {
+      const auto lacks = [&](const SweptRun& record) {
         return record.done && k < record.measurements.list.size() && !record.measurements.list[k].failure.empty();
       };
       const auto first = std::find_if(records_.begin(), records_.end(), lacks);
@@ -296,7 +247,7 @@ class Sweep {
     text.back() = '\n';
     for (std::size_t run = 0; run < records_.size(); ++run) {
       const auto& results = records_[run].measurements.list;
-      text += prefix(run);
+      for (const double value : sweeps_.point(run)) text += waveform::shortest(value) + ",";
       std::size_t k = 0;
       for (const circuit::Measurement& measurement : task_.first.measurements.list) {
         if (!measurement.shown) continue;
@@ -312,9 +263,12 @@ class Sweep {
   const SweepTask& task_;
   Messages& messages_;
   analysis::RunReport& report_;
+  analysis::SweptRuns& runs_;
+  std::vector<SweptRun>& records_;
   const circuit::Sweeps& sweeps_;
   std::size_t threads_;
-  std::vector<RunRecord> records_;
+  std::vector<std::string> columns_;
+  std::optional<waveform::RawWriter> raw_;  ///< of the head and the number of rows
   analysis::OrderedRows rows_;
   std::atomic<std::size_t> begun_ = 0;
   std::mutex mutex_;  ///< of finished_
@@ -324,6 +278,8 @@ class Sweep {
 
 }  // namespace
 
-int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report) { return Sweep(task, messages, report).run(); }
+int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs) {
+  return Sweep(task, messages, report, runs).run();
+}
 
 }  // namespace pwlsim::cli

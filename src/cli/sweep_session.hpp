@@ -1,7 +1,7 @@
 #pragma once
 /// The runs of a deck with .step.
 
-#include "analysis/report.hpp"
+#include "analysis/swept_runs.hpp"
 #include "circuit/compile.hpp"
 #include "cli/command_line.hpp"
 #include "cli/messages.hpp"
@@ -20,7 +20,8 @@ struct SweepTask {
 };
 
 /// Runs them on all cores, writes their rows in order and commits the file, prints the measurements as a table. A run that fails is said and counted, and
-/// does not stop the others; after a signal the rows that there are stay. The answer is the exit status; statistics are summed up in `report`.
-[[nodiscard]] int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report);
+/// does not stop the others; after a signal the rows that there are stay. The answer is the exit status; statistics are summed up in `report`, and `runs`, made of
+/// the sweeps of `task.first`, takes what came of each.
+[[nodiscard]] int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs);
 
 }  // namespace pwlsim::cli

@@ -33,10 +33,10 @@ std::string one_word(std::string text) {
   return text;
 }
 
-std::string head_of(const std::string& title, std::span<const RawVector> vectors) {
+std::string head_of(const std::string& title, std::span<const RawVector> vectors, bool stepped) {
   std::string head = fmt::format(
-      "Title: {}\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real\nNo. Variables: {}\n{}{:<{}}\n{}{}",
-      one_line(title), vectors.size(), points_mark, 0, points_width, command, names_mark);
+      "Title: {}\nDate: Thu Jan  1 00:00:00  1970\nPlotname: Transient Analysis\nFlags: real{}\nNo. Variables: {}\n{}{:<{}}\n{}{}",
+      one_line(title), stepped ? " stepped" : "", vectors.size(), points_mark, 0, points_width, command, names_mark);
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < vectors.size(); ++k)
     lines.push_back(fmt::format("\t{}\t{}\t{}", k, one_word(vectors[k].name), vectors[k].type));
@@ -83,9 +83,9 @@ std::optional<RawFile> read_raw(std::string_view bytes) {
   return file;
 }
 
-RawWriter::RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors)
+RawWriter::RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors, bool stepped)
     : file_(file), row_bytes_(vectors.size() * sizeof(double)) {
-  const std::string head = head_of(title, vectors);
+  const std::string head = head_of(title, vectors, stepped);
   head_bytes_ = head.size();
   count_at_ = head.find(fmt::format("\n{}", points_mark)) + 1 + points_mark.size();
   if (file_.hold()) file_.write(head);

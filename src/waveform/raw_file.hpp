@@ -37,7 +37,8 @@ struct RawVector {
 /// the head is always that of the epoch, so that equal runs make equal files. `file` must outlive the writer; it is neither opened nor committed here.
 class RawWriter : public RowWriter {
  public:
-  RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors);
+  /// `stepped`: the rows are those of several runs, one after the other, as LTspice writes what .step asks for.
+  RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors, bool stepped = false);
 
   bool write(std::span<const double> values) override;
   bool flush() override;

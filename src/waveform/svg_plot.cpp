@@ -86,24 +86,45 @@ class Picture {
         for (double x : lane.times) times.take(x);
     }
     across_ = {times.opened(0.0), left, plot_width};
+    place_legend();
   }
 
   std::string draw() {
-    const double strip = top + static_cast<double>(figure_.panels.size()) * (panel_height + gap) - gap + (rows() > 0 ? row_height : 0.0);
+    const double above = top + legend_rows_ * row_height + (legend_rows_ > 0 ? 8.0 : 0.0);
+    const double strip = above + static_cast<double>(figure_.panels.size()) * (panel_height + gap) - gap + (rows() > 0 ? row_height : 0.0);
     const double axis = strip + static_cast<double>(rows()) * row_height;
     text_ = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" "
         "font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         width, axis + bottom);
     label(left, 20.0, figure_.title, "font-size=\"14\" font-weight=\"bold\"");
+    text_ += legend_;
     for (std::size_t k = 0; k < figure_.panels.size(); ++k)
-      draw_panel(figure_.panels[k], top + static_cast<double>(k) * (panel_height + gap));
+      draw_panel(figure_.panels[k], above + static_cast<double>(k) * (panel_height + gap));
     draw_strip(strip);
     draw_axis(axis);
     return std::move(text_) + "</svg>\n";
   }
 
  private:
+  /// Entries side by side, in as many rows as they need.
+  void place_legend() {
+    constexpr double line_length = 20.0, letter = 7.0, between = 24.0;
+    double x = left;
+    for (const LegendEntry& entry : figure_.legend) {
+      const double length = line_length + 6.0 + letter * static_cast<double>(entry.name.size());
+      if (legend_rows_ == 0 || x + length > left + plot_width) {
+        ++legend_rows_;
+        x = left;
+      }
+      const double y = top - 4.0 + (legend_rows_ - 1) * row_height;
+      legend_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"2\"/>\n", x,
+                             y - 4.0, x + line_length, y - 4.0, entry.colour);
+      legend_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#333\">{}</text>\n", x + line_length + 6.0, y, escaped(entry.name));
+      x += length + between;
+    }
+  }
+
   void label(double x, double y, std::string_view text, std::string_view attributes) {
     text_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, attributes, escaped(text));
   }
@@ -126,6 +147,7 @@ class Picture {
   }
 
   static std::string_view colour_of(const Panel& panel, std::size_t k) {
+    if (!panel.curves[k].colour.empty()) return panel.curves[k].colour;
     const auto first =
         std::find_if(panel.curves.begin(), panel.curves.end(), [&](const Curve& c) { return c.name == panel.curves[k].name; });
     return colours[static_cast<std::size_t>(first - panel.curves.begin()) % colours.size()];
@@ -252,10 +274,21 @@ class Picture {
 
   const Figure& figure_;
   Scale across_;
-  std::string text_;
+  int legend_rows_ = 0;
+  std::string legend_, text_;
 };
 
 }  // namespace
+
+std::string ramp_colour(double share) {
+  constexpr std::array<std::array<double, 3>, 5> stops{{{43, 63, 158}, {26, 134, 184}, {42, 157, 75}, {201, 138, 0}, {194, 47, 47}}};
+  const double at = std::clamp(share, 0.0, 1.0) * (stops.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  std::string text = "#";
+  for (std::size_t k = 0; k < 3; ++k)
+    text += fmt::format("{:02x}", std::lround(std::lerp(stops[low][k], stops[low + 1][k], at - static_cast<double>(low))));
+  return text;
+}
 
 std::string svg(const Figure& figure) { return Picture(figure).draw(); }
 

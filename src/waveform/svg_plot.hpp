@@ -11,6 +11,12 @@ struct Curve {
   std::vector<double> x;  ///< ascending; equal values are a vertical piece
   std::vector<double> y;  ///< as many; what is not finite is left out
   bool dashed = false;
+  std::string colour = {};  ///< "#1f5fbf"; empty: one of a palette
+};
+
+/// An entry of a legend above all panels.
+struct LegendEntry {
+  std::string name, colour;
 };
 
 struct Panel {
@@ -38,7 +44,11 @@ struct Figure {
   std::vector<Panel> panels;
   std::vector<Marks> marks = {};
   std::vector<Lane> lanes = {};
+  std::vector<LegendEntry> legend = {};
 };
+
+/// A colour of a row of them from blue over green to red, 0 ≤ share ≤ 1, all dark enough on white.
+[[nodiscard]] std::string ramp_colour(double share);
 
 /// Curves of more points than the picture has columns are drawn by their extremes in each column: nothing that stands out is lost.
 [[nodiscard]] std::string svg(const Figure& figure);

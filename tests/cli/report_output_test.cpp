@@ -7,6 +7,7 @@
 
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
+#include "waveform/svg_plot.hpp"
 
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
@@ -122,6 +123,36 @@ TEST_CASE("a report lists what does not run as written", "[unit]") {
   REQUIRE(data["run"]["idealisation"].array.size() == 2);
   const std::string page = shown(scratch, "r.html");
   if (!page.empty()) CHECK_THAT(page, Contains("<td>replaced</td><td>d.net:") && Contains("<td>ignored</td><td>d.net:"));
+}
+
+TEST_CASE("--report of a sweep: curves of the runs on one axis of times, and a table of the runs", "[unit]") {
+  const Scratch scratch;
+  // The second run ends earlier and has rows of its own.
+  scratch.write("d.net", "report\nV1 a 0 PWL(0 0 8 8)\nR1 a 0 1\n.step param T list 8 6\n.tran 4 {T}\n.save v(a)\n.meas m MAX v(a)\n");
+  REQUIRE(run_in(scratch, {"d.net", "--report", "r.html"}).status == 0);
+  const Json data = data_of(read_file(scratch / "r.html"));
+  const auto numbers = [](const Json& list) {
+    std::vector<double> values;
+    for (const Json& value : list.array) values.push_back(value.kind == Json::Kind::null ? -1.0 : value.number);
+    return values;
+  };
+  CHECK(numbers(data["times"]) == std::vector<double>{0, 4, 6, 8});
+  REQUIRE(data["signals"].array.size() == 2);
+  CHECK(data["signals"][0]["name"].string == "v(a), T=8");
+  CHECK(numbers(data["signals"][0]["values"]) == std::vector<double>{0, 4, 6, 8});
+  CHECK(numbers(data["signals"][1]["values"]) == std::vector<double>{0, 4, 6, -1});
+  CHECK(data["signals"][1]["colour"].string == pwlsim::waveform::ramp_colour(1.0));
+  CHECK(numbers(data["panels"][0]) == std::vector<double>{0, 1});
+  CHECK(data["run"]["runs"].array.size() == 2);
+  CHECK(data["drawnRuns"].number == 2.0);
+
+  const std::string page = shown(scratch, "r.html", "#A=7");
+  if (page.empty()) return;
+  CHECK_THAT(page, Contains("data-plots=\"1\"") && Contains("data-drawn=\"1\"") && Contains("data-runs=\"2\""));
+  // Means of a triangle: half of its end; the second run has no value at 7 s.
+  CHECK_THAT(page, Contains("<tr><td>v(a), T=8</td><td>7 V</td><td>–</td><td>–</td><td>0 V</td><td>8 V</td><td>8 V</td><td>4 V</td>") &&
+                       Contains("<tr><td>v(a), T=6</td><td>–</td><td>–</td><td>–</td><td>0 V</td><td>6 V</td><td>6 V</td><td>3 V</td>"));
+  CHECK_THAT(page, Contains("<tr><td>8</td><td>8 V</td><td>3</td>") && Contains("<tr><td>6</td><td>6 V</td><td>3</td>"));
 }
 
 TEST_CASE("a view in the address is what the page shows", "[unit]") {

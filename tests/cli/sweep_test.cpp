@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <cstdlib>
 
 #include "cli/run_in.hpp"
+#include "spice/ngspice.hpp"
 #include "support/json.hpp"
+#include "waveform/raw_file.hpp"
+#include "waveform/svg_plot.hpp"
 
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
@@ -123,18 +127,90 @@ TEST_CASE("Monte Carlo: means and spreads of 20,000 numbers", "[unit]") {
   CHECK(squares[2] / count == Approx(2.0).epsilon(4.0 * std::sqrt(3.0) / root));
 }
 
-TEST_CASE("what a deck with .step cannot do is refused by name", "[unit]") {
+TEST_CASE("a raw file of a sweep holds the runs one after the other, as LTspice writes them, with the stepped values", "[unit]") {
   const Scratch scratch;
   scratch.write("d.net", divider(".step param R list 1k 3k\n"));
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--plot", "p.svg"}, {"--report", "r.html"}, {"--json"}, {"--format", "raw"}}) {
-    std::vector<std::string> arguments{"d.net"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    const Finished finished = run_in(scratch, arguments);
-    CHECK(finished.status == 2);
-    CHECK_THAT(finished.err, Contains("of a deck with .step is not supported"));
+  REQUIRE(run_in(scratch, {"d.net", "--format", "raw"}).status == 0);
+  CHECK(scratch.names() == std::vector<std::string>{"d.net", "d.raw"});
+  const std::string bytes = read_file(scratch / "d.raw");
+  CHECK_THAT(bytes, Contains("\nFlags: real stepped\nNo. Variables: 3\nNo. Points: 4 ") &&
+                        Contains("\t1\tv(b)\tvoltage\n\t2\tR\tnotype\nBinary:\n"));
+  const auto raw = pwlsim::waveform::read_raw(bytes);
+  REQUIRE(raw);
+  CHECK(raw->names == std::vector<std::string>{"time", "v(b)", "r"});
+  CHECK(raw->values == std::vector<double>{0, 0.5, 1000, 0.001, 0.5, 1000, 0, 0.75, 3000, 0.001, 0.75, 3000});
+
+  const auto program = pwlsim::spice::find_ngspice();
+  if (!program) {
+    WARN("ngspice is not installed: the file is not loaded there");
+    return;
   }
-  CHECK(scratch.names() == std::vector<std::string>{"d.net"});
+  scratch.write("load.cir", "load\n.control\nload d.raw\nprint length(time) v(b)[3] r[3]\nquit\n.endc\n.end\n");
+  REQUIRE(std::system(("cd '" + scratch.path().string() + "' && '" + *program + "' -n -b load.cir > log 2>&1").c_str()) == 0);
+  CHECK_THAT(read_file(scratch / "log"),
+             Contains("length(time) = 4.0") && Contains("v(b)[3] = 7.500000e-01") && Contains("r[3] = 3.000000e+03"));
+}
+
+TEST_CASE("--json of a sweep lists the runs; one that fails tells why", "[unit]") {
+  const Scratch scratch;
+  // 1 V across R2 of x - 1: at x = 1 its conductance has no value.
+  scratch.write("d.net",
+                "list\nV1 a 0 1\nR1 a b 1\nR2 b 0 {1/(1-x)}\n.step param x list 0 1 0.5\n.tran 1 2\n.save v(b)\n.meas m MAX v(b)\n.meas n "
+                "FIND v(b) AT=9\n"
+                ".four 1 v(b)\n");
+  const Finished finished = run_in(scratch, {"d.net", "--json"});
+  CHECK(finished.status == 1);
+  const Json json = read_json(finished.out);
+  CHECK(json["output"]["rows"].number == 6.0);
+  CHECK_FALSE(json["output"]["complete"].truth);
+  CHECK(json["stats"]["failed_runs"].number == 1.0);
+  REQUIRE(json["runs"].array.size() == 3);
+  CHECK(json["runs"][0]["parameters"]["x"].number == 0.0);
+  CHECK(json["runs"][0]["failure"].kind == Json::Kind::null);
+  CHECK(json["runs"][0]["end"].number == 2.0);
+  CHECK(json["runs"][0]["rows"].number == 3.0);
+  CHECK(json["runs"][0]["measurements"][0]["value"].number == 0.5);
+  CHECK_THAT(json["runs"][0]["measurements"][1]["failure"].string, Contains("9"));
+  CHECK(json["runs"][0]["fourier"][0]["harmonics"][0]["magnitude"].number == Approx(0.5));
+  CHECK(json["runs"][0]["certificate"]["kcl_kvl"].number < 1e-15);
+  CHECK_THAT(json["runs"][1]["failure"].string, Contains("E-not-finite: division by zero"));
+  CHECK(json["runs"][2]["measurements"][0]["value"].number == Approx(2.0 / 3.0));
+}
+
+TEST_CASE("--plot of a sweep lays the runs over each other, a colour a run, and says how many are left out", "[unit]") {
+  const Scratch scratch;
+  const auto count = [](const std::string& text, const std::string& what) {
+    std::size_t number = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++number;
+    return number;
+  };
+  scratch.write("d.net", divider(".step param R list 1k 3k\n.save i(R1)\n"));
+  REQUIRE(run_in(scratch, {"d.net", "--plot", "p.svg"}).status == 0);
+  const std::string picture = read_file(scratch / "p.svg");
+  CHECK(count(picture, "<polyline") == 4);
+  CHECK_THAT(picture, Contains(">R=1000<") && Contains(">R=3000<") && Contains(">v(b)<") && Contains(">i(R1)<") && Contains(">divider<"));
+  for (const double share : {0.0, 1.0}) CHECK(count(picture, "stroke=\"" + pwlsim::waveform::ramp_colour(share) + "\"") == 3);
+
+  scratch.write("m.net", divider(".step param R 1 100 1\n"));
+  REQUIRE(run_in(scratch, {"m.net", "--plot", "m.svg"}).status == 0);
+  const std::string many = read_file(scratch / "m.svg");
+  CHECK(count(many, "<polyline") == 12);
+  CHECK_THAT(many, Contains(">divider (12 of 100 runs)<") && Contains(">R=1<") && Contains(">R=10<") && Contains(">R=100<"));
+}
+
+TEST_CASE("a sweep says where the deck does not run as written, and with --verbose where the time went", "[unit]") {
+  const Scratch scratch;
+  scratch.write("d.net", divider(".step param R list 1k 3k\n.nodeset v(b)=1\n"));
+  CHECK_THAT(run_in(scratch, {"d.net"}).err, Contains("not as written: 1 ignored (--verbose lists them)"));
+  CHECK_THAT(run_in(scratch, {"d.net", "--verbose"}).err, Contains("engine exact:") && Contains("\n  ignored"));
+}
+
+TEST_CASE("an operating point alone of a deck with .step is refused", "[unit]") {
+  const Scratch scratch;
+  scratch.write("o.net", "o\nV1 a 0 {x}\nR1 a 0 1\n.step param x 1 3 1\n.op\n");
+  const Finished finished = run_in(scratch, {"o.net"});
+  CHECK(finished.status == 2);
+  CHECK_THAT(finished.err, Contains("error[E-not-supported]: .op without .tran"));
 }
 
 TEST_CASE("a signal keeps the runs that are done, and a closed pipe ends them all", "[unit]") {

@@ -1,4 +1,4 @@
-// docs/tutorial: the page shows its decks as they are, and what they print.
+// docs/tutorial: the page shows its decks as they are, and what they print; so does the page of sweeps.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -16,6 +16,7 @@ namespace {
 constexpr double same = 1e-9;
 
 std::string tutorial(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR "/docs/tutorial/") + name; }
+std::string reference(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR "/docs/reference/") + name; }
 
 std::vector<std::string> lines(const std::string& text) {
   std::vector<std::string> result;
@@ -38,6 +39,18 @@ std::vector<double> numbers(const std::string& line) {
   std::istringstream stream(line);
   for (std::string cell; std::getline(stream, cell, ',');) found.push_back(std::strtod(cell.c_str(), nullptr));
   return found;
+}
+
+/// A page shows, indented, a table that was printed.
+void check_table(const std::vector<std::string>& page, const std::vector<std::string>& table, std::size_t rows) {
+  REQUIRE(table.size() == rows);
+  auto row = std::find(page.begin(), page.end(), "    " + table[0]);
+  for (std::size_t k = 1; k < table.size(); ++k) {
+    REQUIRE(page.end() - row > 1);
+    const auto found = numbers(table[k]), shown = numbers(*++row);
+    REQUIRE(shown.size() == found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(shown[i] == Approx(found[i]).epsilon(same));
+  }
 }
 
 }  // namespace
@@ -72,13 +85,19 @@ TEST_CASE("the sweep of the tutorial prints what the page shows", "[golden]") {
   const Scratch scratch;
   const Finished finished = run_in(scratch, {tutorial("losses.net")});
   REQUIRE(finished.status == 0);
-  const auto page = lines(read_file(tutorial("README.md"))), table = lines(finished.out);
-  REQUIRE(table.size() == 5);
-  auto row = std::find(page.begin(), page.end(), "    " + table[0]);
+  check_table(lines(read_file(tutorial("README.md"))), lines(finished.out), 5);
+}
+
+// A boost converter in continuous conduction gives Vin/(1 - D) on average, to the ripple of its output (the same book, eq. 2.36).
+TEST_CASE("the sweep of the reference prints what the page shows, near to what theory says", "[golden]") {
+  constexpr double ripple = 1e-3;
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {reference("boost_duty.net"), "--plot", "boost.svg"});
+  REQUIRE(finished.status == 0);
+  const auto table = lines(finished.out);
+  check_table(lines(read_file(reference("sweeps.md"))), table, 6);
   for (std::size_t k = 1; k < table.size(); ++k) {
-    REQUIRE(page.end() - row > 1);
-    const auto found = numbers(table[k]), shown = numbers(*++row);
-    REQUIRE(shown.size() == found.size());
-    for (std::size_t i = 0; i < found.size(); ++i) CHECK(shown[i] == Approx(found[i]).epsilon(same));
+    const auto row = numbers(table[k]);
+    CHECK(row[1] == Approx(12.0 / (1.0 - row[0])).epsilon(ripple));
   }
 }

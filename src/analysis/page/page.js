@@ -137,7 +137,7 @@
       ],
       series: [{label: "time", value: (plot, value) => quantity(value, "s", 9)}].concat(members.map((member, k) => ({
         label: data.signals[member].name,
-        stroke: colours[k % colours.length],
+        stroke: data.signals[member].colour || colours[k % colours.length],
         width: 1.5,
         pxAlign: 0,
         points: {show: false},
@@ -176,6 +176,7 @@
   function drawTimeline() {
     const canvas = element("timeline");
     const rows = data.marks.length + data.lanes.length;
+    canvas.style.display = rows === 0 ? "none" : "block";
     if (rows === 0) return;
     const width = canvas.clientWidth, height = rows * rowHeight + 4;
     canvas.style.height = height + "px";
@@ -256,11 +257,19 @@
     return {low, high, mean: area / (to - from), rms: Math.sqrt(square / (to - from))};
   }
 
+  // Where a signal has values: runs of a sweep need not be equally long.
+  function extentOf(signal) {
+    if (!signal.extent) {
+      const has = value => value !== null;
+      signal.extent = {begin: times[signal.values.findIndex(has)], end: times[signal.values.findLastIndex(has)]};
+    }
+    return signal.extent;
+  }
+
   function fillMeasurements() {
     const both = cursors.A !== null && cursors.B !== null && cursors.A !== cursors.B;
-    const end = times[times.length - 1];
     const from = Math.max(both ? Math.min(cursors.A, cursors.B) : visible.min, times[0]);
-    const to = Math.min(both ? Math.max(cursors.A, cursors.B) : visible.max, end);
+    const to = Math.min(both ? Math.max(cursors.A, cursors.B) : visible.max, times[times.length - 1]);
     const parts = [];
     for (const name of ["A", "B"]) if (cursors[name] !== null) parts.push(name + " = " + quantity(cursors[name], "s", 9));
     if (both) parts.push("B − A = " + quantity(cursors.B - cursors.A, "s", 9), "1/|B − A| = " + quantity(1 / (to - from), "Hz"));
@@ -271,8 +280,12 @@
     row(table, ["signal", "at A", "at B", "B − A", "minimum", "maximum", "peak to peak"].concat(data.thinned ? [] : ["mean", "RMS"]), "th");
     if (to <= from) return;
     for (const signal of data.signals) {
-      const at = name => cursors[name] === null || cursors[name] > end ? null : valueAt(signal.values, cursors[name]);
-      const a = at("A"), b = at("B"), m = measure(signal.values, from, to);
+      const {begin, end} = extentOf(signal);
+      const at = name => cursors[name] === null || cursors[name] < begin || cursors[name] > end ? null : valueAt(signal.values, cursors[name]);
+      const a = at("A"), b = at("B");
+      const own = {from: Math.max(from, begin), to: Math.min(to, end)};
+      if (own.to <= own.from) continue;
+      const m = measure(signal.values, own.from, own.to);
       const numbers = [a, b, a === null || b === null ? null : b - a, m.low, m.high, m.high - m.low].concat(data.thinned ? [] : [m.mean, m.rms]);
       row(table, [signal.name, ...numbers.map(number => quantity(number, signal.unit))]);
     }
@@ -359,6 +372,25 @@
     }
   }
 
+  function fillRuns() {
+    if (!run.runs) return;
+    show("runs");
+    const mostRows = 1000, runs = run.runs.slice(0, mostRows), table = element("run-table");
+    const count = run.runs.length, failed = run.runs.filter(each => each.failure !== null).length;
+    element("run-hint").textContent = count + " runs" + (failed ? ", " + failed + " of them failed" : "") +
+      (count > mostRows ? "; the first " + mostRows + " are listed" : "") +
+      (data.drawnRuns < count ? "; the curves are those of " + data.drawnRuns + ", evenly spread" : "") + ".";
+    const measured = runs.find(each => each.measurements.length)?.measurements.map(each => each.name) ?? [];
+    row(table, [...Object.keys(runs[0].parameters), ...measured, "rows", "events", "worst residual", "failure"], "th");
+    for (const each of runs) {
+      const values = measured.map((name, k) => { const m = each.measurements[k]; return m && !m.failure ? quantity(m.value, m.unit, 9) : "failed"; });
+      const {complementarity, kcl_kvl, energy} = each.certificate;
+      row(table, [...Object.values(each.parameters), ...values, each.rows, each.events,
+        Math.max(complementarity, kcl_kvl, energy).toExponential(1), each.failure ?? ""]);
+    }
+    document.documentElement.dataset.runs = runs.length;
+  }
+
   function fillIdealisation() {
     if (run.idealisation.length === 0) return;
     show("idealisation");
@@ -401,6 +433,7 @@
   fillWaveforms();
   fillOperatingPoint();
   fillResults();
+  fillRuns();
   fillEvents();
   fillIdealisation();
   if (run.stats) {
