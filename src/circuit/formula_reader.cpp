@@ -61,8 +61,7 @@ bool FormulaReader::read(const Expression& expression, bool is_current) {
 }
 
 bool FormulaReader::read_table(const Expression* x, const std::vector<elements::TablePoint>& points, bool is_current) {
-  std::optional<Sum> argument = builder_.voltage(0);
-  if (x != nullptr) argument = sum(*x, {place_.scope});
+  const std::optional<Sum> argument = x != nullptr ? sum(*x, {place_.scope}) : builder_.voltage(0);
   return argument && keep(builder_.table(*argument, points, false), is_current, instance_.span);
 }
 

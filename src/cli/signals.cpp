@@ -20,6 +20,7 @@ void handle_once(int signal_number) {
 }  // namespace
 
 void catch_signals() {
+  caught.store(0, std::memory_order_relaxed);
   handle_once(SIGINT);
   handle_once(SIGTERM);
   std::signal(SIGPIPE, SIG_IGN);

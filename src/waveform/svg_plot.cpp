@@ -14,7 +14,9 @@ namespace {
 constexpr double width = 930.0, left = 110.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
 constexpr double plot_width = width - left - right;
 constexpr double row_height = 16.0, bar_height = 11.0;
-constexpr int columns_per_unit = 2;  ///< of marks and lanes
+constexpr double flat_margin = 0.05;  ///< of the value of a flat curve
+constexpr double rounding = 1e-12;    ///< of the largest value: a span below it has no ticks of its own
+constexpr int columns_per_unit = 2;   ///< of marks and lanes
 constexpr std::string_view pale = "#dddddd", dark = "#666666";
 constexpr std::array<std::string_view, 6> colours{"#1f5fbf", "#d1480a", "#1b7f3b", "#7a3fa0", "#8a6d00", "#b0154f"};
 
@@ -42,11 +44,12 @@ struct Span {
     from = std::min(from, value);
     to = std::max(to, value);
   }
-  /// Not empty, with `margin` of its length on either side.
+  /// With `margin` of its length on either side. A single value, or values that differ by rounding, are in the middle.
   [[nodiscard]] Span opened(double margin) const {
     if (from > to) return {0.0, 1.0};
-    const double length = to > from ? to - from : std::max(std::abs(from), 1.0);
-    return {from - margin * length, to + margin * length};
+    const double size = std::max(std::abs(from), std::abs(to));
+    const double open = to - from > rounding * size ? margin * (to - from) : flat_margin * std::max(size, 1.0);
+    return {from - open, to + open};
   }
 };
 

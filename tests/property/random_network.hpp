@@ -9,28 +9,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "model/network.hpp"
+#include "support/random.hpp"
 
 namespace pwlsim::test {
-
-/// Uniform numbers that are the same with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// In [0, 1).
-  double unit() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  /// In low … high, both included.
-  int whole(int low, int high) { return low + static_cast<int>(unit() * (high - low + 1)); }
-  bool chance(double probability) { return unit() < probability; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 struct Part {
   enum class Kind { resistor, capacitor, inductor, diode, switch_, voltage, current };

@@ -41,6 +41,11 @@ TEST_CASE("controlled sources are SPICE's own where they have one input, else B 
         "V1 a 0 DC 1\nV2 c 0 DC 1\nB.E1 b 0 V=3+v(a)-2*v(c)\nR1 b 0 1\n");
 }
 
+TEST_CASE("a table of a number or of time needs no control", "[unit]") {
+  CHECK(twin_of("V1 a 0 1\nR1 a 0 1\nE1 b 0 TABLE {2} = (0,0) (4,1)\nR2 b 0 1") == "V1 a 0 DC 1\nR1 a 0 1\nB.E1 b 0 V=0.5\nR2 b 0 1\n");
+  CHECK_THAT(twin_of("R1 a 0 1\nG1 0 a TABLE {time} = (0,0) (0.5,1)"), Contains("V.G1.part2 G1.part2 0 PWL(0 0 0.5 1)\nB.G1 0 a I=v(G1.part2)\n"));
+}
+
 TEST_CASE("an ideal diode is a sidiode with X ohm and 1e5/X ohm; a diode with a model keeps its numbers", "[unit]") {
   CHECK(twin_of("V1 a 0 1\nD1 a b DI\nR1 b 0 1\n.model DI D") ==
         "V1 a 0 DC 1\nA.D1 a b A.D1.model\n.model A.D1.model sidiode(Ron=0.001 Roff=100000000 Vfwd=0)\nR1 b 0 1\n");

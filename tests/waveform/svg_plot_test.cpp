@@ -62,6 +62,12 @@ TEST_CASE("what is not finite is left out", "[unit]") {
   CHECK_THAT(text, Contains("points=\"110.00,211.82 910.00,48.18 \"") && !Contains("nan"));
 }
 
+TEST_CASE("a run of one row, and values that differ by rounding, are drawn", "[unit]") {
+  // In the middle of the 800 units of width, and of the 180 of height above y = 220.
+  CHECK_THAT(svg(figure_of({"", {0}, {1}, false})), Contains("points=\"510.00,130.00 \""));
+  CHECK_THAT(svg(figure_of({"", {0, 1}, {5.0, std::nextafter(5.0, 6.0)}, false})), Contains("points=\"110.00,130.00 910.00,130.00 \""));
+}
+
 TEST_CASE("a lane is a bar where it is on, shaded where it is on for a share of the time", "[unit]") {
   Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
   figure.lanes = {{"D<1>", {0.0, 0.25, 0.5}, {1.0, 0.0, 0.5}}};

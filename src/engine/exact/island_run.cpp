@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "base/largest.hpp"
 
 namespace pwlsim::engine {
 
@@ -20,6 +23,8 @@ constexpr double threshold_noise = 3e-14;
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
 constexpr int most_corners = 1024;                  ///< passed at once, so that a run can be interrupted
 
+std::span<const double> entries(const linalg::Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+
 }  // namespace
 
 IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
@@ -37,10 +42,10 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
   control_departures_.resize(system_.controls.size());
   only_gates_ = is_static() && system_.outputs.empty() && system_.exosystem->is_polyline();
   for (const auto& control : system_.controls) {
-    const double largest = std::max(control.value.state.cwiseAbs().maxCoeff(), 1e-300);
-    const double ports = control.value.input.size() ? control.value.input.cwiseAbs().maxCoeff() : 0.0;
-    const double state = system_.n > 0 ? control.value.state.head(system_.n).cwiseAbs().maxCoeff() : 0.0;
-    control_reads_.push_back(ports > row_noise * largest ? Reads::ports : state > row_noise * largest ? Reads::state : Reads::sources);
+    const double noise = row_noise * std::max(largest(entries(control.value.state)), 1e-300);
+    const bool reads_ports = largest(entries(control.value.input)) > noise;
+    const bool reads_state = largest(entries(control.value.state).first(static_cast<std::size_t>(system_.n))) > noise;
+    control_reads_.push_back(reads_ports ? Reads::ports : reads_state ? Reads::state : Reads::sources);
   }
 }
 

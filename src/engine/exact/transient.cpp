@@ -29,6 +29,7 @@ constexpr double doubtful_residual = 1e-6;
 /// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
+constexpr double idle_crowd_fraction = 1e-6;  ///< the same where nothing but flips of switches that change nothing happens
 constexpr std::uint64_t instants_between_checks = 256;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -184,7 +185,8 @@ bool Transient::handle(double time) {
   if (!settle(instant, false)) return false;
   watch_accumulation(instant);
   const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
-  if (!happened) return watch_crowd(instant);  // nothing but a corner of a source
+  if (!happened) return watch_idle_crowd(instant) && watch_crowd(instant);  // nothing but a corner of a source, or idle flips
+  idle_crowd_ = {};
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
   port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
@@ -267,6 +269,7 @@ bool Transient::flip_violated(Instant& instant) {
 
 void Transient::flip(const std::vector<int>& switches, Instant& instant) {
   instant.flips |= !switches.empty();
+  if (!switches.empty()) last_flips_ = switches;
   for (const int s : switches) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
@@ -333,20 +336,33 @@ void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) 
   island.accumulation().reset();
 }
 
+bool Transient::Crowd::note(double time, double length) {
+  if (time - start > length) *this = {time, 0};
+  return ++count >= crowd_limit;
+}
+
 bool Transient::watch_crowd(const Instant& instant) {
-  if (instant.time - crowd_start_ > crowd_fraction * request_.stop) {
-    crowd_start_ = instant.time;
-    crowd_ = 0;
-  }
-  if (++crowd_ < crowd_limit) return true;
+  if (!crowd_.note(instant.time, crowd_fraction * request_.stop)) return true;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < islands_.size(); ++i)
     if (modes_before_[i] && islands_[i].mode != modes_before_[i])
       for (auto& name : differing_elements(islands_[i].system(), {modes_before_[i], islands_[i].mode})) names.push_back(std::move(name));
+  return fail_crowd(instant.time, crowd_, names);
+}
+
+/// Of instants at which nothing happened but flips of switches that change nothing.
+bool Transient::watch_idle_crowd(const Instant& instant) {
+  if (!instant.flips || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop)) return true;
+  std::vector<std::string> names;
+  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  return fail_crowd(instant.time, idle_crowd_, names);
+}
+
+bool Transient::fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names) {
   fail(Outcome::accumulation, "E-accumulation",
        fmt::format(
            "events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
-           instant.time, crowd_, instant.time - crowd_start_, fmt::join(names, ", ")),
+           time, crowd.count, time - crowd.start, fmt::join(names, ", ")),
        names);
   return false;
 }

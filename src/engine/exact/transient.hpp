@@ -29,6 +29,15 @@ class Transient {
     int jumps = 0;
   };
 
+  /// Instants near one another.
+  struct Crowd {
+    double start = 0.0;
+    std::uint64_t count = 0;
+
+    /// Whether there are too many within `length`.
+    bool note(double time, double length);
+  };
+
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
   bool begin(const Start& start);
   double next_instant();
@@ -45,6 +54,8 @@ class Transient {
   bool push_row();
   bool flush();
   bool watch_crowd(const Instant& instant);
+  bool watch_idle_crowd(const Instant& instant);
+  bool fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names);
   void watch_accumulation(const Instant& instant);
   bool may_cross(std::size_t island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
@@ -82,8 +93,8 @@ class Transient {
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0;
   double last_event_row_ = -1.0;  ///< time of the last row written after an event
-  double crowd_start_ = 0.0;
-  std::uint64_t crowd_ = 0;
+  Crowd crowd_, idle_crowd_;
+  std::vector<int> last_flips_;
   double sink_seconds_ = 0.0;
   std::uint64_t instants_ = 0;
 };
