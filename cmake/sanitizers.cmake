@@ -9,3 +9,14 @@ if(PWLSIM_SANITIZE)
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
   add_link_options(-fsanitize=address,undefined)
 endif()
+
+# The same, made for libFuzzer (tests/fuzz).
+option(PWLSIM_FUZZ "Build the fuzz targets (clang)" OFF)
+
+if(PWLSIM_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "PWLSIM_FUZZ needs clang: libFuzzer is part of it")
+  endif()
+  add_compile_options(-O1 -g1 -UNDEBUG -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=null -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=address,undefined)
+endif()

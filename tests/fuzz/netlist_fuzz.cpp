@@ -1,5 +1,6 @@
-/// Any bytes are read without a crash, and what is read keeps the promises of ast.hpp, number.hpp and diagnostic.hpp.
+/// Any bytes are read and flattened without a crash, and keep the promises of ast.hpp, number.hpp, diagnostic.hpp and compile.hpp.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include "base/decimal.hpp"
 #include "base/diagnostic.hpp"
 #include "base/names.hpp"
+#include "circuit/compile.hpp"
 #include "netlist/load.hpp"
 #include "netlist/number.hpp"
 
@@ -108,6 +110,40 @@ class Checker {
   bool damaged_ = false;
 };
 
+/// Calls of subcircuits within one another multiply: a few lines ask for millions of elements, which is no mistake and takes its time.
+constexpr std::ptrdiff_t most_calls = 8;
+
+bool is_small(const pwlsim::netlist::Deck& deck) {
+  return std::count_if(deck.cards.begin(), deck.cards.end(),
+                       [](const Card& card) { return pwlsim::lower_letter(card.name.front()) == 'x'; }) <= most_calls;
+}
+
+void require_finite(double value) { require(std::isfinite(value), "a network's values are finite"); }
+
+void require_finite(const pwlsim::model::LinearForm& form) {
+  for (const auto& term : form) require_finite(term.coefficient);
+}
+
+void check_values(const pwlsim::model::Network& network) {
+  for (const auto& part : network.resistors) require_finite(part.resistance);
+  for (const auto& part : network.capacitors) require_finite(part.capacitance);
+  for (const auto& part : network.inductors) require_finite(part.inductance);
+  for (const auto& part : network.branches) require_finite(part.voltage);
+  for (const auto& part : network.injections) require_finite(part.current);
+  for (const auto& part : network.complementarities) require_finite(part.slack);
+  for (const auto& part : network.switches) require_finite(part.control);
+  for (const auto& signal : network.signals) require_finite(signal.form);
+}
+
+void compile(const pwlsim::netlist::Deck& deck, pwlsim::SourceStore& sources, pwlsim::Diagnostics& diagnostics) {
+  const auto compiled =
+      pwlsim::circuit::compile(deck, sources, diagnostics, {.analysis_required = false, .measure = true, .keep_circuit = true});
+  require(compiled.has_value() != diagnostics.has_errors(), "a network or an error");
+  if (!compiled) return;
+  require(compiled->measured_signals <= compiled->network.signals.size(), "measured signals are signals");
+  check_values(compiled->network);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -122,6 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     damaged = damaged || card.damaged;
   }
   require(!damaged || diagnostics.has_errors(), "damage is reported");
+  if (is_small(deck)) compile(deck, sources, diagnostics);
   for (const auto& diagnostic : diagnostics.all()) {
     require(!render(diagnostic, sources).empty(), "a message has text");
   }

@@ -117,8 +117,12 @@ Finished Spawned::finish() {
     }
   }
   int status = 0;
-  ::waitpid(process_, &status, 0);
+  rusage usage{};
+  ::wait4(process_, &status, 0, &usage);
   process_ = -1;
+  for (const timeval& spent : {usage.ru_utime, usage.ru_stime})
+    result.cpu_seconds += static_cast<double>(spent.tv_sec) + 1e-6 * static_cast<double>(spent.tv_usec);
+  result.resident_mebibytes = static_cast<double>(usage.ru_maxrss) / 1024.0;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   result.seconds = now() - start_;
   return result;

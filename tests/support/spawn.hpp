@@ -21,6 +21,8 @@ struct Finished {
   int status = -1;  ///< exit status; 1000 + n where signal n ended it
   std::string out, err;
   double seconds = 0.0;
+  double cpu_seconds = 0.0;
+  double resident_mebibytes = 0.0;  ///< at most
 };
 
 /// A running pwlsim; killed by its process id when it leaves scope before finish().
