@@ -119,7 +119,7 @@ std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
     panels[k] += "]";
   }
   return json_line({{"run", run_json(outcome, run)},
-                    {"from", json_number(from)},
+                    {"from", json_number(rows.empty() ? 0.0 : from)},
                     {"to", json_number(to)},
                     {"thinned", json_truth(is_thinned)},
                     {"times", numbers(joined.times)},

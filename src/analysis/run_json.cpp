@@ -29,14 +29,15 @@ void write_signals(JsonWriter& json, const std::vector<std::string>& signals) {
   json.end_array();
 }
 
-void write_operating_point(JsonWriter& json, const RunOutcome& outcome) {
-  if (!outcome.operating_point) {
+/// `values` may have further ones behind those of the signals.
+void write_operating_point(JsonWriter& json, const std::vector<std::string>& signals, const std::vector<double>* values) {
+  if (values == nullptr) {
     json.member("operating_point", "null");
     return;
   }
   json.key("operating_point");
   json.begin_object();
-  for (std::size_t k = 0; k < outcome.signals.size(); ++k) json.member(outcome.signals[k], json_number((*outcome.operating_point)[k]));
+  for (std::size_t k = 0; k < signals.size(); ++k) json.member(signals[k], json_number((*values)[k]));
   json.end_object();
 }
 
@@ -78,7 +79,7 @@ void write_parameters(JsonWriter& json, const circuit::Sweeps& sweeps, std::size
   json.end_object();
 }
 
-void write_runs(JsonWriter& json, const SweptRuns& sweep) {
+void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std::string>& signals) {
   if (sweep.list.empty()) {
     json.member("runs", "null");
     return;
@@ -93,6 +94,7 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep) {
     json.member("end", json_number(run.end));
     json.member("rows", std::to_string(run.rows));
     json.member("events", std::to_string(run.statistics.events));
+    write_operating_point(json, signals, run.operating_point.empty() ? nullptr : &run.operating_point);
     write_measurements(json, run.measurements);
     write_certificate(json, run.certificate);
     json.end_object();
@@ -112,9 +114,9 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   json.member("plot", text_or_null(outcome.plot));
   json.member("report", text_or_null(outcome.report));
   write_signals(json, outcome.signals);
-  write_operating_point(json, outcome);
+  write_operating_point(json, outcome.signals, outcome.operating_point ? &*outcome.operating_point : nullptr);
   write_measurements(json, outcome.measurements);
-  write_runs(json, outcome.sweep);
+  write_runs(json, outcome.sweep, outcome.signals);
   json.key("notes");
   json.begin_array();
   for (const std::string& note : run.notes) json.value(json_string(note));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "waveform/csv.hpp"
 
@@ -33,6 +34,21 @@ void add(engine::Certificate& worst, const engine::Certificate& one, bool is_fir
   worst.has_passivity = one.has_passivity && (is_first || worst.has_passivity);
   worst.passive = one.passive && (is_first || worst.passive);
   worst.points_checked += one.points_checked;
+}
+
+using Value = std::function<std::optional<double>(const SweptRun& run, std::size_t column)>;
+
+std::string table_of(const SweptRuns& runs, const std::vector<std::string>& names, const Value& value) {
+  std::string text = sweep_head(runs.sweeps, names);
+  for (std::size_t run = 0; run < runs.list.size(); ++run) {
+    for (const double stepped : runs.sweeps.point(run)) text += waveform::shortest(stepped) + ",";
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::optional<double> found = value(runs.list[run], k);
+      text += (found ? waveform::shortest(*found) : "failed") + ",";
+    }
+    text.back() = '\n';
+  }
+  return text;
 }
 
 }  // namespace
@@ -68,20 +84,54 @@ void SweptRuns::sum_up(RunReport& report) const {
   report.seconds.certificate = report.statistics.seconds_certificate;
 }
 
-SweptRun swept_run(const TransientRun& run) {
-  SweptRun swept;
-  swept.done = run.ending == Ending::completed;
-  swept.interrupted = run.ending == Ending::interrupted;
-  swept.id = run.id;
-  swept.message = run.message;
-  swept.end = run.answer.time;
-  swept.statistics = run.answer.statistics;
-  swept.certificate = run.answer.certificate;
-  swept.remarks = run.answer.remarks;
-  swept.measurements = run.measurements;
-  swept.rows = run.rows;
-  swept.seconds_write = run.seconds_write;
-  return swept;
+void take_transient(const TransientRun& transient, SweptRun& run) {
+  run.done = run.id.empty() && transient.ending == Ending::completed;
+  run.interrupted = transient.ending == Ending::interrupted;
+  if (run.id.empty()) {
+    run.id = transient.id;
+    run.message = transient.message;
+  }
+  run.end = transient.answer.time;
+  run.statistics = transient.answer.statistics;
+  run.certificate = transient.answer.certificate;
+  run.remarks = transient.answer.remarks;
+  run.measurements = transient.measurements;
+  run.rows = transient.rows;
+  run.seconds_write = transient.seconds_write;
+}
+
+void take_operating_point(const engine::OperatingPoint& point, SweptRun& run) {
+  run.statistics = point.answer.statistics;
+  run.certificate = point.answer.certificate;
+  run.remarks = point.answer.remarks;
+  run.id = point.answer.id;
+  run.message = point.answer.message;
+  run.done = point.answer.outcome == engine::Outcome::completed;
+  if (run.done) run.operating_point = point.values;
+}
+
+std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::string>& columns) {
+  std::string text;
+  for (const circuit::Sweep& sweep : sweeps.list) text += waveform::csv_field(sweep.name) + ",";
+  for (const std::string& column : columns) text += waveform::csv_field(column) + ",";
+  text.back() = '\n';
+  return text;
+}
+
+std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals) {
+  return table_of(runs, signals, [](const SweptRun& run, std::size_t k) {
+    return k < run.operating_point.size() ? std::optional(run.operating_point[k]) : std::nullopt;
+  });
+}
+
+std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements) {
+  std::vector<std::string> names;
+  for (const circuit::Measurement& measurement : measurements.list)
+    if (measurement.shown) names.push_back(measurement.name);
+  return table_of(runs, names, [](const SweptRun& run, std::size_t k) {
+    const auto& results = run.measurements.list;
+    return k < results.size() && results[k].failure.empty() ? std::optional(results[k].value) : std::nullopt;
+  });
 }
 
 }  // namespace pwlsim::analysis

@@ -22,6 +22,7 @@ struct SweptRun {
   engine::Certificate certificate;
   std::vector<engine::Remark> remarks;
   measure::Results measurements;
+  std::vector<double> operating_point;  ///< of the saved signals; empty where none was asked for, or found
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
 };
@@ -49,6 +50,16 @@ struct SweptRuns {
   void sum_up(RunReport& report) const;
 };
 
-[[nodiscard]] SweptRun swept_run(const TransientRun& run);
+/// Where the run has failed already it stays failed.
+void take_transient(const TransientRun& transient, SweptRun& run);
+/// Comes first; a run without .tran is done with it.
+void take_operating_point(const engine::OperatingPoint& point, SweptRun& run);
+
+/// The head of a CSV of runs: what is stepped, then `columns`.
+[[nodiscard]] std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::string>& columns);
+/// CSV, a line a run: the stepped values, then those of the signals at the operating point; "failed" where there are none.
+[[nodiscard]] std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals);
+/// The same of the measurements that are shown.
+[[nodiscard]] std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements);
 
 }  // namespace pwlsim::analysis

@@ -71,7 +71,6 @@ class Session {
 
   int prepare();
   int open_files();
-  int check_sweep();
   int sweep();
   int operating_point();
   int transient();
@@ -108,7 +107,6 @@ int Session::prepare() {
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
-  if (const int status = check_sweep(); status != 0) return status;
   outcome_.title = compiled_->title;
   const std::vector<std::string> names = analysis::column_names(*compiled_);
   outcome_.signals.assign(names.begin() + 1, names.end());
@@ -147,21 +145,13 @@ void Session::take_remarks(const engine::Answer& answer) {
   report_.seconds.certificate = answer.statistics.seconds_certificate;
 }
 
-/// What stands in the way of a deck with .step.
-int Session::check_sweep() {
-  if (compiled_->analyses.sweeps.runs() == 0) return 0;
-  if (!compiled_->analyses.transient)
-    return fail(Status::wrong_input, "E-not-supported", ".op without .tran of a deck with .step is not supported; try .tran");
-  if (compiled_->analyses.operating_point)
-    messages_.report({Severity::warning, "W-ignored-card", {}, ".op is ignored in a deck with .step"});
-  return 0;
-}
-
 int Session::sweep() {
-  outcome_.sweep = analysis::SweptRuns(compiled_->analyses.sweeps, plot_file_.is_open() || report_file_);
-  const int status = run_sweep({options_, deck_, sources_, *compiled_, reltol_, *rows_file_}, messages_, report_, outcome_.sweep);
+  outcome_.sweep = analysis::SweptRuns(compiled_->analyses.sweeps, rows_file_ && (plot_file_.is_open() || report_file_));
+  const SweepTask task{options_, deck_, sources_, *compiled_, reltol_, rows_file_ ? &*rows_file_ : nullptr};
+  const int status = run_sweep(task, messages_, report_, outcome_.sweep);
   if (engine_.warning) messages_.report(*engine_.warning);
   report_.seconds.total = since(start_);
+  if (!rows_file_) return status;
   double end = 0.0;
   for (const analysis::SweptRun& run : outcome_.sweep.list) end = std::max(end, run.end);
   note_rows(rows_file_->failed(), status == 0, end);

@@ -19,7 +19,6 @@
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/status.hpp"
-#include "waveform/csv.hpp"
 #include "waveform/raw_file.hpp"
 
 namespace pwlsim::cli {
@@ -41,41 +40,34 @@ class Sweep {
         records_(runs.list),
         sweeps_(runs.sweeps),
         threads_(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, records_.size())),
-        columns_(analysis::column_names(task.first)),
-        rows_(task.rows, runs_ahead * threads_, is_raw() ? (columns_.size() + sweeps_.list.size()) * sizeof(double) : 0) {}
+        columns_(analysis::column_names(task.first)) {}
 
   int run() {
-    write_head();
+    if (task_.rows != nullptr) begin_rows(*task_.rows);
     {
       Progress progress(task_.options.progress, static_cast<double>(records_.size()));
       run_all(progress);
     }
     runs_.sum_up(report_);
     tell_remarks();
-    const int status = std::max(tell_failures(), complete());
-    return std::max(status, print_measurements());
+    const int status = std::max(tell_failures(), task_.rows != nullptr ? complete(*task_.rows) : 0);
+    tell_failed_measurements();
+    return task_.options.json ? status : std::max(status, print_tables());
   }
 
  private:
   [[nodiscard]] bool is_raw() const { return task_.options.format == analysis::RowFormat::raw; }
   [[nodiscard]] std::string name(std::size_t run) const { return runs_.name(run); }
-  [[nodiscard]] std::string swept_names() const {
-    std::string text;
-    for (const circuit::Sweep& sweep : sweeps_.list) text += waveform::csv_field(sweep.name) + ",";
-    return text;
-  }
 
-  void write_head() {
-    if (!is_raw()) {
-      std::string text = swept_names();
-      for (const std::string& column : columns_) text += waveform::csv_field(column) + ",";
-      text.back() = '\n';
-      task_.rows.write(text);
-      return;
+  void begin_rows(waveform::OutputFile& file) {
+    rows_.emplace(file, runs_ahead * threads_, is_raw() ? (columns_.size() + sweeps_.list.size()) * sizeof(double) : 0);
+    if (is_raw()) {
+      std::vector<waveform::RawVector> vectors = analysis::raw_vectors(task_.first);
+      for (const circuit::Sweep& sweep : sweeps_.list) vectors.push_back({sweep.name, "notype"});
+      raw_.emplace(file, task_.first.title, vectors, true);
+    } else {
+      file.write(analysis::sweep_head(sweeps_, columns_));
     }
-    std::vector<waveform::RawVector> vectors = analysis::raw_vectors(task_.first);
-    for (const circuit::Sweep& sweep : sweeps_.list) vectors.push_back({sweep.name, "notype"});
-    raw_.emplace(task_.rows, task_.first.title, vectors, true);
   }
 
   [[nodiscard]] analysis::RowFormatter format_of(std::size_t run) const {
@@ -98,7 +90,7 @@ class Sweep {
 
   void work() {
     for (std::size_t run = begun_++; run < records_.size(); run = begun_++) {
-      rows_.wait_to_begin(run);
+      if (rows_) rows_->wait_to_begin(run);
       one_run(run);
       const std::scoped_lock lock(mutex_);
       ++finished_;
@@ -110,7 +102,7 @@ class Sweep {
     SweptRun& record = records_[run];
     bool has_rows = false;
     try {
-      if (caught_signal() != 0 || rows_.failed())
+      if (caught_signal() != 0 || (rows_ && rows_->failed()))
         record.interrupted = true;
       else
         has_rows = simulate(run, record);
@@ -118,7 +110,7 @@ class Sweep {
       record.id = "E-internal";
       record.message = "the run met a state it should never reach, or no memory is left";
     }
-    if (!has_rows) (void)rows_.finish(run, "");
+    if (!has_rows && rows_) (void)rows_->finish(run, "");
   }
 
   /// False where the run did not come to rows.
@@ -132,8 +124,10 @@ class Sweep {
       note_error(diagnostics, record);
       return false;
     }
-    analysis::SteppedRows writer(rows_, run, columns_.size(), format_of(run));
-    record = analysis::swept_run(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)));
+    if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
+    if (!compiled->analyses.transient) return false;
+    analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
+    take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
     return true;
   }
 
@@ -187,39 +181,41 @@ class Sweep {
     if (const int signal_number = caught_signal(); signal_number != 0) {
       const auto done = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return record.done; });
       (void)fail(messages_, Status::run_failed, "E-interrupted",
-                 fmt::format("stopped by a signal after {} of {} runs; their rows are in {}", done, records_.size(), task_.rows.name()));
+                 fmt::format("stopped by a signal after {} of {} runs{}", done, records_.size(),
+                             task_.rows != nullptr ? "; their rows are in " + task_.rows->name() : ""));
       return status_of_signal(signal_number);
     }
     return failures > 0 ? static_cast<int>(Status::run_failed) : 0;
   }
 
-  int complete() {
+  int complete(waveform::OutputFile& file) {
     const bool is_counted = !raw_ || raw_->flush();
-    if (is_counted && task_.rows.commit()) {
+    if (is_counted && file.commit()) {
       const auto done = report_.runs - report_.failed_runs;
-      messages_.remark(fmt::format("wrote {}: {} runs{}, {} rows, {} events\n", task_.rows.name(), done,
+      messages_.remark(fmt::format("wrote {}: {} runs{}, {} rows, {} events\n", file.name(), done,
                                    report_.failed_runs > 0 ? fmt::format(" of {}", report_.runs) : "", report_.statistics.rows,
                                    report_.statistics.events));
       return 0;
     }
-    if (task_.rows.closed_pipe()) return static_cast<int>(Status::closed_pipe);
-    std::string text = fmt::format("{}: {}", task_.rows.name(), task_.rows.problem());
-    if (!task_.rows.partial_name().empty()) text += fmt::format("; the rows written are in {}", task_.rows.partial_name());
+    if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);
+    std::string text = fmt::format("{}: {}", file.name(), file.problem());
+    if (!file.partial_name().empty()) text += fmt::format("; the rows written are in {}", file.partial_name());
     return fail(messages_, Status::file_error, "E-cannot-write", text);
   }
 
-  /// A line a run, as CSV; then the tables of .four.
-  int print_measurements() {
-    if (task_.first.measurements.empty()) return 0;
-    tell_failed_measurements();
-    if (task_.options.json) return 0;
-    std::string text;
+  /// Tables of a line a run, as CSV; then those of .four. An empty line between them.
+  int print_tables() {
+    std::vector<std::string> tables;
+    const std::vector<std::string> signals(columns_.begin() + 1, columns_.end());
+    if (task_.first.analyses.operating_point) tables.push_back(analysis::operating_point_table(runs_, signals));
     const auto& list = task_.first.measurements.list;
-    if (std::any_of(list.begin(), list.end(), [](const auto& m) { return m.shown; })) text = measurement_table();
+    if (std::any_of(list.begin(), list.end(), [](const auto& m) { return m.shown; }))
+      tables.push_back(analysis::measurement_table(runs_, task_.first.measurements));
+    std::string text = fmt::format("{}", fmt::join(tables, "\n"));
     for (std::size_t run = 0; run < records_.size(); ++run)
       for (const measure::FourierResult& result : records_[run].measurements.fourier)
         text += fmt::format("{}\n{}", name(run), measure::fourier_text(result));
-    return print(text, messages_, task_.options.output == "-" ? Stream::error : Stream::output);
+    return text.empty() ? 0 : print(text, messages_, task_.options.output == "-" ? Stream::error : Stream::output);
   }
 
   /// Of each measurement the first run that lacks it, with how many others do.
@@ -240,26 +236,6 @@ class Sweep {
     }
   }
 
-  std::string measurement_table() {
-    std::string text = swept_names();
-    for (const circuit::Measurement& measurement : task_.first.measurements.list)
-      if (measurement.shown) text += waveform::csv_field(measurement.name) + ",";
-    text.back() = '\n';
-    for (std::size_t run = 0; run < records_.size(); ++run) {
-      const auto& results = records_[run].measurements.list;
-      for (const double value : sweeps_.point(run)) text += waveform::shortest(value) + ",";
-      std::size_t k = 0;
-      for (const circuit::Measurement& measurement : task_.first.measurements.list) {
-        if (!measurement.shown) continue;
-        const bool has_value = k < results.size() && results[k].failure.empty();
-        text += (has_value ? waveform::shortest(results[k].value) : "failed") + ",";
-        ++k;
-      }
-      text.back() = '\n';
-    }
-    return text;
-  }
-
   const SweepTask& task_;
   Messages& messages_;
   analysis::RunReport& report_;
@@ -268,8 +244,8 @@ class Sweep {
   const circuit::Sweeps& sweeps_;
   std::size_t threads_;
   std::vector<std::string> columns_;
-  std::optional<waveform::RawWriter> raw_;  ///< of the head and the number of rows
-  analysis::OrderedRows rows_;
+  std::optional<waveform::RawWriter> raw_;     ///< of the head and the number of rows
+  std::optional<analysis::OrderedRows> rows_;  ///< of a deck with .tran
   std::atomic<std::size_t> begun_ = 0;
   std::mutex mutex_;  ///< of finished_
   std::condition_variable one_finished_;

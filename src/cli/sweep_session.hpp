@@ -14,12 +14,12 @@ struct SweepTask {
   const RunOptions& options;
   const netlist::Deck& deck;
   const SourceStore& sources;
-  const circuit::Compiled& first;  ///< the deck as the first run has it
-  double reltol = 0.0;             ///< of the sparse engine
-  waveform::OutputFile& rows;
+  const circuit::Compiled& first;        ///< the deck as the first run has it
+  double reltol = 0.0;                   ///< of the sparse engine
+  waveform::OutputFile* rows = nullptr;  ///< null where the deck has no .tran
 };
 
-/// Runs them on all cores, writes their rows in order and commits the file, prints the measurements as a table. A run that fails is said and counted, and
+/// Runs them on all cores, writes their rows in order and commits the file, prints operating points and measurements as tables. A run that fails is said and counted, and
 /// does not stop the others; after a signal the rows that there are stay. The answer is the exit status; statistics are summed up in `report`, and `runs`, made of
 /// the sweeps of `task.first`, takes what came of each.
 [[nodiscard]] int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs);

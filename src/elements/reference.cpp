@@ -1,12 +1,14 @@
 #include "elements/reference.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/names.hpp"
 #include "elements/catalogue.hpp"
 #include "elements/waveform.hpp"
 
@@ -68,9 +70,30 @@ std::string table_of(ParameterTable table, std::size_t required) {
   return text;
 }
 
+std::string heading_of(const Kind& kind) { return fmt::format("{}: {}", kind.letter, kind.name); }
+
+/// The fragment by which a page of Markdown is entered at a heading.
+std::string anchor_of(std::string_view heading) {
+  std::string anchor;
+  for (const char c : heading)
+    if (c == ' ' || c == '-' || std::isalnum(static_cast<unsigned char>(c)) != 0) anchor += c == ' ' ? '-' : lower_letter(c);
+  return anchor;
+}
+
+std::string overview(const std::vector<const Kind*>& kinds) {
+  std::string text = "| element | what it is | types of `.model` |\n| --- | --- | --- |\n";
+  for (const Kind* kind : kinds) {
+    std::vector<std::string> types;
+    for (const ModelKind* model : kind->models) types.push_back(fmt::format("`{}`", model->type));
+    text += fmt::format("| [{}](#{}) | {} | {} |\n", heading_of(*kind), anchor_of(heading_of(*kind)), in_cell(kind->text),
+                        fmt::join(types, " "));
+  }
+  return text + "\n";
+}
+
 std::string section_of(const Kind& kind) {
   const bool value = kind.tail == Tail::value;
-  std::string text = fmt::format("## {}: {}\n\n    {}\n\n{}\n\n", kind.letter, kind.name, kind.usage, kind.text);
+  std::string text = fmt::format("## {}\n\n    {}\n\n{}\n\n", heading_of(kind), kind.usage, kind.text);
   text += table_of(kind.parameters, value ? 1 : 0);
   for (const ModelKind* model : kind.models) {
     text += fmt::format("### `.model` name {}\n\n{}", model->type, table_of(model->parameters, 0));
@@ -85,9 +108,9 @@ std::string reference_tables() {
   for (const Kind& kind : catalogue()) kinds.push_back(&kind);
   std::sort(kinds.begin(), kinds.end(), [](const Kind* a, const Kind* b) { return a->letter < b->letter; });
   std::string text =
-      "# Elements and their parameters\n\nMade from the catalogue in src/elements; `PWLSIM_WRITE_REFERENCE=1 tests_elements "
-      "\"[reference]\"` writes it.\n"
+      "# Elements and their parameters\n\nMade from the catalogue in src/elements by `ninja -C build reference`; a test compares.\n"
       "What the cards mean stands in [netlist.md](netlist.md).\n\n";
+  text += overview(kinds);
   for (const Kind* kind : kinds) text += section_of(*kind);
   text += "## Waveforms of V and I\n\n";
   for (const WaveformKind& kind : waveform_kinds()) {

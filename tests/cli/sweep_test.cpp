@@ -205,12 +205,38 @@ TEST_CASE("a sweep says where the deck does not run as written, and with --verbo
   CHECK_THAT(run_in(scratch, {"d.net", "--verbose"}).err, Contains("engine exact:") && Contains("\n  ignored"));
 }
 
-TEST_CASE("an operating point alone of a deck with .step is refused", "[unit]") {
+TEST_CASE("operating points of a sweep are a table, with .tran and without; one that fails is told", "[unit]") {
   const Scratch scratch;
-  scratch.write("o.net", "o\nV1 a 0 {x}\nR1 a 0 1\n.step param x 1 3 1\n.op\n");
-  const Finished finished = run_in(scratch, {"o.net"});
-  CHECK(finished.status == 2);
-  CHECK_THAT(finished.err, Contains("error[E-not-supported]: .op without .tran"));
+  // x V across 1 + 3 ohm; at x = 0 the resistance has no value. With a current source against a diode there is no state.
+  const std::string deck = "o\nV1 a 0 {x}\nR1 a b {x/x}\nR2 b 0 3\n.step param x list 1 0 4\n.save v(b) i(R1)\n.op\n";
+  scratch.write("o.net", deck);
+  const Finished alone = run_in(scratch, {"o.net", "--stats", "s.json"});
+  CHECK(alone.status == 1);
+  CHECK(alone.out == "x,v(b),i(R1)\n1,0.75,0.25\n0,failed,failed\n4,3,1\n");
+  CHECK_THAT(alone.err, Contains("error[E-not-finite]: run with x=0: division by zero"));
+  CHECK(scratch.names() == std::vector<std::string>{"o.net", "s.json"});
+  CHECK_THAT(read_file(scratch / "s.json"), Contains("\"runs\": 3") && Contains("\"failed_runs\": 1"));
+  const Json json = read_json(run_in(scratch, {"o.net", "--json", "--report", "r.html"}).out);
+  CHECK(json["output"].kind == Json::Kind::null);
+  CHECK(json["runs"][2]["operating_point"]["i(R1)"].number == 1.0);
+  CHECK(json["runs"][1]["operating_point"].kind == Json::Kind::null);
+
+  scratch.write("t.net", deck + ".tran 1 2\n.meas m MAX v(b)\n");
+  CHECK(run_in(scratch, {"t.net", "--quiet"}).out == "x,v(b),i(R1)\n1,0.75,0.25\n0,failed,failed\n4,3,1\n\nx,m\n1,0.75\n0,failed\n4,3\n");
+  CHECK(read_file(scratch / "t.csv").rfind("x,time,v(b),i(R1)\n1,0,0.75,0.25\n", 0) == 0);
+
+  scratch.write("n.net", "n\nI1 0 a {x}\nD1 a b DI\nR1 b 0 1\n.model DI D\n.step param x list 1 -1\n.save v(b)\n.op\n");
+  const Finished none = run_in(scratch, {"n.net"});
+  CHECK(none.status == 1);
+  CHECK(none.out == "x,v(b)\n1,1\n-1,failed\n");
+  CHECK_THAT(none.err, Contains("error[E-no-operating-point]: run with x=-1:"));
+
+  // A capacitor takes the current of the run, which begins without an operating point.
+  scratch.write("u.net", "u\nI1 0 a {x}\nC1 a 0 1\n.step param x list 0 2\n.tran 1 1 uic\n.op\n.save v(a)\n");
+  const Finished without = run_in(scratch, {"u.net"});
+  CHECK(without.status == 1);
+  CHECK(without.out == "x,v(a)\n0,0\n2,failed\n");
+  CHECK(read_file(scratch / "u.csv") == "x,time,v(a)\n0,0,0\n0,1,0\n2,0,0\n2,1,2\n");
 }
 
 TEST_CASE("a signal keeps the runs that are done, and a closed pipe ends them all", "[unit]") {

@@ -379,13 +379,15 @@
     const count = run.runs.length, failed = run.runs.filter(each => each.failure !== null).length;
     element("run-hint").textContent = count + " runs" + (failed ? ", " + failed + " of them failed" : "") +
       (count > mostRows ? "; the first " + mostRows + " are listed" : "") +
-      (data.drawnRuns < count ? "; the curves are those of " + data.drawnRuns + ", evenly spread" : "") + ".";
+      (0 < data.drawnRuns && data.drawnRuns < count ? "; the curves are those of " + data.drawnRuns + ", evenly spread" : "") + ".";
     const measured = runs.find(each => each.measurements.length)?.measurements.map(each => each.name) ?? [];
-    row(table, [...Object.keys(runs[0].parameters), ...measured, "rows", "events", "worst residual", "failure"], "th");
+    const units = run.signals.map(signal => signal.unit), points = runs.find(each => each.operating_point)?.operating_point ?? {};
+    row(table, [...Object.keys(runs[0].parameters), ...Object.keys(points), ...measured, "rows", "events", "worst residual", "failure"], "th");
     for (const each of runs) {
       const values = measured.map((name, k) => { const m = each.measurements[k]; return m && !m.failure ? quantity(m.value, m.unit, 9) : "failed"; });
+      const point = Object.keys(points).map((name, k) => each.operating_point ? quantity(each.operating_point[name], units[k], 9) : "failed");
       const {complementarity, kcl_kvl, energy} = each.certificate;
-      row(table, [...Object.values(each.parameters), ...values, each.rows, each.events,
+      row(table, [...Object.values(each.parameters), ...point, ...values, each.rows, each.events,
         Math.max(complementarity, kcl_kvl, energy).toExponential(1), each.failure ?? ""]);
     }
     document.documentElement.dataset.runs = runs.length;
