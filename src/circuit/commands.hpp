@@ -15,6 +15,9 @@ struct Options {
   std::uint64_t seed = 0;  ///< of random numbers
 };
 
+/// `.options seed=` where it is a plain number: .step and the other options may draw random numbers before options can be evaluated. 0 without.
+[[nodiscard]] std::uint64_t written_seed(const Definitions& definitions);
+
 /// Writes what concerns the run into `analyses`; the rest is the answer.
 [[nodiscard]] Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses);
 

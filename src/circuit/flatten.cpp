@@ -19,10 +19,13 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);
   Sweeps& sweeps = circuit.analyses.sweeps;
+  const std::uint64_t seed = written_seed(definitions);
+  session.random = Random(seed, 0);  // all runs have the same steps
   read_sweeps(definitions, top, reporter, sweeps);
   give_stepped_parameters(sweeps, run, top);
+  session.random = Random(seed, run);
   const Options options = read_options(definitions, top, reporter, circuit.analyses);
-  session.random = Random(options.seed, run);
+  if (options.seed != seed) session.random = Random(options.seed, run);
   top.evaluate_all();
   read_analyses(definitions, top, reporter, analysis_required, circuit);
   read_saves(definitions, reporter, circuit);

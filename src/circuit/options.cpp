@@ -6,6 +6,7 @@
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "elements/parameter.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -14,7 +15,7 @@ using elements::Range;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr double deepest_calls = 1000;
+constexpr double deepest_calls = 1000, largest_value = 1e15;
 
 /// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
 constexpr std::string_view honoured[] = {"reltol", "seed", "i0", "vdrive", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
@@ -96,7 +97,7 @@ class OptionReader {
       return;
     }
     const bool deep = same_name(item.text, "max_subcircuit_depth") && value > deepest_calls;
-    if (!elements::in_range(parameter, value) || value > 1e15 || deep) {
+    if (!elements::in_range(parameter, value) || value > largest_value || deep) {
       const std::string limit =
           deep ? fmt::format("must not exceed {}", deepest_calls) : std::string(elements::range_words(parameter.range));
       reporter_.error("E-range", item.items[0].span, fmt::format("the option {} {}, not {}", item.text, limit, value));
@@ -117,6 +118,18 @@ class OptionReader {
 };
 
 }  // namespace
+
+std::uint64_t written_seed(const Definitions& definitions) {
+  std::uint64_t seed = 0;
+  for (const netlist::Card* card : definitions.options) {
+    for (const Item& item : card->items) {
+      if (item.kind != ItemKind::assignment || item.items.empty() || !same_name(item.text, "seed")) continue;
+      const netlist::NumberText number = netlist::read_number(item.items[0].text);
+      if (number.valid && number.value >= 0.0 && number.value <= largest_value) seed = static_cast<std::uint64_t>(number.value);
+    }
+  }
+  return seed;
+}
 
 Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses) {
   OptionReader reader(scope, reporter, analyses);

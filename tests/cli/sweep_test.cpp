@@ -90,6 +90,14 @@ TEST_CASE("random numbers depend on the seed and the run alone", "[unit]") {
   CHECK(table("") == first);
   CHECK(table(".options seed=0\n") == first);
   CHECK(table(".options seed=2\n") != first);
+  CHECK(table(".options seed={1+1}\n") == table(".options seed=2\n"));
+
+  const auto steps = [&](const std::string& seed) {
+    scratch.write("m.net", divider(".step param R list {mc(1k,0.1)} {mc(1k,0.1)}\n" + seed));
+    return run_in(scratch, {"m.net", "--quiet"}).out;
+  };
+  CHECK(steps(".options seed=1\n") == steps(".options seed=1\n"));
+  CHECK(steps(".options seed=1\n") != steps(".options seed=2\n"));
 }
 
 TEST_CASE("Monte Carlo: means and spreads of 20,000 numbers", "[unit]") {
