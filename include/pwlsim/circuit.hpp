@@ -33,6 +33,9 @@ struct Options {
   bool events = true;           ///< keep a list of all events
   std::size_t run = 0;          ///< of those that the deck's `.step` asks for, from 0
 
+  /// Called with each row, its time in s and the values of the signals in their order, by the thread that runs; the result keeps no rows then.
+  /// For runs longer than memory. It must not throw.
+  std::function<void(double time, const std::vector<double>& values)> row = {};
   /// Called now and then with the time reached, s, by the thread that runs. It must not throw.
   std::function<void(double)> progress = {};
   /// Nonzero ends the run soon; any thread may set it.

@@ -78,22 +78,32 @@ class Compilation {
 
 namespace {
 
-/// Rows into columns.
+/// Rows into columns, or to the caller.
 class Columns : public waveform::RowWriter {
  public:
-  explicit Columns(Result::Data& data) : data_(data) { data_.columns.resize(data_.signals.size()); }
+  Columns(Result::Data& data, const Options& options) : data_(data), options_(options) { data_.columns.resize(data_.signals.size()); }
 
   bool write(std::span<const double> values) override {
-    for (std::size_t at = 0; at < values.size(); at += data_.columns.size() + 1) {
-      data_.time.push_back(values[at]);
-      for (std::size_t k = 0; k < data_.columns.size(); ++k) data_.columns[k].push_back(values[at + 1 + k]);
-    }
+    const std::size_t width = data_.columns.size() + 1;
+    for (std::size_t at = 0; at < values.size(); at += width) take(values.subspan(at, width));
     return true;
   }
   bool flush() override { return true; }
 
  private:
+  void take(std::span<const double> row) {
+    if (options_.row) {
+      row_.assign(row.begin() + 1, row.end());
+      options_.row(row[0], row_);
+      return;
+    }
+    data_.time.push_back(row[0]);
+    for (std::size_t k = 0; k < data_.columns.size(); ++k) data_.columns[k].push_back(row[k + 1]);
+  }
+
   Result::Data& data_;
+  const Options& options_;
+  std::vector<double> row_;
 };
 
 class EventList : public engine::EventWatcher {
@@ -173,7 +183,7 @@ Result Circuit::run(const Options& options) const {
   const analysis::PreparedEngine engine = compilation.engine(options);
   const auto data = prepare(compilation, engine);
   take_sweep(compiled.analyses.sweeps, options.run, *data);
-  Columns columns(*data);
+  Columns columns(*data, options);
   EventList events(*data);
   const analysis::TransientRun run =
       analysis::run_rows(compiled, engine.simulate, columns,

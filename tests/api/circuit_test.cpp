@@ -194,6 +194,19 @@ TEST_CASE("api: decks from text and files, changed in code", "[unit]") {
   CHECK(id_of_error([&] { (void)Circuit::from_file(scratch / "none.net").run(); }) == "E-file-unreadable");
 }
 
+TEST_CASE("api: rows can be taken as they come", "[unit]") {
+  Circuit circuit;
+  circuit.voltage_source("V1", "a", "0", straight_lines({{0, 0}, {3, 6}})).resistor("R1", "a", "0", 2).save({"v(a)", "i(R1)"});
+  std::vector<std::vector<double>> rows;
+  const Result result = circuit.run({.stop = 3, .step = 1, .row = [&](double time, const std::vector<double>& values) {
+                                       rows.push_back({time, values.at(0), values.at(1)});
+                                     }});
+  CHECK(rows == std::vector<std::vector<double>>{{0, 0, 0}, {1, 2, 1}, {2, 4, 2}, {3, 6, 3}});
+  CHECK(result.completed());
+  CHECK(result.time().empty());
+  CHECK(result.signal("v(a)").empty());
+}
+
 TEST_CASE("api: what is wrong with a circuit is said with the card it is about", "[unit]") {
   Circuit circuit;
   circuit.voltage_source("V1", "a", "0", 1).diode("D1", "a", "b", "fsat").model("fast", "D").resistor("R1", "b", "0", std::nan(""));
