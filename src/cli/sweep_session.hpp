@@ -19,9 +19,9 @@ struct SweepTask {
   waveform::OutputFile* rows = nullptr;  ///< null where the deck has no .tran
 };
 
-/// Runs them on all cores, writes their rows in order and commits the file, prints operating points and measurements as tables. A run that fails is said and counted, and
-/// does not stop the others; after a signal the rows that there are stay. The answer is the exit status; statistics are summed up in `report`, and `runs`, made of
-/// the sweeps of `task.first`, takes what came of each.
+/// Runs them on all cores, writes their rows in order and commits the file, prints operating points and measurements as tables. A run that
+/// fails is said and counted, and does not stop the others; after a signal the rows that there are stay. The answer is the exit status.
+/// Statistics are summed up in `report`, and `runs`, made of the sweeps of `task.first`, takes what came of each.
 [[nodiscard]] int run_sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs);
 
 }  // namespace pwlsim::cli
