@@ -31,6 +31,20 @@ SparsePattern PatternBuilder::take(std::vector<int>& entry_of_place) const {
   return pattern;
 }
 
+SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<double>& values) {
+  SparseMatrix result;
+  result.pattern.size = pattern.size;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(pattern.size); ++j) {
+    for (auto k = static_cast<std::size_t>(pattern.start[j]); k < static_cast<std::size_t>(pattern.start[j + 1]); ++k) {
+      if (values[k] == 0.0) continue;
+      result.pattern.row.push_back(pattern.row[k]);
+      result.values.push_back(values[k]);
+    }
+    result.pattern.start.push_back(static_cast<int>(result.values.size()));
+  }
+  return result;
+}
+
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
   std::fill(y, y + pattern.size, 0.0);
   for (int j = 0; j < pattern.size; ++j) {

@@ -29,6 +29,14 @@ class PatternBuilder {
   std::vector<Place> places_;
 };
 
+/// A matrix by itself.
+struct SparseMatrix {
+  SparsePattern pattern;
+  std::vector<double> values;
+};
+/// Without the entries that are zero.
+[[nodiscard]] SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<double>& values);
+
 /// y = A x. y must not alias x.
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
 /// y = |A| |x|.

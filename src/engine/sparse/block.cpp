@@ -29,18 +29,20 @@ constexpr std::size_t most_positions = 1u << 20;
 
 }  // namespace
 
-Block::Block(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol)
+Block::Block(const Part& part, const Request& request, double reltol)
     : request_(request),
       reltol_(reltol),
-      descriptor_(descriptor),
-      factors_(network, descriptor_, reltol),
-      ports_(descriptor_, factors_, largest_held_voltage(network)),
-      sources_(network),
+      descriptor_(part.descriptor),
+      factors_(part.island.network, descriptor_, reltol),
+      ports_(descriptor_, factors_, largest_held_voltage(part.island.network)),
+      sources_(part.island.network),
       stepper_(descriptor_, ports_, sources_),
-      scale_(descriptor_, largest_held_voltage(network)),
-      controls_(controls_of(network, descriptor_)),
+      scale_(descriptor_, largest_held_voltage(part.island.network)),
+      controls_(controls_of(part.island.network, descriptor_)),
+      gates_(part.gates),
       certificate_(descriptor_) {
-  for (const auto& signal : network.signals) {
+  for (const Gate& gate : gates_) std::erase_if(controls_, [&](const Control& control) { return control.port == gate.port(); });
+  for (const auto& signal : part.island.network.signals) {
     signals_.push_back(descriptor_.form(signal.form));
     signals_read_sources_ |= !signals_.back().w.empty();
   }
@@ -70,7 +72,7 @@ void Block::signals(double time, std::span<const int> numbers, double* values) {
 
 bool Block::advance() {
   instant_.reset();
-  if (restart_due_ || sources_.next_break() <= point_.time + break_tolerance_) return restart();
+  if (restart_due_ || next_break() <= point_.time + break_tolerance_) return restart();
   if (point_.time >= request_.stop - tolerance_) {
     finished_ = true;
     return true;
@@ -79,7 +81,7 @@ bool Block::advance() {
 }
 
 /// Time to the next breakpoint or the end.
-double Block::remaining() const { return std::min(sources_.next_break(), request_.stop) - point_.time; }
+double Block::remaining() const { return std::min(next_break(), request_.stop) - point_.time; }
 
 int Block::step_level() const {
   int level = level_;

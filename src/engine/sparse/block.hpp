@@ -16,6 +16,7 @@
 
 #include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
+#include "engine/sparse/part.hpp"
 #include "engine/sparse/start.hpp"
 #include "engine/sparse/stretch.hpp"
 
@@ -23,8 +24,8 @@ namespace pwlsim::engine::sparse {
 
 class Block {
  public:
-  /// Network and descriptor must outlive the block.
-  Block(const model::Network& network, const Descriptor& descriptor, const Request& request, double reltol);
+  /// The part must outlive the block.
+  Block(const Part& part, const Request& request, double reltol);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Begins at t = 0. False: failed.
@@ -64,6 +65,7 @@ class Block {
 
   // block.cpp: steps
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
+  [[nodiscard]] double next_break() const { return std::min(sources_.next_break(), next_gate_); }
   [[nodiscard]] double remaining() const;
   [[nodiscard]] int step_level() const;
   bool step();
@@ -91,6 +93,8 @@ class Block {
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
   bool restart();
+  void find_next_gate();
+  bool take_gates(double until);
   bool settle(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   [[nodiscard]] bool find_position(Instant& instant, int& level, int deepest);
@@ -108,7 +112,9 @@ class Block {
   Sources sources_;
   Stepper stepper_;
   StateScale scale_;
-  std::vector<Control> controls_;
+  std::vector<Control> controls_;  ///< of switches that are no gates
+  std::vector<Gate> gates_;
+  double next_gate_ = model::forever;
   std::vector<Form> signals_;
   std::vector<double> signal_scale_;
   bool signals_read_sources_ = false;

@@ -38,6 +38,7 @@ double first_passage(double a, double b, double c, double reach, double toleranc
   const double rise = (b - a) / s;
   const double curvature = (c - b) / (1.0 - s) - rise;
   const double slope = rise - curvature * s;
+  if (a > 0.0 && c > 0.0 && a + 0.5 * slope > 0.0) return -1.0;  // the triangle around it lies above zero
   const auto value = [&](double x) { return a + x * (slope + x * curvature); };
   double below = reach;
   if (!(value(reach) < -tolerance)) {
@@ -122,8 +123,8 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
   bool flipped = false;
   if (by_sources) sources_.evaluate(time, w_);
   for (const Control& control : controls_) {
-    if (control.by_sources != by_sources) continue;
-    const double value = by_sources ? control.of_sources.value(nullptr, w_.data()) : control.value.value(at.z.data(), at.w.data());
+    if (control.by_sources() != by_sources) continue;
+    const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
     if (control.margin(on, value) >= -sign_tolerance * size) continue;
     on[control.port] ^= 1;
@@ -182,6 +183,22 @@ const std::vector<double>& Block::drawn_back() {
   return w_;
 }
 
+void Block::find_next_gate() {
+  next_gate_ = model::forever;
+  for (const Gate& gate : gates_) next_gate_ = std::min(next_gate_, gate.next());
+}
+
+/// Whether any changes sides until then.
+bool Block::take_gates(double until) {
+  if (next_gate_ > until) return false;
+  for (Gate& gate : gates_) {
+    while (gate.next() <= until) gate.pass();
+    point_.on[gate.port()] = gate.closed();
+  }
+  find_next_gate();
+  return true;
+}
+
 bool Block::restart() {
   restart_due_ = false;
   const double time = point_.time;
@@ -191,8 +208,9 @@ bool Block::restart() {
   if (request_.events)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
   if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
+  instant.mode_change = take_gates(time + break_tolerance_);
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
-  const double room = std::min(sources_.next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
+  const double room = std::min(next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
   int level = level_ + restart_levels(reltol_);
   while (diagonal * ladder(level) > room_share * room) ++level;
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
@@ -268,6 +286,11 @@ bool Block::watch_crowd(double time) {
 bool Block::begin(const Start& start) {
   point_.time = 0.0;
   point_.on = start.on;
+  for (Gate& gate : gates_) {
+    gate.begin(point_.on[gate.port()] != 0, request_.stop);
+    point_.on[gate.port()] = gate.closed();
+  }
+  find_next_gate();
   Instant none;
   flip(point_, true, 0.0, none, point_.on);
   sources_.evaluate(0.0, point_.w);

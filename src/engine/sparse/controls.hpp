@@ -10,8 +10,6 @@ namespace pwlsim::engine::sparse {
 struct Control {
   std::size_t port = 0;  ///< of the switch
   Form value;            ///< SI units
-  Form of_sources;       ///< the same by sources alone, where it reads nothing but them and nodes they hold
-  bool by_sources = false;
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
   double largest = 0.0;  ///< magnitude of the value over the run
@@ -22,6 +20,7 @@ struct Control {
   [[nodiscard]] double margin(const Position& on, double form_value) const {
     return holds(on) ? form_value - off_level : on_level - form_value;
   }
+  [[nodiscard]] bool by_sources() const { return value.z.empty(); }
   /// Size of what margins are differences of.
   [[nodiscard]] double level_size() const;
 };

@@ -303,6 +303,8 @@ void Descriptor::compress() {
       port_of_entry_.push_back(pattern_.row[k] - first_port_);
     }
   places_ = {};
+  memory_ = linalg::without_zeros(pattern_, e_);
+  conduction_ = linalg::without_zeros(pattern_, g_);
   first_current_ = static_cast<std::size_t>(pattern_.start[static_cast<std::size_t>(nodes())]);
   for (int j = 0; j < nodes(); ++j)
     for (int k = pattern_.start[static_cast<std::size_t>(j)]; k < pattern_.start[static_cast<std::size_t>(j) + 1]; ++k)
@@ -384,7 +386,7 @@ void Descriptor::rates(const double* z, const double* w, double* k) const {
 }
 
 void Descriptor::rates_without_sources(const double* z, double* k) const {
-  linalg::multiply(pattern_, g_, z, k);
+  linalg::multiply(conduction_.pattern, conduction_.values, z, k);
   for (int i = 0; i < size_; ++i) k[i] = -k[i] - constant_[static_cast<std::size_t>(i)];
 }
 
@@ -393,7 +395,7 @@ void Descriptor::add_sources(const double* w, double* k) const {
 }
 
 void Descriptor::rate_sizes(const double* z, const double* w, double* sizes) const {
-  linalg::multiply_absolute(pattern_, g_, z, sizes);
+  linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes);
   for (int i = 0; i < size_; ++i) sizes[i] += std::abs(constant_[static_cast<std::size_t>(i)]);
   for (const SourceEntry& entry : sources_) sizes[entry.row] += std::abs(entry.coefficient * w[entry.source]);
 }

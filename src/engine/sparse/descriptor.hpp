@@ -116,7 +116,7 @@ class Descriptor {
   /// What every state measures of z.
   void measure_states(const double* z, std::vector<double>& states) const;
   /// y = E z.
-  void memory(const double* z, double* y) const { linalg::multiply(pattern_, e_, z, y); }
+  void memory(const double* z, double* y) const { linalg::multiply(memory_.pattern, memory_.values, z, y); }
   /// Node potentials and currents, in z, near the solution with states given one by one: those of capacitors, where these leave it open of sources and
   /// closed switches. What loops of capacitors contradict remains as charges y, so that E z + y are all charges and fluxes. False: nothing remains.
   [[nodiscard]] bool unknowns_of_states(const std::vector<double>& values, const std::vector<double>& w, const Position& on,
@@ -163,6 +163,7 @@ class Descriptor {
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;
   std::vector<double> e_, g_, slack_, input_;      ///< one an entry; slack_ and input_ only in closing rows
+  linalg::SparseMatrix memory_, conduction_;       ///< E and G, for products
   std::vector<int> node_diagonal_;                 ///< entries on the diagonal of nodes
   std::size_t first_current_ = 0;                  ///< entries of currents begin here
   std::vector<int> port_entries_, port_of_entry_;  ///< entries of closing rows, and whose they are

@@ -4,12 +4,13 @@
 #include <string>
 
 #include "engine/sparse/descriptor.hpp"
+#include "engine/sparse/gates.hpp"
 #include "model/islands.hpp"
 
 namespace pwlsim::engine::sparse {
 
 struct Part {
-  explicit Part(model::Island i) : island(std::move(i)), descriptor(island.network) {}
+  explicit Part(model::Island i) : island(std::move(i)), gates(take_gates(island.network)), descriptor(island.network) {}
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 
@@ -21,6 +22,7 @@ struct Part {
   }
 
   model::Island island;
+  std::vector<Gate> gates;
   Descriptor descriptor;
 };
 

@@ -19,7 +19,7 @@ constexpr double sign_tolerance = 1e-10;
 /// In a network that is not passive a port may drive what is integrated twice before it answers: its margin counts to the last digit.
 constexpr double active_sign_tolerance = 1e-12;
 constexpr double tie_tolerance = 1e-8;
-/// Where there are only voltages as yet, currents are judged against this part of them over R0.
+/// Where there are only voltages as yet, currents are judged against this part of them over R0, and the other way round.
 constexpr double cross_scale = 1e-3;
 /// What ε alone holds does not go away when it is taken out: after these corrections it is still this part of what it was.
 constexpr int most_corrections = 3;
@@ -101,21 +101,27 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   return Solved::yes;
 }
 
+/// The largest of the run and of z. Where only currents flow as yet, voltages are judged against them.
+PortSolver::Sizes PortSolver::sizes(const std::vector<double>& z) const {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
+  return {std::max({scale_.slack, largest(std::span(z).first(nodes)), cross_scale * current}), current};
+}
+
 /// What a tie carries must be nothing. Then what it settles is chosen: of all currents and voltages the least squares. Else the position contradicts
 /// the network, and z goes far to where the ties push it, so that signs show who must give way.
 void PortSolver::examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step,
                               std::vector<double>& z) {
   const auto& ports = descriptor_.ports();
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  const double voltage = std::max(scale_.slack, largest(std::span(z).first(nodes)));
-  const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
+  const Sizes size = sizes(z);
   const double rounding = rounding_of_sums * factor.stiffest() * largest(std::span(step).first(nodes));
   right_.assign(z.size(), 0.0);
   for (const int tie : factor.ties()) {
     const auto i = static_cast<std::size_t>(tie);
     const bool is_on = on[i] != 0;
     const double forced = ports[i].free_variable(!is_on, z.data(), stage.w.data());
-    const double nothing = is_on ? held_tolerance * voltage : std::max(held_tolerance * current, rounding);
+    const double nothing = is_on ? held_tolerance * size.voltage : std::max(held_tolerance * size.current, rounding);
     if (!(std::abs(forced) > nothing)) continue;
     right_[static_cast<std::size_t>(ports[i].row)] = -forced;
     contradicted_ = true;
@@ -123,7 +129,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
   if (contradicted_) {
     factor.solve(right_);
     const double volts = largest(std::span(right_).first(nodes)), amperes = largest(std::span(right_).subspan(nodes));
-    const double far = far_away * std::max(volts > 0.0 ? voltage / volts : 0.0, amperes > 0.0 ? current / amperes : 0.0);
+    const double far = far_away * std::max(volts > 0.0 ? size.voltage / volts : 0.0, amperes > 0.0 ? size.current / amperes : 0.0);
     for (std::size_t i = 0; i < z.size(); ++i) z[i] += far * right_[i];
     return;
   }
@@ -151,16 +157,15 @@ Solved PortSolver::solve_in(const Stage& stage, const Position& on, std::vector<
 /// contradicts the network, stays wrong however often.
 void PortSolver::refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z) {
   refined_ = z;
-  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  const double voltage = std::max(scale_.slack, largest(std::span(z).first(nodes)));
-  const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
+  const Sizes size = sizes(z);
   double first = 0.0, last = 0.0;
   for (int round = 0; round <= most_corrections; ++round) {
     right_.assign(z.size(), 0.0);
     close(on, refined_, stage.w, nullptr, right_);
     last = 0.0;
     for (std::size_t i = 0; i < on.size(); ++i)
-      last = std::max(last, std::abs(right_[static_cast<std::size_t>(descriptor_.ports()[i].row)]) / (on[i] != 0 ? voltage : current));
+      last = std::max(last,
+                      std::abs(right_[static_cast<std::size_t>(descriptor_.ports()[i].row)]) / (on[i] != 0 ? size.voltage : size.current));
     if (round == 0) first = last;
     if (!(last > held_tolerance) || round == most_corrections) break;
     factor.solve(right_);

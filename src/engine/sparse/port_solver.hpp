@@ -62,6 +62,10 @@ class PortSolver {
              std::vector<double>& right) const;
   void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
+  struct Sizes {
+    double voltage, current;  ///< both in volts
+  };
+  [[nodiscard]] Sizes sizes(const std::vector<double>& z) const;
   [[nodiscard]] std::vector<int> violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
                                           double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);

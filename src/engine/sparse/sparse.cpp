@@ -30,7 +30,7 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
   auto result = std::make_shared<SparseModel>();
   result->signals = network.signals.size();
   bool regular = true;
-  for (model::Island& island : model::split_islands(network, {}, model::Controls::joined)) {
+  for (model::Island& island : model::split_islands(with_controls_of_sources(network), {}, model::Controls::joined)) {
     auto part = std::make_unique<Part>(std::move(island));
     Factors factors(part->island.network, part->descriptor);
     if (!factors.at(1.0, first_position(part->island.network, part->descriptor)) && !factors.out_of_memory()) {

@@ -35,7 +35,8 @@ void StateScale::take(std::size_t i, double value) {
 
 double StateScale::size(std::size_t i, const std::vector<double>& z) const {
   const State& state = descriptor_.states()[i];
-  const double kind = state.is_current ? std::max(current_, least_of_kind * voltage_) : voltage_;
+  const double own = state.is_current ? current_ : voltage_, other = state.is_current ? voltage_ : current_;
+  const double kind = std::max(own, least_of_kind * other);
   return std::max({largest_[i], std::abs(state.measure(z.data())), least_of_kind * kind});
 }
 

@@ -38,7 +38,7 @@ class StateScale {
   /// The same for states given one by one.
   void note_values(const std::vector<double>& states);
   /// What an error of state i is relative to: its running maximum, that of `z` included, but not less than a thousandth of the largest
-  /// node voltage or inductor current (which counts as a thousandth of that voltage over R0 at least).
+  /// node voltage or inductor current (of which either counts as a thousandth of the other at least, by R0).
   [[nodiscard]] double size(std::size_t i, const std::vector<double>& z) const;
   /// max over the states of |error| / size.
   [[nodiscard]] double norm(const std::vector<double>& error, const std::vector<double>& z) const;

@@ -20,7 +20,7 @@ class Transient {
  private:
   struct Track {
     Track(const Part& p, const Request& request, double reltol)
-        : part(p), block(p.island.network, p.descriptor, request, reltol), values(p.island.signal_number.size()) {}
+        : part(p), block(p, request, reltol), values(p.island.signal_number.size()) {}
     const Part& part;
     Block block;
     std::vector<double> values;         ///< of its shares of signals
