@@ -92,6 +92,13 @@ DeckRun run_file(const std::filesystem::path& path, const Simulate& simulate) {
   return run_parsed(loaded.deck, sources, diagnostics, simulate);
 }
 
+DeckRun run_memory(const std::string& text, const Simulate& simulate) {
+  SourceStore sources;
+  Diagnostics diagnostics;
+  const netlist::Deck deck = netlist::parse("deck", text, sources, diagnostics);
+  return run_parsed(deck, sources, diagnostics, simulate);
+}
+
 }  // namespace
 
 const std::vector<double>* DeckRun::row_at(double time) const {
@@ -103,11 +110,8 @@ DeckRun run_deck(const std::filesystem::path& path, bool events) { return run_fi
 
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 
-DeckRun run_text(const std::string& text, bool events) {
-  SourceStore sources;
-  Diagnostics diagnostics;
-  const netlist::Deck deck = netlist::parse("deck", text, sources, diagnostics);
-  return run_parsed(deck, sources, diagnostics, exact(events));
-}
+DeckRun run_text(const std::string& text, bool events) { return run_memory(text, exact(events)); }
+
+DeckRun run_text_sparse(const std::string& text, double reltol, bool events) { return run_memory(text, sparse(reltol, events)); }
 
 }  // namespace pwlsim::test

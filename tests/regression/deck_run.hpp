@@ -26,5 +26,6 @@ struct DeckRun {
 [[nodiscard]] DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events = false);
 /// The same for a deck in memory.
 [[nodiscard]] DeckRun run_text(const std::string& text, bool events = false);
+[[nodiscard]] DeckRun run_text_sparse(const std::string& text, double reltol, bool events = false);
 
 }  // namespace pwlsim::test

@@ -102,3 +102,52 @@ TEST_CASE("the sparse engine writes rows before and after an event", "[regressio
   REQUIRE(times.size() == expected.size());
   for (std::size_t i = 0; i < times.size(); ++i) CHECK(std::abs(times[i] - expected[i]) <= 1e-4 * run.stop);
 }
+
+// The source and what it feeds are parts of their own that come upon the same step: i = V/R right after it.
+TEST_CASE("parts that come upon one instant write it once on the sparse engine", "[regression]") {
+  const DeckRun run = run_text_sparse(
+      "step\nV1 a 0 PULSE(0 1 1m 0 0 2m 10m)\nR1 a b 1k\nC1 b 0 1u ic=0\n.save i(C1) i(V1)\n.tran 0.4m 2m uic\n.end\n", 1e-6, true);
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  CHECK(run.answer.statistics.events == 1);
+  std::vector<std::vector<double>> at_step;
+  for (const auto& row : run.rows)
+    if (row[0] == 1e-3) at_step.push_back(row);
+  REQUIRE(at_step.size() == 2);
+  const double tolerance = global_bound(1e-6) * 1e-3;
+  CHECK(std::abs(at_step[0][1]) <= tolerance);
+  CHECK(std::abs(at_step[0][2]) <= tolerance);
+  CHECK(std::abs(at_step[1][1] - 1e-3) <= tolerance);
+  CHECK(std::abs(at_step[1][2] + 1e-3) <= tolerance);
+}
+
+TEST_CASE("the sparse engine runs what may have no solution, and names what it leaves out", "[regression]") {
+  const std::string rest = "V1 a 0 1\nR1 a 0 1k\n.model DI D\n.save v(a)\n.tran 1m 5m\n.end\n";
+  const DeckRun none = run_text_sparse("none\nV2 c 0 PULSE(-1 1 1m 1n 1n 1m)\nD2 c 0 DI\n" + rest, 1e-4);
+  CHECK(none.answer.outcome == pwlsim::engine::Outcome::no_solution);
+  const DeckRun idle = run_text_sparse("idle\nV2 c 0 SIN(0 1 50)\nR2 c d 1k\nD1 d 0 DI\n" + rest, 1e-4);
+  REQUIRE(idle.answer.outcome == pwlsim::engine::Outcome::completed);
+  std::string names;
+  for (const auto& remark : idle.answer.remarks)
+    if (remark.id == "N-left-out") names += remark.text;
+  for (const char* name : {"V2", "R2", "D1"}) CHECK(names.find(name) != std::string::npos);
+  CHECK(names.find("V1") == std::string::npos);
+}
+
+// The control of a switch that jumps in the last of an instant's Euler steps is seen in the next step. Kirchhoff's law at the star point.
+TEST_CASE("an inverter with compared gates runs on the sparse engine", "[regression]") {
+  std::string deck = "inverter\nVDC p 0 400\nVT t 0 PULSE(-1 1 0 100u 100u 0 200u)\n";
+  const char* phase[] = {"0", "-120", "120"};
+  for (int i = 1; i <= 3; ++i) {
+    const std::string n = std::to_string(i);
+    deck += "VR" + n + " r" + n + " 0 SIN(0 0.9 50 0 0 " + phase[i - 1] + ")\n";
+    deck += "BG" + n + " g" + n + " u" + n + " V={if(v(r" + n + ",t)>0,12,0)}\n";
+    deck += "BH" + n + " h" + n + " 0 V={if(v(r" + n + ",t)>0,0,12)}\n";
+    deck += "M" + n + "H p g" + n + " u" + n + " u" + n + " MM\nM" + n + "L u" + n + " h" + n + " 0 0 MM\n";
+    deck += "L" + n + " u" + n + " a" + n + " 10m\nR" + n + " a" + n + " n 4.7\n";
+  }
+  deck += ".model MM VDMOS(Ron=20m Vto=4)\n.save i(L1) i(L2) i(L3)\n.tran 20u 20m uic\n.end\n";
+  const DeckRun run = run_text_sparse(deck, 1e-5);
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  for (const auto& row : run.rows) CHECK(std::abs(row[1] + row[2] + row[3]) <= kirchhoff_bound * 400.0 / 4.7);
+}

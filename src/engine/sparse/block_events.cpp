@@ -74,8 +74,10 @@ std::vector<Block::Crossing> Block::crossings(const Trial& trial, double reach) 
     const double size = margin_size(i, is_control);
     const double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
     const double dip = std::max(tolerance, dip_share * reltol_ * size);
-    const double at = first_passage(margin(i, is_control, point_), margin(i, is_control, trial.stage), margin(i, is_control, trial.end),
-                                    reach, tolerance, dip);
+    const double start = margin(i, is_control, point_);
+    const bool overdue = is_control && start < -2.0 * tolerance;  // it jumped there in the last Euler step
+    const double at =
+        overdue ? 0.0 : first_passage(start, margin(i, is_control, trial.stage), margin(i, is_control, trial.end), reach, tolerance, dip);
     if (at >= 0.0) result.push_back({i, is_control, at});
   };
   for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/left_out.hpp"
 #include "engine/sparse/transient.hpp"
 #include "model/islands.hpp"
 
@@ -24,13 +25,21 @@ class SparseModel {
  public:
   std::vector<std::unique_ptr<const Part>> parts;
   std::size_t signals = 0;
+  std::vector<Remark> remarks;
 };
 
 std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
   auto result = std::make_shared<SparseModel>();
   result->signals = network.signals.size();
   bool regular = true;
-  for (model::Island& island : model::split_islands(with_controls_of_sources(network), {}, model::Controls::joined)) {
+  const auto runs = [](const model::Island& island) {  // a large one is sooner run than examined
+    return is_large(island.network) ? !island.network.diodes.empty() || !island.network.switches.empty() : must_run(island);
+  };
+  std::vector<model::Island> islands = model::split_islands(with_controls_of_sources(network), runs, model::Controls::joined);
+  const std::set<std::string> running = running_sources(islands);
+  for (model::Island& island : islands) {
+    if (!island.needed)
+      if (auto remark = left_out(island, running)) result->remarks.push_back(std::move(*remark));
     auto part = std::make_unique<Part>(std::move(island));
     Factors factors(part->island.network, part->descriptor);
     if (!factors.at(1.0, first_position(part->island.network, part->descriptor)) && !factors.out_of_memory()) {
@@ -46,16 +55,20 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
 }
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return Transient(model.parts, model.signals, request, reltol, sink).run();
+  Answer answer = Transient(model.parts, model.signals, request, reltol, sink).run();
+  answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
+  return answer;
 }
 
 OperatingPoint operating_point(const SparseModel& model) {
   OperatingPoint result;
   result.values.resize(model.signals, 0.0);
+  result.answer.remarks = model.remarks;
   for (const auto& part : model.parts) {
     const Start start = start_from_operating_point(part->island.network, part->descriptor);
     if (start.answer.outcome != Outcome::completed) {
       result.answer = start.answer;
+      result.answer.remarks = model.remarks;
       return result;
     }
     for (std::size_t i = 0; i < start.signals.size(); ++i)

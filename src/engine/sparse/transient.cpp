@@ -81,11 +81,12 @@ bool Transient::begin() {
 /// The part that is least far takes a step; what lies before it is known of all.
 bool Transient::advance_least() {
   Track& track = *tracks_[order_.front()];
+  if (track.block.time() > last_instant_ + tolerance_ && !close_event()) return false;
   if (!rows_before(track.block.time(), false)) return false;
   pieces_before(track.block.time());
   if (!track.block.advance()) return fail(track.block.failure());
   watch(track);
-  if (!event_rows(track)) return false;
+  if (!open_event(track)) return false;
   std::pop_heap(order_.begin(), order_.end(), is_later());
   if (track.block.finished())
     order_.pop_back();
@@ -104,6 +105,7 @@ Answer Transient::run() {
       going = !interrupted();
     }
   }
+  if (answer_.outcome != Outcome::sink_stopped && !close_event()) going = false;
   if (answer_.outcome == Outcome::completed && going) rows_before(request_.stop, true);
   flush();
   answer_.time = request_.stop;
@@ -200,11 +202,17 @@ void Transient::pieces_before(double time) {
   probes.sink->take({from, to, from, to - from, piece_values_});
 }
 
-/// A row before and one after what the part's last step came upon.
-bool Transient::event_rows(Track& track) {
+/// A row before what the part's last step came upon; the one after it waits for the parts that come upon the same.
+bool Transient::open_event(Track& track) {
   const auto& instant = track.block.instant();
-  if (!request_.events || !instant || instant->time < first_row_time_ - tolerance_) return true;
+  if (!instant) return true;
   const double time = instant->time;
+  if (std::abs(time - last_instant_) <= tolerance_) {
+    ++shared_instants_;
+    return true;
+  }
+  last_instant_ = time;
+  if (!request_.events || time < first_row_time_ - tolerance_) return true;
   const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
   last_event_row_ = on_grid ? row_time_ : time;
   double* before = &rows_[buffered_ * width_];
@@ -212,9 +220,16 @@ bool Transient::event_rows(Track& track) {
   before[0] = last_event_row_;
   for (std::size_t i = 0; i < track.part.island.signal_number.size(); ++i)
     before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.block.signals_before()[i] - track.values[i];
-  if (!push_row()) return false;
+  event_open_ = true;
+  return push_row();
+}
+
+/// The row after the event, once all parts are beyond it.
+bool Transient::close_event() {
+  if (!event_open_) return true;
+  event_open_ = false;
   double* after = &rows_[buffered_ * width_];
-  row(time, after);
+  row(last_instant_, after);
   after[0] = last_event_row_;
   return push_row();
 }
@@ -250,6 +265,7 @@ void Transient::finish() {
     c.points_checked += own.points_checked;
     c.passive = c.passive && track->part.descriptor.passive();
   }
+  answer_.statistics.events -= shared_instants_;
   const double worst = std::max(c.complementarity, c.kcl_kvl);
   if (worst > doubtful_tolerances * reltol_) answer_.remarks.push_back(doubtful_certificate(worst));
   if (!c.passive)

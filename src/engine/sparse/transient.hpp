@@ -38,7 +38,8 @@ class Transient {
   void find_shares(Track& track) const;
   void pieces_before(double time);
   void note_before_start(const Track& track, const Start& start);
-  bool event_rows(Track& track);
+  bool open_event(Track& track);
+  bool close_event();
   void watch_start();
   void watch(const Track& track);
   bool push_row();
@@ -57,6 +58,9 @@ class Transient {
   std::vector<double> rows_;
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -1.0;
+  double last_instant_ = -1.0;         ///< of any part
+  bool event_open_ = false;            ///< its row after it is due
+  std::uint64_t shared_instants_ = 0;  ///< at which several parts came upon something
   double sink_seconds_ = 0.0;
   std::vector<char> on_;     ///< of all ports
   double piece_time_ = 0.0;  ///< up to which pieces have been handed over
