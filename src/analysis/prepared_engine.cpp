@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <string_view>
+#include <string>
 
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
@@ -10,9 +10,14 @@
 namespace pwlsim::analysis {
 namespace {
 
-Diagnostic sparse_warning(EngineChoice choice, double reltol) {
-  const std::string_view reason =
-      choice == EngineChoice::automatic ? "a part of this circuit is too large for the exact engine's dense modes; " : "";
+Diagnostic sparse_warning(EngineChoice choice, double reltol, std::size_t size) {
+  const std::string reason =
+      choice == EngineChoice::automatic
+          ? fmt::format(
+                "a part of this circuit is too large for the exact engine's dense modes ({} stores, diodes and switches; up to {} are "
+                "run exactly); ",
+                size, engine::sparse::dense_limit)
+          : "";
   return {
       Severity::warning,
       "W-sparse-engine",
@@ -31,12 +36,13 @@ bool is_tolerance(double reltol, Diagnostics& diagnostics) {
   return false;
 }
 
-PreparedEngine prepare_sparse(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
+PreparedEngine prepare_sparse(const model::Network& network, EngineChoice choice, double reltol, std::size_t size,
+                              Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model || !is_tolerance(reltol, diagnostics)) return {"sparse", {}, {}, {}};
   return {"sparse",
           [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); },
-          [=] { return engine::sparse::operating_point(*model); }, sparse_warning(choice, reltol)};
+          [=] { return engine::sparse::operating_point(*model); }, sparse_warning(choice, reltol, size)};
 }
 
 PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnostics) {
@@ -55,8 +61,9 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
-  const bool sparse = choice == EngineChoice::sparse || (choice == EngineChoice::automatic && engine::sparse::pays(network));
-  return sparse ? prepare_sparse(network, choice, reltol, diagnostics) : prepare_exact(network, diagnostics);
+  const std::size_t size = choice == EngineChoice::automatic ? engine::sparse::largest_part(network) : 0;
+  const bool sparse = choice == EngineChoice::sparse || size > engine::sparse::dense_limit;
+  return sparse ? prepare_sparse(network, choice, reltol, size, diagnostics) : prepare_exact(network, diagnostics);
 }
 
 }  // namespace pwlsim::analysis

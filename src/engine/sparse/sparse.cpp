@@ -12,11 +12,8 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// Stores and ports beyond which the dense modes of the exact engine cost more than steps do.
-constexpr std::size_t dense_limit = 400;
-
-bool is_large(const model::Network& n) {
-  return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size() > dense_limit;
+std::size_t stores_and_ports(const model::Network& n) {
+  return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size();
 }
 
 }  // namespace
@@ -33,7 +30,8 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
   result->signals = network.signals.size();
   bool regular = true;
   const auto runs = [](const model::Island& island) {  // a large one is sooner run than examined
-    return is_large(island.network) ? !island.network.diodes.empty() || !island.network.switches.empty() : must_run(island);
+    return stores_and_ports(island.network) > dense_limit ? !island.network.diodes.empty() || !island.network.switches.empty()
+                                                          : must_run(island);
   };
   std::vector<model::Island> islands = model::split_islands(with_controls_of_sources(network), runs, model::Controls::joined);
   const std::set<std::string> running = running_sources(islands);
@@ -77,10 +75,12 @@ OperatingPoint operating_point(const SparseModel& model) {
   return result;
 }
 
-bool pays(const model::Network& network) {
-  if (!is_large(network)) return false;
-  const std::vector<model::Island> islands = model::split_islands(network);
-  return std::any_of(islands.begin(), islands.end(), [](const model::Island& island) { return island.needed && is_large(island.network); });
+std::size_t largest_part(const model::Network& network) {
+  if (stores_and_ports(network) <= dense_limit) return stores_and_ports(network);
+  std::size_t largest = 0;
+  for (const model::Island& island : model::split_islands(network))
+    if (island.needed) largest = std::max(largest, stores_and_ports(island.network));
+  return largest;
 }
 
 }  // namespace pwlsim::engine::sparse

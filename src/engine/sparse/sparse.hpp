@@ -28,7 +28,11 @@ class SparseModel;
 /// The DC operating point.
 [[nodiscard]] OperatingPoint operating_point(const SparseModel& model);
 
-/// Whether `auto` takes this engine: a part that must run has more stores and ports than the exact engine's dense modes are made for.
-[[nodiscard]] bool pays(const model::Network& network);
+/// Stores and ports of the largest part that must run; of all together where they are few.
+[[nodiscard]] std::size_t largest_part(const model::Network& network);
+
+/// `auto` takes this engine where that is more: then the exact engine, whose time grows with the cube of it for every mode, needs more than some seconds
+/// (docs/developer/performance.md).
+inline constexpr std::size_t dense_limit = 300;
 
 }  // namespace pwlsim::engine::sparse
