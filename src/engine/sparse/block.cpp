@@ -30,7 +30,8 @@ constexpr std::size_t most_positions = 1u << 20;
 }  // namespace
 
 Block::Block(const Part& part, const Request& request, double reltol)
-    : request_(request),
+    : part_(part),
+      request_(request),
       reltol_(reltol),
       descriptor_(part.descriptor),
       factors_(part.island.network, descriptor_, reltol),

@@ -55,6 +55,8 @@ class Block {
   /// Outcome, id, message and elements after a failure.
   [[nodiscard]] const Answer& failure() const { return failure_; }
   void add_statistics(Statistics& statistics) const;
+  /// What jumped, where the request wants it.
+  [[nodiscard]] const std::vector<Jump>& jumps() const { return jump_details_; }
   [[nodiscard]] const CertificateRecorder& certificate() const { return certificate_; }
   /// Whether the start contradicted the network.
   [[nodiscard]] bool start_projected() const { return start_projected_; }
@@ -93,6 +95,7 @@ class Block {
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
   bool restart();
+  void note_jump(double time, double h);
   void find_next_gate();
   bool take_gates(double until);
   bool settle(double h, Instant& instant, Point& first);
@@ -104,6 +107,7 @@ class Block {
   [[nodiscard]] double difference(const std::vector<double>& states, const std::vector<double>& z) const;
   bool watch_crowd(double time);
 
+  const Part& part_;
   const Request& request_;
   double reltol_;
   const Descriptor& descriptor_;
@@ -128,6 +132,7 @@ class Block {
   std::vector<double> states_;        ///< of point_, or those given, at an instant
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
+  std::vector<Jump> jump_details_;
   Answer failure_;
   double h_max_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
   int level_ = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/sparse/block.hpp"
+#include "engine/sparse/jumps.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -185,6 +186,14 @@ const std::vector<double>& Block::drawn_back() {
   return w_;
 }
 
+/// Before the states of the instant are forgotten.
+void Block::note_jump(double time, double h) {
+  if (!request_.jumps || jump_details_.size() >= most_jumps_kept) return;
+  std::vector<double> after;
+  descriptor_.measure_states(drawn_back().data(), after);
+  jump_details_.push_back(describe_jump(part_, {time, states_, after}, {h, first_, second_}, reltol_));
+}
+
 void Block::find_next_gate() {
   next_gate_ = model::forever;
   for (const Gate& gate : gates_) next_gate_ = std::min(next_gate_, gate.next());
@@ -217,6 +226,7 @@ bool Block::restart() {
   while (diagonal * ladder(level) > room_share * room) ++level;
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
   if (!find_position(instant, level, deepest)) return false;
+  if (instant.jump) note_jump(time, diagonal * ladder(level));
   level_ += level - usual;
   instant.mode_change |= second_.on != position_before_;
   position_before_.clear();

@@ -98,7 +98,18 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   contradicted_ = false;
   if (factor->closing()) refine(stage, on, *factor, step, z);
   if (!factor->ties().empty()) examine_ties(stage, on, *factor, step, z);
+  if (!factor->closing() && factor->ties().empty()) block(on, stage.from, step, z);
   return Solved::yes;
+}
+
+/// What is zero but for rounding.
+void PortSolver::block(const Position& on, const std::vector<double>& from, std::vector<double>& step, std::vector<double>& z) const {
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    if (on[i] != 0) continue;
+    const auto row = static_cast<std::size_t>(descriptor_.ports()[i].row);
+    z[row] = 0.0;
+    step[row] = -from[row];
+  }
 }
 
 /// The largest of the run and of z. Where only currents flow as yet, voltages are judged against them.

@@ -60,6 +60,7 @@ class PortSolver {
   [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
   void close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
              std::vector<double>& right) const;
+  void block(const Position& on, const std::vector<double>& from, std::vector<double>& step, std::vector<double>& z) const;
   void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   struct Sizes {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/remarks.hpp"
+#include "engine/sparse/jumps.hpp"
 #include "linalg/legendre.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -258,6 +259,8 @@ void Transient::finish() {
   c.has_passivity = c.passive = true;
   for (const auto& track : tracks_) {
     track->block.add_statistics(answer_.statistics);
+    const auto& jumps = track->block.jumps();
+    answer_.jumps.insert(answer_.jumps.end(), jumps.begin(), jumps.end());
     const Certificate own = track->block.certificate().check();
     c.complementarity = std::max(c.complementarity, own.complementarity);
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);
@@ -265,6 +268,8 @@ void Transient::finish() {
     c.points_checked += own.points_checked;
     c.passive = c.passive && track->part.descriptor.passive();
   }
+  std::stable_sort(answer_.jumps.begin(), answer_.jumps.end(), [](const Jump& a, const Jump& b) { return a.time < b.time; });
+  answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max(c.complementarity, c.kcl_kvl);
   if (worst > doubtful_tolerances * reltol_) answer_.remarks.push_back(doubtful_certificate(worst));
