@@ -349,6 +349,17 @@ TEST_CASE("parts of the circuit without a common state meet in one expression", 
   CHECK(m.value.at("sum") == near(2.0));
 }
 
+// The inductor holds 1 A; of the step of 1 µA the resistor's share is R·1 µA once R·C = 13 ps has passed and long before L/R = 50 s has. The rounding of what
+// cancels in v(a) once kept pieces at the length of R·C: 10^8 of them.
+TEST_CASE("a signal that is a small difference is measured beside a fast time constant", "[unit]") {
+  const Measured m = measure_deck(
+      "a step of a millionth\nI1 0 a PULSE(1 1.000001 100n)\nL1 a 0 1\nC1 a 0 668p\nR1 a 0 20m\n.save v(a)\n.tran 0.1m 1m\n.meas top MAX "
+      "v(a)\n");
+  constexpr double cancellation = 1e-9;  // 1e-16 of 1 A, against 1 µA, ten times
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("top") == near(20e-3 * 1e-6, cancellation));
+}
+
 TEST_CASE("the sparse engine measures to its tolerance", "[unit]") {
   const std::string deck = charging +
                            ".meas tran mean AVG v(out)\n"

@@ -13,7 +13,7 @@ constexpr double rounding = 2.3e-16;
 constexpr double resolution = 2e-15;
 /// Of the largest value of the run: what is smaller needs no digits of its own.
 constexpr double dead = 1e-12;
-/// Rounding of a value at a point, in units of |c||y|.
+/// Rounding of a value at a point, in units of |c e^{Aτ}||y|.
 constexpr double point_noise = 8.0 * rounding;
 /// Derivatives at the begin may differ by so many resolutions of a coefficient, and by so many roundings of their own terms.
 constexpr double derivative_slack = 32.0;
@@ -56,6 +56,7 @@ PieceMaker::PieceMaker(const std::vector<IslandModel>& islands, const Probes& pr
   values_.resize(count * points);
   starts_.resize(count * derivatives);
   bounds_.resize(count * derivatives);
+  terms_.resize(count);
   largest_.resize(count);
 }
 
@@ -133,6 +134,7 @@ const PieceMaker::Interval& PieceMaker::interval_of(Track& track, int level) {
   Interval interval;
   interval.advance = mode.flow.minus_identity(length);
   interval.points.resize(static_cast<Eigen::Index>(track.shares.size() * points), mode.ny);
+  interval.bound.setZero(static_cast<Eigen::Index>(track.shares.size()), mode.ny);
   linalg::Vector row(mode.ny), work(2 * mode.ny);
   const auto& point = linalg::gauss_legendre().point;
   for (std::size_t s = 0; s < track.shares.size(); ++s)
@@ -140,6 +142,8 @@ const PieceMaker::Interval& PieceMaker::interval_of(Track& track, int level) {
       row = mode.outputs.row(static_cast<Eigen::Index>(track.shares[s].first)).transpose();
       track.rows->transposed.apply_once(0.5 * (1.0 + point[i]) * length, row.data(), work.data());
       interval.points.row(static_cast<Eigen::Index>(s * points + i)) = row.transpose();
+      interval.bound.row(static_cast<Eigen::Index>(s)) =
+          interval.bound.row(static_cast<Eigen::Index>(s)).cwiseMax(row.cwiseAbs().transpose());
     }
   return intervals.emplace(level, std::move(interval)).first->second;
 }
@@ -171,6 +175,7 @@ void PieceMaker::fill(int level) {
   std::fill(values_.begin(), values_.end(), 0.0);
   std::fill(starts_.begin(), starts_.end(), 0.0);
   std::fill(bounds_.begin(), bounds_.end(), 0.0);
+  std::fill(terms_.begin(), terms_.end(), 0.0);
   for (Track& track : tracks_) {
     track.interval = &interval_of(track, level);
     const std::size_t count = track.shares.size();
@@ -179,6 +184,8 @@ void PieceMaker::fill(int level) {
     for (std::size_t s = 0; s < count; ++s)
       for (std::size_t i = 0; i < points; ++i) values_[track.shares[s].second * points + i] += scratch_[s * points + i];
     const linalg::Vector size = Eigen::Map<const linalg::Vector>(track.y.data(), track.mode->ny).cwiseAbs();
+    linalg::multiply(track.interval->bound, size.data(), scratch_.data());
+    for (std::size_t s = 0; s < count; ++s) terms_[track.shares[s].second] += scratch_[s];
     for (std::size_t s = 0; s < count; ++s)
       for (std::size_t m = 0; m < derivatives; ++m) {
         const auto row = static_cast<Eigen::Index>(m * count + s);
@@ -196,7 +203,7 @@ bool PieceMaker::resolved(double length) const {
     const linalg::LegendreSeries series(values);
     double size = dead * largest_[probe];
     for (std::size_t i = 0; i < points; ++i) size = std::max(size, std::abs(values[i]));
-    const double noise = point_noise * bounds_[probe * derivatives];
+    const double noise = point_noise * terms_[probe];
     const double tolerance = resolution * size + noise;
     if (series.tail() > tolerance) return false;
     linalg::LegendreSeries derivative = series;

@@ -35,6 +35,7 @@ class PieceMaker {
   /// The interval of length 2^level in one mode.
   struct Interval {
     linalg::Matrix points;   ///< shares·16 × ny
+    linalg::Matrix bound;    ///< shares × ny: the largest magnitudes of a share's sixteen rows
     linalg::Matrix advance;  ///< e^{A 2^level} − 1
   };
   struct ModeRows {
@@ -76,6 +77,7 @@ class PieceMaker {
   int level_ = 0;         ///< of the interval before
   bool resumes_ = false;  ///< level_ is of this stretch
   std::vector<double> values_, starts_, bounds_, scratch_;
+  std::vector<double> terms_;    ///< Σ |row||y| of a value at any point of the interval: what its rounding is a part of
   std::vector<double> largest_;  ///< of each probe so far
 };
 
