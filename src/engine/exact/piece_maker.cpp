@@ -145,6 +145,10 @@ const PieceMaker::Interval& PieceMaker::interval_of(Track& track, int level) {
       interval.bound.row(static_cast<Eigen::Index>(s)) =
           interval.bound.row(static_cast<Eigen::Index>(s)).cwiseMax(row.cwiseAbs().transpose());
     }
+  for (auto& [other, known] : intervals) {
+    if (other < level) interval.bound = interval.bound.cwiseMax(known.bound);
+    if (other > level) known.bound = known.bound.cwiseMax(interval.bound);
+  }
   return intervals.emplace(level, std::move(interval)).first->second;
 }
 

@@ -34,8 +34,9 @@ class PieceMaker {
 
   /// The interval of length 2^level in one mode.
   struct Interval {
-    linalg::Matrix points;   ///< shares·16 × ny
-    linalg::Matrix bound;    ///< shares × ny: the largest magnitudes of a share's sixteen rows
+    linalg::Matrix points;  ///< shares·16 × ny
+    /// shares × ny: the largest magnitudes of a share's rows, here and in shorter intervals: rounding of y excites fast modes anew.
+    linalg::Matrix bound;
     linalg::Matrix advance;  ///< e^{A 2^level} − 1
   };
   struct ModeRows {

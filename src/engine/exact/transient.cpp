@@ -29,7 +29,7 @@ constexpr double doubtful_residual = 1e-6;
 /// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
-constexpr double idle_crowd_fraction = 1e-6;  ///< the same where nothing but flips of switches that change nothing happens
+constexpr double idle_crowd_fraction = 1e-6;  ///< the same where guards are passed and nothing happens
 constexpr std::uint64_t instants_between_checks = 256;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -175,6 +175,7 @@ bool Transient::handle(double time) {
   bool any = false;
   for (const auto& island : islands_) {
     const bool crosses = island.has_event() && island.event_time() <= time;
+    instant.crossing |= crosses;
     any |= crosses || island.next_break() <= time + tolerance_;
     if (crosses && island.event_time() == time && instant.late == 0.0) instant.late = island.event_late();
   }
@@ -350,11 +351,13 @@ bool Transient::watch_crowd(const Instant& instant) {
   return fail_crowd(instant.time, crowd_, names);
 }
 
-/// Of instants at which nothing happened but flips of switches that change nothing.
+/// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
 bool Transient::watch_idle_crowd(const Instant& instant) {
-  if (!instant.flips || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop)) return true;
+  if (!instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop)) return true;
   std::vector<std::string> names;
   for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  for (std::size_t i = 0; i < islands_.size() && !instant.flips; ++i)
+    if (opened_[i] == Opened::by_own_event) names = all_names(islands_[i].system());
   return fail_crowd(instant.time, idle_crowd_, names);
 }
 

@@ -26,6 +26,7 @@ class Transient {
     bool source_edge = false;
     bool mode_change = false;
     bool flips = false;
+    bool crossing = false;  ///< a guard of some island is passed
     int jumps = 0;
   };
 
