@@ -173,6 +173,7 @@ void Descriptor::add_stores() {
   for (std::size_t i = 0; i < network_.capacitors.size(); ++i) {
     const auto& c = network_.capacitors[i];
     const double e = r0_ * c.capacitance;
+    largest_capacitance_ = std::max(largest_capacitance_, std::abs(e));
     const int own = capacitor_current_[i];
     states_.push_back({c.p, c.n, false, c.capacitance, {}});
     if (own >= 0) {

@@ -81,6 +81,8 @@ class Descriptor {
   /// The first unknowns are node voltages.
   [[nodiscard]] int nodes() const { return static_cast<int>(network_.nodes.size()); }
   [[nodiscard]] double r0() const { return r0_; }
+  /// Times R0: s.
+  [[nodiscard]] double largest_capacitance() const { return largest_capacitance_; }
   [[nodiscard]] const linalg::SparsePattern& pattern() const { return pattern_; }
   [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
   /// Diodes and complementarities come first.
@@ -155,7 +157,7 @@ class Descriptor {
     double coefficient;
   };
   const model::Network& network_;
-  double r0_ = 1.0;
+  double r0_ = 1.0, largest_capacitance_ = 0.0;
   int size_ = 0, first_switch_ = 0;
   int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
   std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none

@@ -26,6 +26,8 @@ constexpr int most_corrections = 3;
 constexpr double contradiction_share = 1e-3;
 constexpr double held_tolerance = 1e-10;  ///< of the largest voltage, or current: zero
 constexpr double rounding_of_voltages = 1e-14;
+constexpr double noise_share = 1e-6;  ///< of the largest current
+constexpr double good_backward_error = 1e-15;
 constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
 constexpr double far_away = 1e3;
 constexpr int most_iterations = 8;
@@ -92,7 +94,10 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   if (!factor) return Solved::singular;
   step = stage.right;
   close(on, stage.from, stage.w, factor->closing() ? &*factor->closing() : nullptr, step);
+  const bool refined = is_noisy(stage.shift) && !factor->closing() && factor->ties().empty();
+  if (refined) right_ = step;
   factor->solve(step);
+  if (refined) correct(stage.shift, on, *factor, step);
   z.resize(step.size());
   for (std::size_t i = 0; i < z.size(); ++i) z[i] = stage.from[i] + step[i];
   contradicted_ = false;
@@ -100,6 +105,38 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   if (!factor->ties().empty()) examine_ties(stage, on, *factor, step, z);
   if (!factor->closing() && factor->ties().empty()) block(on, stage.from, step, z);
   return Solved::yes;
+}
+
+/// Whether the rounding of a voltage times C/h is a current that counts, once any is known.
+bool PortSolver::is_noisy(double shift) const {
+  const double noise = rounding_of_voltages * scale_.slack * shift * descriptor_.largest_capacitance();
+  return scale_.input > 0.0 && noise > noise_share * scale_.input;
+}
+
+/// One refinement, from the residual of every row, where that makes the worst of them smaller against its own terms (Skeel, Math. Comp. 35, 1980). `right_`:
+/// the right-hand side.
+void PortSolver::correct(double shift, const Position& on, const Factor& factor, std::vector<double>& step) {
+  descriptor_.matrix(shift, descriptor_.closing(shift, on, 0.0), 1.0, values_);
+  const double before = backward_error(step, residual_);
+  if (before <= good_backward_error) return;
+  factor.solve(residual_);
+  for (std::size_t i = 0; i < step.size(); ++i) residual_[i] += step[i];
+  if (backward_error(residual_, refined_) < before) step.swap(residual_);
+}
+
+/// max |b − A x| / (|A| |x| + |b|) over the rows, A in values_ and b in right_.
+double PortSolver::backward_error(const std::vector<double>& x, std::vector<double>& residual) {
+  residual.resize(x.size());
+  sizes_.resize(x.size());
+  linalg::multiply(descriptor_.pattern(), values_, x.data(), residual.data());
+  linalg::multiply_absolute(descriptor_.pattern(), values_, x.data(), sizes_.data());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    residual[i] = right_[i] - residual[i];
+    const double size = sizes_[i] + std::abs(right_[i]);
+    if (size > 0.0) worst = std::max(worst, std::abs(residual[i]) / size);
+  }
+  return worst;
 }
 
 /// What is zero but for rounding.

@@ -60,6 +60,9 @@ class PortSolver {
   [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
   void close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
              std::vector<double>& right) const;
+  [[nodiscard]] bool is_noisy(double shift) const;
+  void correct(double shift, const Position& on, const Factor& factor, std::vector<double>& step);
+  [[nodiscard]] double backward_error(const std::vector<double>& x, std::vector<double>& residual);
   void block(const Position& on, const std::vector<double>& from, std::vector<double>& step, std::vector<double>& z) const;
   void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
@@ -81,7 +84,7 @@ class PortSolver {
   bool passive_;
   PortScale scale_;
   std::vector<int> disputed_;
-  std::vector<double> right_, refined_;
+  std::vector<double> right_, refined_, residual_, sizes_, values_;
   std::vector<double> admittances_;  ///< of the ports at admittance_shift_
   double admittance_shift_ = 0.0;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
