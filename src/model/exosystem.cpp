@@ -203,10 +203,7 @@ bool Exosystem::advance(Phase& phase, double time, double tolerance) const {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     auto& cursor = phase.cursors[i];
     if (cursor.next > time + tolerance) continue;
-    const double before = cursor.at(cursor.next);
-    const double rounding = cursor.rounding_at(cursor.next);
-    while (cursor.next <= time + tolerance) tracks_[i].track.advance(cursor);
-    if (tracks_[i].may_jump && std::abs(cursor.at(cursor.start) - before) > rounding + std::abs(cursor.slope) * tolerance) jumped = true;
+    jumped |= tracks_[i].track.pass(cursor, time, tolerance) && tracks_[i].may_jump;
   }
   while (!phase.pending.empty() && phase.pending.front().first <= time + tolerance) {
     const auto [when, which] = phase.pending.front();

@@ -36,15 +36,22 @@ class Track {
   struct Cursor {
     double start = 0.0, value = 0.0, slope = 0.0;
     double next = forever;
+    double start_late = 0.0, next_late = 0.0;  ///< what rounding took off `start` and `next`
     double period_index = 0.0;
     std::size_t item = 0;  ///< of the next segment; counts through prefix, then loop
     /// A ramp meets the segment behind it up to the rounding of its value and of the times it runs between.
     [[nodiscard]] double rounding_at(double time) const;
     [[nodiscard]] double at(double time) const { return slope == 0.0 ? value : value + slope * (time - start); }
+    /// At `time` + `late`, where `late` is what rounding took off the time, from the segment's true start.
+    [[nodiscard]] double at(double time, double late) const {
+      return slope == 0.0 ? value : value + slope * ((time - start) + (late - start_late));
+    }
   };
   /// Left limit at `time`: breakpoints at `time` itself are still to come.
   [[nodiscard]] Cursor before(double time) const;
   void advance(Cursor& cursor) const;
+  /// Takes every breakpoint up to time + tolerance, one at least; true if the value jumped there.
+  bool pass(Cursor& cursor, double time, double tolerance) const;
 
  private:
   void set_next(Cursor& cursor) const;
@@ -86,6 +93,13 @@ class Exosystem {
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
 
+  struct TrackBlock {
+    Track track;
+    int block;
+    bool may_jump;  ///< false where a decay makes up for the track's jump
+  };
+  [[nodiscard]] const std::vector<TrackBlock>& tracks() const { return tracks_; }
+
   /// Where every piecewise source stands.
   struct Phase {
     std::vector<Track::Cursor> cursors;           ///< one a track
@@ -119,11 +133,6 @@ class Exosystem {
   struct Coefficient {
     int source, state;
     double value;
-  };
-  struct TrackBlock {
-    Track track;
-    int block;
-    bool may_jump;  ///< false where a decay makes up for the track's jump
   };
   linalg::Matrix a_, rows_;
   bool curved_ = false;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/rounded_sum.hpp"
 #include "model/exosystem.hpp"
 
 namespace pwlsim::model {
@@ -41,6 +42,7 @@ double Track::largest_slope() const {
 }
 
 void Track::set_next(Cursor& cursor) const {
+  cursor.next_late = 0.0;
   if (cursor.item < prefix.size()) {
     cursor.next = prefix[cursor.item].start;
     return;
@@ -51,12 +53,18 @@ void Track::set_next(Cursor& cursor) const {
     return;
   }
   // Never accumulated: edge n stands at start + n·period + offset. After the last period one more edge ends the loop.
-  const double base = loop_start + (cursor.period_index > 0.0 ? cursor.period_index * loop_period : 0.0);
-  cursor.next = cursor.period_index < loop_count ? base + loop[item].start : base;
+  const double periods = cursor.period_index > 0.0 ? cursor.period_index * loop_period : 0.0;
+  const double base = loop_start + periods;
+  const double offset = cursor.period_index < loop_count ? loop[item].start : 0.0;
+  cursor.next = base + offset;
+  if (periods > 0.0)
+    cursor.next_late =
+        std::fma(cursor.period_index, loop_period, -periods) + rounding_of_sum(loop_start, periods) + rounding_of_sum(base, offset);
 }
 
 void Track::advance(Cursor& cursor) const {
   cursor.start = cursor.next;
+  cursor.start_late = cursor.next_late;
   if (cursor.item < prefix.size()) {
     const Segment& segment = prefix[cursor.item++];
     cursor.value = segment.value;
@@ -76,6 +84,14 @@ void Track::advance(Cursor& cursor) const {
     }
   }
   set_next(cursor);
+}
+
+bool Track::pass(Cursor& cursor, double time, double tolerance) const {
+  const Cursor before = cursor;
+  do advance(cursor);
+  while (cursor.next <= time + tolerance);
+  const double jump = std::abs(cursor.value - before.at(before.next));
+  return jump > 0.0 && jump > before.rounding_at(before.next) + std::abs(cursor.slope) * tolerance;
 }
 
 Track::Cursor Track::before(double time) const {

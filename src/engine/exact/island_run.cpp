@@ -6,6 +6,8 @@
 
 #include "base/largest.hpp"
 
+#include "base/rounded_sum.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -21,7 +23,6 @@ constexpr double row_noise = 1e-12;
 /// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
 constexpr double threshold_noise = 3e-14;
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
-constexpr int most_corners = 1024;                  ///< passed at once, so that a run can be interrupted
 
 std::span<const double> entries(const linalg::Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
@@ -40,7 +41,6 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
   outputs_.resize(system_.outputs.size());
   control_rows_.resize(system_.controls.size());
   control_departures_.resize(system_.controls.size());
-  only_gates_ = is_static() && system_.outputs.empty() && system_.exosystem->is_polyline();
   for (const auto& control : system_.controls) {
     const double noise = row_noise * std::max(largest(entries(control.value.state)), 1e-300);
     const bool reads_ports = largest(entries(control.value.input)) > noise;
@@ -59,14 +59,6 @@ void IslandRun::set_switch(int port, bool closed) {
 double IslandRun::certify(double end) {
   if (event_.found && event_time_ <= end) return event_time_;
   if (event_.found) return end;
-  for (int corners = 0; corner_ahead_ && phase_.next < end; ++corners) {
-    event_ = locator_.locate(segment_, phase_.next - segment_.anchor);
-    if (event_.found) {
-      take_event(phase_.next);
-      return event_time_;
-    }
-    if (corners == most_corners || !pass_corner()) return phase_.next;
-  }
   if (segment_.anchor + segment_.certified >= end) return end;
   event_ = locator_.locate(segment_, end - segment_.anchor);
   if (!event_.found) return end;
@@ -79,31 +71,7 @@ void IslandRun::take_event(double end) {
   const double tau = event_.tau + segment_.late;
   const double sum = segment_.anchor + tau;
   event_time_ = std::min(end, sum);
-  // Knuth's sum without a condition on the sizes: anchor + tau = sum + late.
-  const double share = sum - segment_.anchor;
-  event_late_ = event_time_ == sum ? (segment_.anchor - (sum - share)) + (tau - share) : 0.0;
-}
-
-/// Goes on behind a corner, unless a switch is at its threshold there: then it is an instant of the run.
-bool IslandRun::pass_corner() {
-  const double time = phase_.next;
-  const double* y = segment_.y0.data();
-  linalg::multiply(mode->flow.a(), y, work_.data());
-  for (const int row : segment_.rows) {
-    double value = 0.0, size = 0.0;
-    for (int i = 0; i < mode->ny; ++i) {
-      const double term = mode->guards(row, i) * (y[i] + (time - segment_.anchor) * work_[static_cast<std::size_t>(i)]);
-      value += term;
-      size += std::abs(term);
-    }
-    if (value <= threshold_noise * size) {
-      corner_ahead_ = false;
-      return false;
-    }
-  }
-  take_breakpoints(time);
-  begin_segment(time, 0.0);
-  return true;
+  event_late_ = event_time_ == sum ? rounding_of_sum(segment_.anchor, tau) : 0.0;
 }
 
 void IslandRun::open(double time, double late) {
@@ -309,7 +277,6 @@ void IslandRun::begin_segment(double time, double late) {
   segment_.intervals = 0;
   segment_.turns = 0;
   segment_.sampled = false;
-  corner_ahead_ = only_gates_;
 }
 
 void IslandRun::outputs_from(const model::Mode& m, const double* y, double* out) {

@@ -25,7 +25,7 @@ class IslandRun {
   [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
 
   /// Time of the next source breakpoint that is an instant of the run.
-  [[nodiscard]] double next_break() const { return corner_ahead_ ? model::forever : phase_.next; }
+  [[nodiscard]] double next_break() const { return phase_.next; }
   /// Certifies the segment up to absolute time `end`, or finds the first event before it; returns its time, else `end`.
   double certify(double end);
   [[nodiscard]] bool has_event() const { return event_.found; }
@@ -76,7 +76,6 @@ class IslandRun {
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
-  bool pass_corner();
   [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void take_limit(double time, double* out) const;
@@ -93,8 +92,6 @@ class IslandRun {
   model::Verifier verifier_;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
-  bool only_gates_ = false;    ///< polylines that nothing but switches reads
-  bool corner_ahead_ = false;  ///< the next breakpoint is a corner of such a source, which the switches may not see
   Segment segment_;
   std::uint64_t segment_number_ = 0;
   Located event_;

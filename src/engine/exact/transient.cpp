@@ -69,7 +69,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
-  for (std::size_t i = 0; i < islands_.size(); ++i) order_.push_back(i);
+  tolerance_ = merge_fraction * request.stop;
+  make_clocks();
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
   modes_before_.assign(islands_.size(), nullptr);
@@ -78,11 +79,21 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   width_ = 1 + model_.signal_names.size();
   rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
-  tolerance_ = merge_fraction * request.stop;
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
   for (auto& island : islands_) island.set_tolerance(tolerance_);
   if (request.grid.rows > 2)
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
+}
+
+void Transient::make_clocks() {
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    const model::System& system = islands_[i].system();
+    if (!model::Clock::can_drive(system)) {
+      order_.push_back(i);
+      continue;
+    }
+    for (const model::Control& control : system.controls) clocks_.emplace_back(system, control, tolerance_);
+  }
 }
 
 Answer Transient::run(const Start& start) {
@@ -117,7 +128,7 @@ Answer Transient::run(const Start& start) {
 bool Transient::begin(const Start& start) {
   on_ = start.on;
   pieces_.before_start(start.signals);
-  for (std::size_t i = 0; i < islands_.size(); ++i) {
+  for (const std::size_t i : order_) {
     std::copy(start.xi[i].begin(), start.xi[i].end(), islands_[i].x.begin());
     islands_[i].open_at_start();
   }
@@ -125,10 +136,12 @@ bool Transient::begin(const Start& start) {
     const SwitchInfo& info = model_.switches[i];
     if (info.island >= 0) islands_[static_cast<std::size_t>(info.island)].set_switch(info.port, on_[i] != 0);
   }
+  for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0);
   Instant instant;
-  for (auto& island : islands_) {
+  for (const std::size_t i : order_) {
+    IslandRun& island = islands_[i];
     island.evaluate_sources(0.0);
-    jump_recorder_.before(number_of(island), island.x);
+    jump_recorder_.before(i, island.x);
     island.take_breakpoints(0.0);
     recorder_.start(island.model(), island.x.data());
   }
@@ -140,7 +153,8 @@ bool Transient::begin(const Start& start) {
 
 double Transient::next_instant() {
   double horizon = request_.stop;
-  for (const auto& island : islands_) horizon = std::min(horizon, island.next_break());
+  for (const model::Clock& clock : clocks_) horizon = std::min(horizon, clock.next().time);
+  for (const std::size_t i : order_) horizon = std::min(horizon, islands_[i].next_break());
   for (const std::size_t i : order_) horizon = islands_[i].certify(horizon);
   return std::min(horizon, request_.stop);
 }
@@ -159,7 +173,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
 
 void Transient::open_event_islands(double time, Instant& instant) {
   std::fill(opened_.begin(), opened_.end(), Opened::no);
-  for (std::size_t i = 0; i < islands_.size(); ++i) {
+  for (const std::size_t i : order_) {
     IslandRun& island = islands_[i];
     const bool breaks = island.next_break() <= time + tolerance_;
     const bool crosses = island.has_event() && island.event_time() <= time;
@@ -173,7 +187,13 @@ bool Transient::handle(double time) {
   instant.time = time;
   for (std::size_t i = 0; i < islands_.size(); ++i) modes_before_[i] = islands_[i].mode;
   bool any = false;
-  for (const auto& island : islands_) {
+  for (const model::Clock& clock : clocks_) {
+    if (clock.next().time > time + tolerance_) continue;
+    any = true;
+    if (clock.next().time == time && instant.late == 0.0) instant.late = clock.next().late;
+  }
+  for (const std::size_t i : order_) {
+    const IslandRun& island = islands_[i];
     const bool crosses = island.has_event() && island.event_time() <= time;
     instant.crossing |= crosses;
     any |= crosses || island.next_break() <= time + tolerance_;
@@ -246,8 +266,18 @@ bool Transient::select_open(Instant& instant) {
   return true;
 }
 
+void Transient::take_clocks(Instant& instant) {
+  for (model::Clock& clock : clocks_) {
+    if (clock.next().time > instant.time + tolerance_) continue;
+    instant.source_edge |= clock.next().is_edge;
+    if (clock.next().flips) flips_.push_back(clock.driven());
+    clock.take();
+  }
+}
+
 bool Transient::flip_without_mode(Instant& instant, bool at_start) {
   flips_.clear();
+  take_clocks(instant);
   for (auto& island : islands_) {
     if (!island.is_open()) continue;
     for (const int c : island.violated_without_mode(on_, at_start))
@@ -318,7 +348,9 @@ bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, 
   if (limit.time >= request_.stop ||
       (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
     return false;
-  for (std::size_t j = 0; j < islands_.size(); ++j) {
+  for (const model::Clock& clock : clocks_)
+    if (clock.next().time <= limit.time) return false;
+  for (const std::size_t j : order_) {
     if (islands_[j].next_break() <= limit.time) return false;
     if (j != i && islands_[j].certify(limit.time) < limit.time) return false;
   }

@@ -10,6 +10,7 @@
 #include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/start.hpp"
+#include "model/clock.hpp"
 
 namespace pwlsim::engine {
 
@@ -40,11 +41,13 @@ class Transient {
   };
 
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
+  void make_clocks();
   bool begin(const Start& start);
   double next_instant();
   bool handle(double time);
   bool settle(Instant& instant, bool at_start);
   bool select_open(Instant& instant);
+  void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_violated(Instant& instant);
   void flip(const std::vector<int>& switches, Instant& instant);
@@ -73,8 +76,9 @@ class Transient {
   RowSink& sink_;
   Answer answer_;
   std::vector<IslandRun> islands_;
-  std::vector<std::size_t> order_;  ///< islands, those without states first
-  std::vector<char> on_;            ///< switches
+  std::vector<model::Clock> clocks_;  ///< switches that only piecewise linear sources drive
+  std::vector<std::size_t> order_;    ///< islands that run, those without states first; the others are clocks
+  std::vector<char> on_;              ///< switches
   std::vector<int> flips_;
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };

@@ -1,0 +1,99 @@
+#include "model/clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/rounded_sum.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+/// A control this close to its threshold, against the terms it is made of, is on it; then its slope decides.
+constexpr double threshold_noise = 3e-14;
+constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
+
+}  // namespace
+
+bool Clock::can_drive(const System& system) {
+  return system.n == 0 && system.ports == 0 && system.outputs.empty() && system.exosystem->is_piecewise_linear();
+}
+
+Clock::Clock(const System& system, const Control& control, double tolerance)
+    : on_level_(control.on_level), off_level_(control.off_level), tolerance_(tolerance), driven_(control.driven) {
+  const Exosystem& sources = *system.exosystem;
+  if (sources.constant() >= 0) constant_ = control.value.state[sources.constant()];
+  for (const auto& [track, block, may_jump] : sources.tracks()) {
+    const double gain = control.value.state[sources.blocks()[static_cast<std::size_t>(block)].first];
+    if (gain != 0.0) terms_.push_back({&track, gain, may_jump, {}});
+  }
+}
+
+Clock::Margin Clock::margin_at(double time, double late) const {
+  const double level = is_on_ ? off_level_ : on_level_;
+  double value = constant_ - level;
+  double slope = 0.0;
+  double size = std::abs(constant_) + std::abs(level);
+  for (const Term& term : terms_) {
+    const double share = term.gain * term.cursor.at(time, late);
+    value += share;
+    size += std::abs(share);
+    slope += term.gain * term.cursor.slope;
+  }
+  const double sign = is_on_ ? 1.0 : -1.0;
+  return {sign * value, sign * slope, threshold_noise * size};
+}
+
+void Clock::start(bool is_on) {
+  is_on_ = is_on;
+  for (Term& term : terms_) term.cursor = term.track->before(0.0);
+  pass(0.0, 0.0);
+  search();
+}
+
+void Clock::take() {
+  is_on_ ^= next_.flips;
+  search();
+}
+
+/// Takes the breakpoints at `time`; true if a source jumped there.
+bool Clock::pass(double time, double late) {
+  bool jumped = false;
+  for (Term& term : terms_)
+    if (term.cursor.next <= time + tolerance_) jumped |= term.track->pass(term.cursor, time, tolerance_) && term.may_jump;
+  from_ = time;
+  late_ = late;
+  return jumped;
+}
+
+void Clock::search() {
+  next_ = {from_, late_, false, false};
+  for (int corners = 0; corners < most_corners; ++corners) {
+    const Margin margin = margin_at(from_, late_);
+    next_.flips = margin.departs();
+    if (next_.flips || next_.is_edge) return;
+    next_ = {forever, 0.0, false, false};
+    for (const Term& term : terms_)
+      if (term.cursor.next < next_.time) next_ = {term.cursor.next, term.cursor.next_late, false, false};
+    if (margin.slope < 0.0 && cross_before(next_.time, next_.late, margin)) return;
+    if (next_.time == forever) return;
+    next_.is_edge = pass(next_.time, next_.late);
+  }
+}
+
+/// A crossing that rounding puts on the breakpoint itself is left to the slopes there.
+bool Clock::cross_before(double end, double end_late, const Margin& margin) {
+  const double tau = late_ - margin.value / margin.slope;
+  const double sum = from_ + tau;
+  if (!(sum < end)) return false;
+  if (end < forever) {
+    const Margin there = margin_at(end, end_late);
+    if (there.value >= -there.noise) return false;
+  }
+  late_ = rounding_of_sum(from_, tau);
+  from_ = sum;
+  next_ = {from_, late_, true, false};
+  return true;
+}
+
+}  // namespace pwlsim::model

@@ -1,0 +1,66 @@
+#pragma once
+/// A switch that nothing but piecewise linear sources drives: the times at which it changes sides follow from the sources alone,
+///
+///     v(t) = constant + Σ gain_k · track_k(t),   on -> off where v falls below off_level, off -> on where v rises above on_level,
+///
+/// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides.
+
+#include <vector>
+
+#include "model/system.hpp"
+
+namespace pwlsim::model {
+
+class Clock {
+ public:
+  /// Time at which the sources are on a threshold and cross it, or jump.
+  struct Instant {
+    double time = forever;
+    double late = 0.0;  ///< what rounding took off the time
+    bool flips = false;
+    bool is_edge = false;  ///< a source jumps
+  };
+
+  /// Whether all that the system's signals feed is controls, and all that they read is piecewise linear sources.
+  [[nodiscard]] static bool can_drive(const System& system);
+
+  /// A clock for one control of such a system. Breakpoints closer than `tolerance` are one.
+  Clock(const System& system, const Control& control, double tolerance);
+
+  /// From the left limit at t = 0; a switch on the wrong side there flips at t = 0.
+  void start(bool is_on);
+  /// The next instant that is to be taken: a flip, a jump of a source, or after very many corners without either an empty one.
+  [[nodiscard]] const Instant& next() const { return next_; }
+  /// Takes it and looks for the one behind it.
+  void take();
+  /// Number of the switch in the whole model.
+  [[nodiscard]] int driven() const { return driven_; }
+
+ private:
+  struct Term {
+    const Track* track;
+    double gain;
+    bool may_jump;
+    Track::Cursor cursor;
+  };
+  /// v − threshold or threshold − v, ≥ 0 while the switch stays, with its slope and the rounding of its terms.
+  struct Margin {
+    double value = 0.0, slope = 0.0, noise = 0.0;
+    /// Sign of the first of value and slope that is not rounding.
+    [[nodiscard]] bool departs() const { return value < -noise || (value <= noise && slope < 0.0); }
+  };
+
+  [[nodiscard]] Margin margin_at(double time, double late) const;
+  void search();
+  bool cross_before(double end, double end_late, const Margin& margin);
+  bool pass(double time, double late);
+
+  std::vector<Term> terms_;
+  double constant_ = 0.0, on_level_ = 0.0, off_level_ = 0.0, tolerance_ = 0.0;
+  int driven_ = 0;
+  bool is_on_ = false;
+  double from_ = 0.0, late_ = 0.0;  ///< searched up to here
+  Instant next_;
+};
+
+}  // namespace pwlsim::model
