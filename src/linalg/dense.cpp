@@ -166,6 +166,19 @@ void multiply(const Matrix& m, const double* x, double* y) {
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
+void multiply_repeatedly(const Matrix& a, int k, double* powers) {
+  const Eigen::Index n = a.rows();
+  const bool small = with_length(n, [&]<int length>(Length<length>) {
+    auto power = Small<length>::load(powers);
+    for (int i = 1; i <= k; ++i) {
+      power = linalg::product(a.data(), power);
+      power.store(powers + i * length);
+    }
+  });
+  if (small) return;
+  for (int i = 0; i < k; ++i) multiply(a, powers + i * n, powers + (i + 1) * n);
+}
+
 WideMatrix product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, itself); }
 
 WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, magnitude); }

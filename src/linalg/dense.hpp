@@ -16,6 +16,9 @@ using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 /// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 10). y must not alias x.
 void multiply(const Matrix& m, const double* x, double* y);
 
+/// A x, A² x, … Aᵏ x one behind the other, behind x itself, which `powers` begins with; A is square.
+void multiply_repeatedly(const Matrix& a, int k, double* powers);
+
 /// Row `i` of M times x.
 inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   const Eigen::Index rows = m.rows();

@@ -48,12 +48,47 @@ void Clock::start(bool is_on) {
   is_on_ = is_on;
   for (Term& term : terms_) term.cursor = term.track->before(0.0);
   pass(0.0, 0.0);
+  if (terms_.size() == 1) recurrences_.assign(4 * terms_[0].track->loop.size(), {});
   search();
 }
 
 void Clock::take() {
   is_on_ ^= next_.flips;
+  Recurrence* known = recurrence();
+  if (!known) return search();
+  if (known->is_known) return repeat(*known);
+  const Track::Cursor before = terms_[0].cursor;
   search();
+  const Track::Cursor& now = terms_[0].cursor;
+  const auto segments = static_cast<double>(terms_[0].track->loop.size());
+  const double passed =
+      (now.period_index - before.period_index) * segments + static_cast<double>(now.item) - static_cast<double>(before.item);
+  if (passed > segments) return;
+  *known = {true, static_cast<int>(passed), (from_ - now.start) + (late_ - now.start_late), next_.flips, next_.is_edge, inside_};
+}
+
+/// Where the clock stands in a period that is followed by another one; none elsewhere.
+Clock::Recurrence* Clock::recurrence() {
+  if (recurrences_.empty()) return nullptr;
+  const Track& track = *terms_[0].track;
+  const Track::Cursor& cursor = terms_[0].cursor;
+  if (cursor.item < track.prefix.size() || cursor.period_index < 1.0 || cursor.period_index + 2.0 > track.loop_count) return nullptr;
+  const std::size_t item = cursor.item - track.prefix.size();
+  return &recurrences_[4 * item + 2 * static_cast<std::size_t>(is_on_) + static_cast<std::size_t>(inside_)];
+}
+
+void Clock::repeat(const Recurrence& known) {
+  Term& term = terms_[0];
+  for (int corner = 0; corner < known.passed; ++corner) term.track->advance(term.cursor);
+  inside_ = known.crosses;
+  from_ = term.cursor.start;
+  late_ = term.cursor.start_late;
+  if (inside_) {
+    const double tau = late_ + known.tau;
+    late_ = rounding_of_sum(from_, tau);
+    from_ += tau;
+  }
+  next_ = {from_, late_, known.flips, known.is_edge};
 }
 
 /// Takes the breakpoints at `time`; true if a source jumped there.
@@ -63,6 +98,7 @@ bool Clock::pass(double time, double late) {
     if (term.cursor.next <= time + tolerance_) jumped |= term.track->pass(term.cursor, time, tolerance_) && term.may_jump;
   from_ = time;
   late_ = late;
+  inside_ = false;
   return jumped;
 }
 
@@ -92,6 +128,7 @@ bool Clock::cross_before(double end, double end_late, const Margin& margin) {
   }
   late_ = rounding_of_sum(from_, tau);
   from_ = sum;
+  inside_ = true;
   next_ = {from_, late_, true, false};
   return true;
 }

@@ -50,7 +50,17 @@ class Clock {
     [[nodiscard]] bool departs() const { return value < -noise || (value <= noise && slope < 0.0); }
   };
 
+  /// What comes next from a place in the period that repeats: every period it is the same.
+  struct Recurrence {
+    bool is_known = false;
+    int passed = 0;    ///< corners, before it
+    double tau = 0.0;  ///< from the last of them to the instant
+    bool flips = false, is_edge = false, crosses = false;
+  };
+
   [[nodiscard]] Margin margin_at(double time, double late) const;
+  [[nodiscard]] Recurrence* recurrence();
+  void repeat(const Recurrence& known);
   void search();
   bool cross_before(double end, double end_late, const Margin& margin);
   bool pass(double time, double late);
@@ -59,7 +69,9 @@ class Clock {
   double constant_ = 0.0, on_level_ = 0.0, off_level_ = 0.0, tolerance_ = 0.0;
   int driven_ = 0;
   bool is_on_ = false;
-  double from_ = 0.0, late_ = 0.0;  ///< searched up to here
+  double from_ = 0.0, late_ = 0.0;       ///< searched up to here
+  bool inside_ = false;                  ///< that is within a segment
+  std::vector<Recurrence> recurrences_;  ///< of a single track: by segment, side of the switch, and whether within the segment
   Instant next_;
 };
 

@@ -19,7 +19,7 @@ class IndexSet {
   }
   void flip(int i) { word(i) ^= std::uint64_t{1} << (i & 63); }
 
-  friend bool operator==(const IndexSet&, const IndexSet&) = default;
+  friend bool operator==(const IndexSet& a, const IndexSet& b) { return a.first_ == b.first_ && (a.more_.empty() || a.more_ == b.more_); }
 
   struct Hash {
     std::size_t operator()(const IndexSet& s) const {

@@ -59,8 +59,16 @@ Selector::Selector(const System& system, Several several) : system_(system), sev
   projected_.resize(static_cast<std::size_t>(system.size()));
 }
 
+Selector::Known& Selector::known(const IndexSet& set) {
+  for (Entry* entry : recent_)
+    if (entry && entry->first == set) return entry->second;
+  Entry& entry = *known_.try_emplace(set).first;
+  recent_[next_recent_++ % recent_.size()] = &entry;
+  return entry.second;
+}
+
 const Mode& Selector::mode(const IndexSet& set) {
-  auto& slot = modes_[set];
+  auto& slot = known(set).mode;
   if (!slot) slot = build_mode(system_, set);
   return *slot;
 }
@@ -94,9 +102,9 @@ std::vector<std::size_t> Selector::open_outputs() const {
   const bool any_reads_ports =
       std::any_of(system_.outputs.begin(), system_.outputs.end(), [](const OutputRow& row) { return !row.input.isZero(0.0); });
   if (!any_reads_ports) return {};
-  for (const auto& [set, mode] : modes_) {
-    if (mode->visits == 0) continue;
-    const Matrix directions = open_directions(*mode);
+  for (const auto& [set, known] : known_) {
+    if (!known.mode || known.mode->visits == 0) continue;
+    const Matrix directions = open_directions(*known.mode);
     if (directions.cols() == 0) continue;
     for (std::size_t i = 0; i < open.size(); ++i) {
       const Vector moved = directions.transpose() * system_.outputs[i].input;
@@ -146,9 +154,7 @@ const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
 }
 
 const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
-  const auto found = successors_.find(wanted);
-  if (found == successors_.end()) return nullptr;
-  for (const Mode* m : found->second) {
+  for (const Mode* m : known(wanted).successors) {
     if (!consistent(*m, x, projected_.data()) || !accepts(*m, projected_.data())) continue;
     std::copy(projected_.begin(), projected_.end(), x);
     return m;
@@ -157,7 +163,7 @@ const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
 }
 
 void Selector::remember(const IndexSet& wanted, const Mode& mode) {
-  auto& list = successors_[wanted];
+  auto& list = known(wanted).successors;
   std::erase(list, &mode);
   list.insert(list.begin(), &mode);
   if (list.size() > most_remembered) list.pop_back();
@@ -355,8 +361,9 @@ const Mode* Selector::first_of(const std::vector<const Mode*>& modes) const {
 /// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then
 /// decided by least norm (parallel diodes) instead of by the order of pivots.
 const Mode* Selector::with_free_ports(double* x, const Mode& found) {
-  const bool is_new = enriched_.try_emplace(&found, nullptr).second;
-  if (is_new) {
+  Known& about = known(found.active);
+  if (!about.richer_is_known) {
+    about.richer_is_known = true;
     IndexSet set = found.active;
     bool any = false;
     for (int i = 0; i < system_.diodes; ++i)
@@ -365,21 +372,21 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
         any = true;
       }
     const Mode* richer = any ? &mode(set) : nullptr;
-    enriched_[&found] = richer && richer->regular ? richer : nullptr;
+    about.richer = richer && richer->regular ? richer : nullptr;
   }
-  const Mode* richer = enriched_[&found];
+  const Mode* richer = about.richer;
   if (!richer || !consistent(*richer, x, projected_.data()) || !accepts(*richer, projected_.data())) return &found;
   std::copy(projected_.begin(), projected_.end(), x);
   return richer;
 }
 
 /// The set after the port has changed sides, and with it those that share its guard (diodes in series).
-IndexSet Selector::with_flipped(const IndexSet& set, int port) const {
+IndexSet Selector::with_flipped(const IndexSet& set, int port) {
   IndexSet flipped = set;
   flipped.flip(port);
-  const auto before = modes_.find(set);
-  if (before == modes_.end() || before->second->guard_twin.empty()) return flipped;
-  const auto& twin = before->second->guard_twin;
+  const Mode* before = known(set).mode.get();
+  if (!before || before->guard_twin.empty()) return flipped;
+  const auto& twin = before->guard_twin;
   for (int i = 0; i < system_.diodes; ++i)
     if (i != port && twin[static_cast<std::size_t>(i)] == twin[static_cast<std::size_t>(port)]) flipped.flip(i);
   return flipped;
@@ -401,7 +408,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
   warm = found != nullptr;
   if (!found) {
     found = try_without_jump(x, current);
-    warm = found && !(system_.passive && successors_.contains(current));
+    warm = found && !(system_.passive && !known(current).successors.empty());
   }
   if (!found && !system_.passive) found = remembered(x, current);
   if (!found && trigger >= 0 && trigger < system_.diodes) found = try_without_jump(x, with_flipped(current, trigger));

@@ -5,6 +5,7 @@
 /// problem (RCP) at growing s (Lemke), at last the neighbourhood of the previous mode. A mode is taken only when verified
 /// in its own differential equation (Verifier), so that any relative degree is decided right.
 
+#include <array>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -72,7 +73,7 @@ class Selector {
   bool accepts(const Mode& mode, const double* x);
   const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
   const Mode* try_without_jump(double* x, const IndexSet& set);
-  [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port) const;
+  [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port);
   const Mode* remembered(double* x, const IndexSet& wanted);
   const Mode* beside(double* x, const Mode& mode);
   const Mode* settled(const Mode& mode, const double* x);
@@ -92,9 +93,18 @@ class Selector {
   bool rational_only_ = false;
   RationalProblem rational_;
   double largest_ = 0.0;  ///< ‖x‖ seen so far
-  std::unordered_map<IndexSet, std::unique_ptr<Mode>, IndexSet::Hash> modes_;
-  std::unordered_map<IndexSet, std::vector<const Mode*>, IndexSet::Hash> successors_;
-  std::unordered_map<const Mode*, const Mode*> enriched_;
+  /// What is known of a set.
+  struct Known {
+    std::unique_ptr<Mode> mode;           ///< empty: not built yet
+    std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
+    const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
+    bool richer_is_known = false;
+  };
+  using Entry = std::pair<const IndexSet, Known>;
+  Known& known(const IndexSet& set);
+  std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
+  std::array<Entry*, 4> recent_{};  ///< of them, those asked for last
+  std::size_t next_recent_ = 0;
   Verifier verifier_;
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;

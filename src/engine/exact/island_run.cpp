@@ -332,10 +332,11 @@ void IslandRun::advance_row(const model::Matrix& m, double factor) {
 bool IslandRun::changes_visibly(const model::Mode& before) {
   control_rows_.clear();
   bool undetermined = false;
-  for (int i = 0; i < system_.ports; ++i) {
+  for (int i = system_.diodes; i < system_.ports; ++i)
+    if (mode->active.contains(i) != before.active.contains(i)) return true;
+  for (int i = 0; i < system_.diodes; ++i) {
     if (mode->active.contains(i) == before.active.contains(i)) continue;
     const auto port = static_cast<std::size_t>(i);
-    if (i >= system_.diodes) return true;
     const bool unique = mode->input_unique[port] != 0 && before.input_unique[port] != 0;
     undetermined |= !unique;
     if (unique) control_rows_.push_back(i);

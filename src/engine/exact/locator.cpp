@@ -18,7 +18,7 @@ constexpr double leaving_zero = 1e3;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
-constexpr double left_to_polish = 1e-11;
+constexpr double left_to_polish = 1e-7;
 constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
@@ -119,8 +119,7 @@ void Locator::derive(const Segment& s) {
   const auto ny = static_cast<std::size_t>(m.ny);
   double* d = derivatives_.data();
   std::copy_n(s.y.begin(), ny, d);
-  linalg::multiply(m.flow.a(), d, d + ny);
-  linalg::multiply(m.flow.a(), d + ny, d + 2 * ny);
+  linalg::multiply_repeatedly(m.flow.a(), 2, d);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     g_[i] = linalg::row_times(m.guards, s.rows[i], d);
     gd_[i] = linalg::row_times(m.guards, s.rows[i], d + ny);
@@ -260,17 +259,20 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
     double size = 0.0;
     for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(row, k) * at_[static_cast<std::size_t>(k)]);
     if (std::abs(value) <= root_noise * size) break;
-    const double newton = slope < 0.0 ? at - value / slope : low;
-    const bool inside = newton > low && newton < high;
-    const double next = inside ? newton : 0.5 * (low + high);
+    linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
+    // Chebyshev's step: Newton's, and what the curvature adds to it.
+    const double newton = -value / slope;
+    const double bend = 0.5 * newton * linalg::row_times(m.guards, row, a2_.data()) / slope;
+    const double chebyshev = slope < 0.0 ? at + newton * (1.0 - bend) : low;
+    const bool inside = chebyshev > low && chebyshev < high;
+    const double next = inside ? chebyshev : 0.5 * (low + high);
     const double step = next - at;
     if (std::abs(step) <= epsilon * (s.tau + at)) break;
-    linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
-    const double curvature = linalg::row_times(m.guards, row, a2_.data());
     if (!m.flow.shift(step, at_.data(), work_.data())) state_at(s, next, at_.data());
     at = next;
-    // What the curvature leaves for the next step is so short that `polish` makes it exactly.
-    if (inside && 0.5 * std::abs(curvature) * step * step * m.norm_a <= left_to_polish * std::abs(slope)) break;
+    // What the bend and a third derivative of ‖A‖ times the second leave for the next step is so short that `polish` makes it exactly.
+    const double reach = std::abs(newton) * m.norm_a;
+    if (inside && reach * std::abs(bend) * (2.0 * std::abs(bend) + reach / 3.0) <= left_to_polish) break;
   }
   return at;
 }
@@ -289,6 +291,7 @@ void Locator::polish(const Segment& s, int row, double& tau) {
     for (int i = 0; i < m.ny; ++i)
       event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
     tau += shift;
+    if (std::abs(shift) <= epsilon * tau) return;
   }
 }
 

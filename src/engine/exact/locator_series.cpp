@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/exact/locator.hpp"
+#include "linalg/small.hpp"
 
 namespace pwlsim::engine {
 
@@ -133,6 +134,8 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   const double slope = rest_slope * (high - low) / order;
   if (flattest < -slope && b[order] < -rest) return {Shape::one_root, low, high};
   if (steepest > slope) return {Shape::positive, low, high};
+  // Down into the remainder and no farther: no subdivision tells more.
+  if (flattest <= 0.0 && std::abs(b[order]) <= rest) return {Shape::unclear, low, high};
   if (depth == most_depth) return {Shape::unclear, low, high};
   Coefficients left{}, right{};
   split(b, left, right);
@@ -185,7 +188,7 @@ void Locator::differentiate(const Segment& s) {
   static_assert(order == series_order);
   const Mode& m = *s.mode;
   const auto ny = static_cast<std::size_t>(m.ny);
-  for (std::size_t j = 2; j <= order; ++j) linalg::multiply(m.flow.a(), &derivatives_[j * ny], &derivatives_[(j + 1) * ny]);
+  linalg::multiply_repeatedly(m.flow.a(), order - 1, &derivatives_[2 * ny]);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     double* g = &guard_derivatives_[i * (order + 1)];
     g[0] = g_[i];
@@ -199,6 +202,15 @@ void Locator::differentiate(const Segment& s) {
 void Locator::series_state(const Segment& s, double step, double* out) {
   if (s.mode->flow.rate() * step > exact_reach) return state_at(s, step, out);
   const auto ny = static_cast<std::size_t>(s.mode->ny);
+  const bool is_small = linalg::with_length(s.mode->ny, [&]<int length>(linalg::Length<length>) {
+    linalg::Small<length> sum{};
+    for (int j = order; j >= 0; --j) {
+      sum.scale(step / (j + 1));
+      sum.add(linalg::Small<length>::load(&derivatives_[static_cast<std::size_t>(j * length)]));
+    }
+    sum.store(out);
+  });
+  if (is_small) return;
   std::fill(out, out + ny, 0.0);
   for (std::size_t j = order + 1; j-- > 0;) {
     const double* d = &derivatives_[j * ny];

@@ -71,8 +71,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
   tolerance_ = merge_fraction * request.stop;
   make_clocks();
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::size_t a, std::size_t b) { return islands_[a].system().size() < islands_[b].system().size(); });
+  order_ = running_;
+  std::stable_sort(order_.begin(), order_.end(), [](const auto* a, const auto* b) { return a->system().size() < b->system().size(); });
   modes_before_.assign(islands_.size(), nullptr);
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
@@ -89,7 +89,8 @@ void Transient::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
     if (!model::Clock::can_drive(system)) {
-      order_.push_back(i);
+      running_.push_back(&islands_[i]);
+      if (!system.controls.empty()) steering_.push_back(&islands_[i]);
       continue;
     }
     for (const model::Control& control : system.controls) clocks_.emplace_back(system, control, tolerance_);
@@ -128,9 +129,10 @@ Answer Transient::run(const Start& start) {
 bool Transient::begin(const Start& start) {
   on_ = start.on;
   pieces_.before_start(start.signals);
-  for (const std::size_t i : order_) {
-    std::copy(start.xi[i].begin(), start.xi[i].end(), islands_[i].x.begin());
-    islands_[i].open_at_start();
+  for (IslandRun* island : running_) {
+    const auto& xi = start.xi[number_of(*island)];
+    std::copy(xi.begin(), xi.end(), island->x.begin());
+    island->open_at_start();
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -138,12 +140,11 @@ bool Transient::begin(const Start& start) {
   }
   for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0);
   Instant instant;
-  for (const std::size_t i : order_) {
-    IslandRun& island = islands_[i];
-    island.evaluate_sources(0.0);
-    jump_recorder_.before(i, island.x);
-    island.take_breakpoints(0.0);
-    recorder_.start(island.model(), island.x.data());
+  for (IslandRun* island : running_) {
+    island->evaluate_sources(0.0);
+    jump_recorder_.before(number_of(*island), island->x);
+    island->take_breakpoints(0.0);
+    recorder_.start(island->model(), island->x.data());
   }
   if (!settle(instant, true)) return false;
   port_watch_.begin();
@@ -154,8 +155,8 @@ bool Transient::begin(const Start& start) {
 double Transient::next_instant() {
   double horizon = request_.stop;
   for (const model::Clock& clock : clocks_) horizon = std::min(horizon, clock.next().time);
-  for (const std::size_t i : order_) horizon = std::min(horizon, islands_[i].next_break());
-  for (const std::size_t i : order_) horizon = islands_[i].certify(horizon);
+  for (const IslandRun* island : running_) horizon = std::min(horizon, island->next_break());
+  for (IslandRun* island : order_) horizon = island->certify(horizon);
   return std::min(horizon, request_.stop);
 }
 
@@ -173,31 +174,29 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
 
 void Transient::open_event_islands(double time, Instant& instant) {
   std::fill(opened_.begin(), opened_.end(), Opened::no);
-  for (const std::size_t i : order_) {
-    IslandRun& island = islands_[i];
-    const bool breaks = island.next_break() <= time + tolerance_;
-    const bool crosses = island.has_event() && island.event_time() <= time;
-    if (crosses && !breaks) opened_[i] = Opened::by_own_event;
-    if (breaks || crosses) open_island(island, instant);
+  for (IslandRun* island : running_) {
+    const bool breaks = island->next_break() <= time + tolerance_;
+    const bool crosses = island->has_event() && island->event_time() <= time;
+    if (crosses && !breaks) opened_[number_of(*island)] = Opened::by_own_event;
+    if (breaks || crosses) open_island(*island, instant);
   }
 }
 
 bool Transient::handle(double time) {
   Instant instant;
   instant.time = time;
-  for (std::size_t i = 0; i < islands_.size(); ++i) modes_before_[i] = islands_[i].mode;
+  for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;
   bool any = false;
   for (const model::Clock& clock : clocks_) {
     if (clock.next().time > time + tolerance_) continue;
     any = true;
     if (clock.next().time == time && instant.late == 0.0) instant.late = clock.next().late;
   }
-  for (const std::size_t i : order_) {
-    const IslandRun& island = islands_[i];
-    const bool crosses = island.has_event() && island.event_time() <= time;
+  for (const IslandRun* island : running_) {
+    const bool crosses = island->has_event() && island->event_time() <= time;
     instant.crossing |= crosses;
-    any |= crosses || island.next_break() <= time + tolerance_;
-    if (crosses && island.event_time() == time && instant.late == 0.0) instant.late = island.event_late();
+    any |= crosses || island->next_break() <= time + tolerance_;
+    if (crosses && island->event_time() == time && instant.late == 0.0) instant.late = island->event_late();
   }
   if (!any) return true;
   const bool has_rows = request_.events && time >= first_row_time_ - tolerance_;
@@ -233,10 +232,10 @@ bool Transient::settle(Instant& instant, bool at_start) {
     if (!select_open(instant)) return false;
     if (flip_violated(instant)) continue;
     note_mode_changes(instant);
-    for (auto& island : islands_) {
-      if (!island.is_open()) continue;
-      jump_recorder_.after(number_of(island), instant.time, island.x);
-      island.close(instant.time, instant.late, on_);
+    for (IslandRun* island : running_) {
+      if (!island->is_open()) continue;
+      jump_recorder_.after(number_of(*island), instant.time, island->x);
+      island->close(instant.time, instant.late, on_);
     }
     return true;
   }
@@ -250,17 +249,17 @@ bool Transient::settle(Instant& instant, bool at_start) {
 }
 
 bool Transient::select_open(Instant& instant) {
-  for (auto& island : islands_) {
-    if (!island.is_open()) continue;
-    const model::Selected selected = island.select();
+  for (IslandRun* island : running_) {
+    if (!island->is_open()) continue;
+    const model::Selected selected = island->select();
     instant.jumps += selected.jumps;
-    if (selected.jumps > 0) jump_recorder_.jumped(number_of(island), selected);
+    if (selected.jumps > 0) jump_recorder_.jumped(number_of(*island), selected);
     if (selected.choice == model::Choice::found) continue;
     if (selected.choice == model::Choice::several && request_.non_unique != NonUnique::error) {
-      note_several(island, selected, instant.time);
+      note_several(*island, selected, instant.time);
       continue;
     }
-    fail_selection(island, selected, instant.time);
+    fail_selection(*island, selected, instant.time);
     return false;
   }
   return true;
@@ -278,29 +277,28 @@ void Transient::take_clocks(Instant& instant) {
 bool Transient::flip_without_mode(Instant& instant, bool at_start) {
   flips_.clear();
   take_clocks(instant);
-  for (auto& island : islands_) {
-    if (!island.is_open()) continue;
-    for (const int c : island.violated_without_mode(on_, at_start))
-      flips_.push_back(island.system().controls[static_cast<std::size_t>(c)].driven);
+  for (IslandRun* island : steering_) {
+    if (!island->is_open()) continue;
+    for (const int c : island->violated_without_mode(on_, at_start))
+      flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
   }
-  flip(flips_, instant);
-  return !flips_.empty();
+  return flip(flips_, instant);
 }
 
 /// All switches whose control has passed at this instant change together.
 bool Transient::flip_violated(Instant& instant) {
   flips_.clear();
-  for (auto& island : islands_) {
-    if (!island.is_open()) continue;
-    for (const int c : island.violated_controls(on_)) flips_.push_back(island.system().controls[static_cast<std::size_t>(c)].driven);
+  for (IslandRun* island : steering_) {
+    if (!island->is_open()) continue;
+    for (const int c : island->violated_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
   }
-  flip(flips_, instant);
-  return !flips_.empty();
+  return flip(flips_, instant);
 }
 
-void Transient::flip(const std::vector<int>& switches, Instant& instant) {
-  instant.flips |= !switches.empty();
-  if (!switches.empty()) last_flips_ = switches;
+bool Transient::flip(const std::vector<int>& switches, Instant& instant) {
+  if (switches.empty()) return false;
+  instant.flips = true;
+  last_flips_ = switches;
   for (const int s : switches) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
@@ -310,14 +308,14 @@ void Transient::flip(const std::vector<int>& switches, Instant& instant) {
     if (!island.is_open()) open_island(island, instant);
     island.set_switch(info.port, on_[index] != 0);
   }
+  return true;
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.
 void Transient::note_mode_changes(Instant& instant) {
-  for (std::size_t i = 0; i < islands_.size(); ++i) {
-    IslandRun& island = islands_[i];
-    if (!island.is_open() || !modes_before_[i] || island.mode == modes_before_[i]) continue;
-    if (island.changes_visibly(*modes_before_[i])) instant.mode_change = true;
+  for (IslandRun* island : running_) {
+    const model::Mode* before = modes_before_[number_of(*island)];
+    if (island->is_open() && before && island->mode != before && island->changes_visibly(*before)) instant.mode_change = true;
   }
 }
 
@@ -325,22 +323,23 @@ void Transient::note_mode_changes(Instant& instant) {
 void Transient::watch_accumulation(const Instant& instant) {
   const double time = instant.time;
   if (all_passive_) return;
-  for (std::size_t i = 0; i < islands_.size(); ++i) {
-    IslandRun& island = islands_[i];
-    if (island.system().passive || opened_[i] == Opened::no) continue;
+  for (IslandRun* running : running_) {
+    IslandRun& island = *running;
+    const Opened opened = opened_[number_of(island)];
+    if (island.system().passive || opened == Opened::no) continue;
     AccumulationWatch& watch = island.accumulation();
-    if (opened_[i] == Opened::from_outside || instant.flips) {  // what switches do infinitely often has no limit
+    if (opened == Opened::from_outside || instant.flips) {  // what switches do infinitely often has no limit
       watch.reset();
       continue;
     }
     watch.note(time, *island.mode, island.x.data(), island.system().n);
     const auto limit = watch.limit();
-    if (limit && may_cross(i, *limit, time)) cross(island, *limit);
+    if (limit && may_cross(island, *limit, time)) cross(island, *limit);
   }
 }
 
 /// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
-bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, double time) {
+bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
   const double ahead = limit.time - time;
   const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
   if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
@@ -350,9 +349,9 @@ bool Transient::may_cross(std::size_t i, const AccumulationWatch::Limit& limit, 
     return false;
   for (const model::Clock& clock : clocks_)
     if (clock.next().time <= limit.time) return false;
-  for (const std::size_t j : order_) {
-    if (islands_[j].next_break() <= limit.time) return false;
-    if (j != i && islands_[j].certify(limit.time) < limit.time) return false;
+  for (IslandRun* other : running_) {
+    if (other->next_break() <= limit.time) return false;
+    if (other != &island && other->certify(limit.time) < limit.time) return false;
   }
   return true;
 }

@@ -50,7 +50,7 @@ class Transient {
   void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_violated(Instant& instant);
-  void flip(const std::vector<int>& switches, Instant& instant);
+  bool flip(const std::vector<int>& switches, Instant& instant);
   void open_event_islands(double time, Instant& instant);
   void note_mode_changes(Instant& instant);
   bool rows_before(double time, bool inclusive);
@@ -61,7 +61,7 @@ class Transient {
   bool watch_idle_crowd(const Instant& instant);
   bool fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names);
   void watch_accumulation(const Instant& instant);
-  bool may_cross(std::size_t island, const AccumulationWatch::Limit& limit, double time);
+  bool may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
@@ -76,8 +76,10 @@ class Transient {
   RowSink& sink_;
   Answer answer_;
   std::vector<IslandRun> islands_;
+  std::vector<IslandRun*> running_;   ///< those that are not clocks
   std::vector<model::Clock> clocks_;  ///< switches that only piecewise linear sources drive
-  std::vector<std::size_t> order_;    ///< islands that run, those without states first; the others are clocks
+  std::vector<IslandRun*> steering_;  ///< the running ones that drive switches
+  std::vector<IslandRun*> order_;     ///< the running ones, those without states first
   std::vector<char> on_;              ///< switches
   std::vector<int> flips_;
   std::vector<const model::Mode*> modes_before_;
