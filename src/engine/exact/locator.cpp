@@ -270,9 +270,9 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
     if (std::abs(step) <= epsilon * (s.tau + at)) break;
     if (!m.flow.shift(step, at_.data(), work_.data())) state_at(s, next, at_.data());
     at = next;
-    // What the bend and a third derivative of ‖A‖ times the second leave for the next step is so short that `polish` makes it exactly.
+    // What the bend and a third derivative of ‖A‖² times the first leave for the next step is so short that `polish` makes it exactly.
     const double reach = std::abs(newton) * m.norm_a;
-    if (inside && reach * std::abs(bend) * (2.0 * std::abs(bend) + reach / 3.0) <= left_to_polish) break;
+    if (inside && reach * (2.0 * bend * bend + reach * reach / 6.0) <= left_to_polish) break;
   }
   return at;
 }
