@@ -71,10 +71,6 @@ double Exosystem::fastest() const {
 
 bool Exosystem::is_piecewise_linear() const { return !curved_; }
 
-bool Exosystem::is_polyline() const {
-  return !curved_ && std::all_of(tracks_.begin(), tracks_.end(), [](const TrackBlock& t) { return t.track.is_continuous(); });
-}
-
 int Exosystem::add_block(Block block) {
   block.first = states_;
   states_ += block.size();

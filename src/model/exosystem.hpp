@@ -88,8 +88,6 @@ class Exosystem {
   /// Largest rate of a block that is curved in time; 0 where none is.
   [[nodiscard]] double fastest() const;
   [[nodiscard]] bool is_piecewise_linear() const;
-  /// Piecewise linear, and nothing jumps at a breakpoint.
-  [[nodiscard]] bool is_polyline() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
 

@@ -310,7 +310,7 @@ TEST_CASE("breakpoints within the tolerance are taken together", "[unit]") {
   CHECK(phase.next == 3.0);
 }
 
-TEST_CASE("sources whose segments meet are polylines", "[unit]") {
+TEST_CASE("tracks whose segments meet are continuous", "[unit]") {
   Pulse trapezoid = square(0.5, 1.0, 3.0);
   trapezoid.rise = 0.1;
   Pulse steep_end = trapezoid;
@@ -318,13 +318,12 @@ TEST_CASE("sources whose segments meet are polylines", "[unit]") {
   Pulse once = trapezoid;
   once.cycles = 1.0;
   Pwl corners, step;
-  Sin wave;
-  wave.amplitude = wave.frequency = 1.0;
   corners.points = {{0.1, 0.2}, {0.3, 0.7}, {0.7, -0.1}};
   step.points = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
-  CHECK(Exosystem({trapezoid, once, corners, Dc{3.0}}, true).is_polyline());
-  CHECK_FALSE(Exosystem({trapezoid, square(0.5, 1.0, 3.0)}, true).is_polyline());
-  CHECK_FALSE(Exosystem({steep_end}, true).is_polyline());
-  CHECK_FALSE(Exosystem({step}, true).is_polyline());
-  CHECK_FALSE(Exosystem({wave}, true).is_polyline());
+  CHECK(make_track(trapezoid).is_continuous());
+  CHECK(make_track(once).is_continuous());
+  CHECK(make_track(corners).is_continuous());
+  CHECK_FALSE(make_track(square(0.5, 1.0, 3.0)).is_continuous());
+  CHECK_FALSE(make_track(steep_end).is_continuous());
+  CHECK_FALSE(make_track(step).is_continuous());
 }
