@@ -149,6 +149,11 @@ Eigen::Index rank_of(Eigen::ColPivHouseholderQR<WideMatrix>& qr, double toleranc
   return qr.rank();
 }
 
+/// y += A x for four columns: y is read and written once. A and y do not overlap.
+void add_four_columns(const double* __restrict a, Eigen::Index rows, const double* x, double* __restrict y) {
+  for (Eigen::Index i = 0; i < rows; ++i) y[i] += (a[i] * x[0] + a[i + rows] * x[1]) + (a[i + 2 * rows] * x[2] + a[i + 3 * rows] * x[3]);
+}
+
 }  // namespace
 
 void multiply(const Matrix& m, const double* x, double* y) {
@@ -162,7 +167,9 @@ void multiply(const Matrix& m, const double* x, double* y) {
   if (small) return;
   const Eigen::Index rows = m.rows();
   std::fill(y, y + rows, 0.0);
-  for (Eigen::Index j = 0; j < columns; ++j, a += rows)
+  Eigen::Index j = 0;
+  for (; j + 4 <= columns; j += 4, a += 4 * rows) add_four_columns(a, rows, x + j, y);
+  for (; j < columns; ++j, a += rows)
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
