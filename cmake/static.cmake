@@ -3,7 +3,7 @@
 option(PWLSIM_STATIC "Link the program statically where the system has the libraries" ON)
 
 set(PWLSIM_LINKS_STATICALLY OFF)
-if(PWLSIM_STATIC AND NOT PWLSIM_SANITIZE)
+if(PWLSIM_STATIC AND NOT PWLSIM_SANITIZE AND NOT PWLSIM_FUZZ)
   try_compile(PWLSIM_CAN_LINK_STATICALLY ${PROJECT_BINARY_DIR}/can_link_statically
     SOURCES ${CMAKE_CURRENT_LIST_DIR}/fmt_library.cpp ${CMAKE_CURRENT_LIST_DIR}/can_link_statically.cpp
     LINK_OPTIONS -static CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON)

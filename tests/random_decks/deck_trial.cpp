@@ -116,7 +116,8 @@ void Examiner::run(const RandomDeck& deck, const std::string& name) {
 
 std::string Examiner::examine(const RandomDeck& deck, const std::string& name) {
   run(deck, name);
-  if (last_.status == interrupted && has_many_events(deck, name)) {
+  const bool is_long = last_.status == interrupted || last_.seconds > most_seconds;
+  if (is_long && has_many_events(deck, name)) {
     long_runs_.push_back(name);
     tidy();
     return "";
