@@ -265,7 +265,7 @@ TEST_CASE("total harmonic distortion of a square wave is sqrt(pi^2/8 - 1)", "[un
   CHECK(!m.results.fourier[3].failure.empty());  // no period of 1 Hz in 5 ms
 }
 
-TEST_CASE("a lossless ring over thousands of periods", "[unit]") {
+TEST_CASE("a lossless ring over hundreds of periods", "[unit]") {
   const Measured m = measure_deck(
       "ring\n"
       "L1 a 0 1u ic=1\n"
