@@ -11,7 +11,8 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench" / "ngspice"))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "bench" / "ngspice"))
 
 import cases  # noqa: E402
 from ngspice_deck import EMPTY, read_raw  # noqa: E402
@@ -232,3 +233,50 @@ def number(text):
     match = re.fullmatch(r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(Meg|[TGKkmunpfa])?", text)
     scale = {"T": 1e12, "G": 1e9, "Meg": 1e6, "K": 1e3, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "f": 1e-15, "a": 1e-18}
     return float(match[1]) * scale.get(match[2], 1.0) if match else float("nan")
+
+
+# ---- Siconos
+def siconos_python():
+    """A python3 that has Siconos and what complementarity.py needs, or None."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import siconos.kernel, numpy, mpmath"], capture_output=True, check=False).returncode == 0:
+            return python
+    return None
+
+
+class Siconos:
+    """A process that steps one case. `refusal`: why it cannot, or empty."""
+
+    def __init__(self, python, case):
+        self.case = case
+        command = [python, "-B", str(HERE / "siconos_run.py"), str(case.deck), repr(LIMIT)]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+        self.refusal = self.ask(case.free.times).get("reason", "")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.communicate()
+
+    def ask(self, request):
+        timer = threading.Timer(12 * LIMIT, self.process.kill)
+        timer.start()
+        try:
+            print(json.dumps(request), file=self.process.stdin, flush=True)
+            return json.loads(self.process.stdout.readline() or '{"reason": "the process ended"}')
+        except BrokenPipeError:
+            return {"reason": "the process has ended"}
+        finally:
+            timer.cancel()
+
+    def run(self, theta, gamma, divide):
+        """seconds: CPU time of building and stepping the simulations."""
+        method = f"theta={theta:g}" + (f" gamma={gamma:g}" if gamma else "")
+        point, answer = Point(self.case.name, "siconos", f"divide={divide} {method}"), self.ask([theta, gamma, divide])
+        point.message = answer.get("reason", "")
+        if not point.message:
+            point.seconds, point.error = answer["seconds"], self.case.free.error(answer["rows"])
+        return point

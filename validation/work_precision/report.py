@@ -11,10 +11,12 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs" / "validation"
 PICTURES = DOCS / "work-precision"
 FLOOR = 1e-17  # an error of 0 is drawn here
-PROGRAMS = [("pwlsim exact", "#1f5fbf", 7), ("pwlsim sparse", "#1b7f3b", 9), ("ngspice", "#d1480a", 5), ("gnucap", "#7a3fa0", 13)]
+PROGRAMS = [("pwlsim exact", "#1f5fbf", 7), ("pwlsim sparse", "#1b7f3b", 9), ("ngspice", "#d1480a", 5), ("gnucap", "#7a3fa0", 13),
+            ("siconos", "#b58900", 11)]
 TARGETS = (1e-3, 1e-4)
 PROFILE_TARGETS = (1e-3, 1e-6)
 LONGEST_FACTOR = 1e5
+SICONOS_ENOUGH = 2.0  # s a run: steps that would take longer are left out
 ORDER = ["converter", "rectifier", "stiff", "impulsive", "grazing", "chattering", "paper", "large"]
 
 
@@ -98,7 +100,16 @@ def most_common_words(points):
 
 
 def remark(points, name):
-    ngspice = of(points, name, "ngspice")
+    return "; ".join(filter(None, [ngspice_remark(of(points, name, "ngspice")), siconos_remark(of(points, name, "siconos"))]))
+
+
+def siconos_remark(siconos):
+    if not siconos:
+        return "Siconos was not run"
+    return "" if best_error(siconos) else f"Siconos: {most_common_words(siconos)}"
+
+
+def ngspice_remark(ngspice):
     if not ngspice:
         return "ngspice was not run"
     best = best_error(ngspice)
@@ -110,11 +121,11 @@ def remark(points, name):
     return f"{failed} of {len(ngspice)} settings of ngspice failed" if failed else ""
 
 
-def ratio(points, name, target):
-    exact, ngspice = of(points, name, "pwlsim exact"), fastest(of(points, name, "ngspice"), target)
-    if not exact or exact[0].error is None or exact[0].error > target or ngspice is None:
+def ratio(points, name, target, program="ngspice"):
+    exact, other = of(points, name, "pwlsim exact"), fastest(of(points, name, program), target)
+    if not exact or exact[0].error is None or exact[0].error > target or other is None:
         return None
-    return ngspice.seconds / exact[0].seconds
+    return other.seconds / exact[0].seconds
 
 
 def row(points, name):
@@ -126,15 +137,23 @@ def row(points, name):
     best = best_error(of(points, name, "ngspice"))
     columns.append(f"{best.error:.0e}" if best else "–")
     columns.append(cell(fastest(of(points, name, "gnucap"), TARGETS[0])))
+    siconos = of(points, name, "siconos")
+    best = best_error(siconos)
+    columns.append(cell(fastest(siconos, TARGETS[0])) if not best or best.error <= TARGETS[0] else f"– ({best.error:.0e})")
     for target in TARGETS:
         value = ratio(points, name, target)
         columns.append("–" if value is None else f"{value:.0f}" if value >= 10 else f"{value:.1g}")
     return "| " + " | ".join([*columns, remark(points, name)]) + " |"
 
 
-def mean_ratio(points, names, target):
-    values = [v for v in (ratio(points, name, target) for name in names) if v is not None]
-    return (math.exp(sum(map(math.log, values)) / len(values)), len(values)) if values else (None, 0)
+def mean_ratios(points, names, program):
+    """In words; empty where there are none."""
+    words = []
+    for target in TARGETS:
+        values = [v for v in (ratio(points, name, target, program) for name in names) if v is not None]
+        if values:
+            words.append(f"{math.exp(sum(map(math.log, values)) / len(values)):.0f} at {target:g} ({len(values)} circuits)")
+    return ", ".join(words)
 
 
 # ---- the page
@@ -145,6 +164,15 @@ def version_of(command):
         return "not installed"
     match = re.search(r"ngspice-\d+|gnucap\D*[\d.]+|gnuplot [\d.]+|master [\d.]+", ended.stdout + ended.stderr)
     return match[0] if match else "unknown"
+
+
+def siconos_version():
+    """Of Debian's package: the module does not tell."""
+    try:
+        ended = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", "python3-siconos"], capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        return "unknown"
+    return ended.stdout if ended.returncode == 0 else "not installed"
 
 
 def machine():
@@ -159,19 +187,25 @@ def head(points):
         "# Work and precision",
         "",
         f"Made by `python3 validation/work_precision/run.py --pwlsim build/pwlsim` on {machine()}; {version_of(['ngspice', '-v'])}, "
-        f"gnucap {version_of(['gnucap', '-b', '/dev/null']).removeprefix('master ')}. {len(used)} circuits. Times on a machine that is not idle are good to a factor of two; errors repeat exactly.",
+        f"gnucap {version_of(['gnucap', '-b', '/dev/null']).removeprefix('master ')}, "
+        f"python3-siconos {siconos_version()}. {len(used)} circuits. Times on a machine that is not idle are good to a factor of two; errors repeat exactly.",
         "",
         "Each case is a folder of [validation/cases](../../validation/cases) with its deck, why it is there and where its reference comes from; none of the references is the program's.",
-        "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of the others the CPU time of the process less that of an",
-        "empty deck. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol, largest step and method are swept",
-        "([run.py](../../validation/work_precision/run.py) has the lists), and the columns hold the fastest setting that reaches the error. Picking it with the reference in hand flatters them.",
-        "Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out. Below a millisecond its times are noise of the process's start.",
+        "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of ngspice and gnucap the CPU time of the process",
+        "less that of an empty deck; of Siconos the CPU time in which its simulations are built and stepped. The columns hold the fastest setting that reaches the error",
+        "([run.py](../../validation/work_precision/run.py) has the lists); picking it with the reference in hand flatters them. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol,",
+        "largest step and method are swept. Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out. Below a millisecond its times are noise of the process's start.",
         "All points: [points.csv](../../validation/work_precision/points.csv).",
         "",
         "- **exact**: pwlsim's exact engine, time (error). **sparse**: the fastest tolerance of the sparse engine below 1e-3, where one is.",
         "- **ngspice 1e-3, 1e-4**: its fastest setting below that error. **least**: the least error of any setting.",
         "- **ratio**: ngspice's time over that of the exact engine at that error.",
         "- gnucap is given what it can read: no sources with expressions, no phase of a sine, no diodes with a drop, exponential diodes for the others.",
+        "- **siconos**: its fastest setting below 1e-3; – (e): none is, e is the least error. Time-stepping by `EulerMoreauOSI` with ideal diodes, Lemke's method in each step, driven from Python;",
+        f"  θ = 1, θ = 1/2, θ = γ = 1/2, and steps of the deck's own over 1, 3, 10, 30, … while a run takes no more than {SICONOS_ENOUGH:g} s. Its linear complementarity systems come from",
+        "  [complementarity.py](../../validation/work_precision/complementarity.py), not from the program. Siconos is told the instants at which sources and switches have edges, steps on them, and goes",
+        "  on with the system of the switches' new position; where ideal switches leave a position without a system (freewheel, buck_parasitic) they are resistors, 1e9 times below and above the deck's",
+        "  mean impedance. It has no law for a switch that the circuit itself controls.",
         "",
         "![Share of the circuits that a program solves within a factor of the fastest one](work-precision/performance-profile.svg)",
         "",
@@ -189,13 +223,12 @@ def table(points):
         if not names:
             continue
         lines += [f"## {kind.capitalize()}", "",
-                  "| circuit | exact | sparse 1e-3 | ngspice 1e-3 | ngspice 1e-4 | least | gnucap 1e-3 | ratio 1e-3 | ratio 1e-4 | remarks |",
-                  "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+                  "| circuit | exact | sparse 1e-3 | ngspice 1e-3 | ngspice 1e-4 | least | gnucap 1e-3 | siconos 1e-3 | ratio 1e-3 | ratio 1e-4 | remarks |",
+                  "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
         lines += [row(points, name) for name in names] + [""]
-        means = [mean_ratio(points, names, target) for target in TARGETS]
-        if len(names) > 2 and means[0][0]:
-            lines += ["Geometric mean of the ratios: " + ", ".join(f"{value:.0f} at {target:g} ({count} circuits)"
-                                                                   for (value, count), target in zip(means, TARGETS) if value) + ".", ""]
+        if len(names) > 2:
+            means = [f"of {words} {text}" for program, words in (("ngspice", "ngspice"), ("siconos", "Siconos")) if (text := mean_ratios(points, names, program))]
+            lines += ["Geometric mean of the time over that of the exact engine: " + "; ".join(means) + ".", ""] if means else []
     return lines
 
 

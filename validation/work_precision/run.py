@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Work-precision: error against run time of pwlsim, ngspice and gnucap on every case of validation/cases.
+"""Work-precision: error against run time of pwlsim, ngspice, gnucap and Siconos on every case of validation/cases.
 
     python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, diagrams, docs/validation/report.md
     python3 validation/work_precision/run.py --pwlsim build/pwlsim buck      this case; the others keep their points
-    python3 validation/work_precision/run.py --pwlsim build/pwlsim --only pwlsim     this program; the others keep their points
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim --only pwlsim     this program (or ngspice, gnucap, siconos); the others keep their points
     python3 validation/work_precision/run.py --report                        diagrams and report from the points there are
 
-Needs Debian's ngspice and gnuplot-nox; gnucap is left out where it is not installed. Takes about half an hour on an idle machine.
+Needs Debian's gnuplot-nox; ngspice, gnucap and Siconos (python3-siconos, python3-mpmath) are left out, with a line that says so, where they are not installed.
+Takes about an hour on an idle machine.
 
-Error: worst over the reference's times and signals, relative to each signal's maximum. Time: pwlsim's is `seconds.simulate` of --stats, that of the
-others the CPU time of the process less that of an empty deck. Every setting runs once; those that no other beats in both run again, and the median counts.
+Error: worst over the reference's times and signals, relative to each signal's maximum. Time: pwlsim's is `seconds.simulate` of --stats, that of ngspice and
+gnucap the CPU time of the process less that of an empty deck, that of Siconos the CPU time of its process without start and reading. Every setting runs
+once; those that no other beats in both run again, and the median counts. Points that are measured anew are compared with those of the same settings in points.csv:
+errors should repeat to the last digit.
 """
 import argparse
 import csv
@@ -29,7 +32,7 @@ from programs import Point  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 POINTS = HERE / "points.csv"
-ORDER = ["pwlsim", "ngspice", "gnucap"]
+ORDER = ["pwlsim", "ngspice", "gnucap", "siconos"]
 COLUMNS = ["case", "program", "setting", "seconds", "error", "message"]
 
 SPARSE = [10.0 ** -k for k in range(2, 10)]
@@ -37,6 +40,8 @@ SMOOTH = [1e-2, 1e-3, 1e-4, 1e-5]
 RELTOL = [1e-2, 1e-3, 1e-4, 1e-6]
 STEPS = [50, 200, 1000, 5000, 20000, 100000]
 GNUCAP_DIVIDE = [1, 10, 100]
+SICONOS_METHODS = [(1.0, None), (0.5, None), (0.5, 0.5)]  # theta and gamma of EulerMoreauOSI
+SICONOS_DIVIDE = [1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 30000]
 REPEATS = 3
 ENOUGH = 60.0  # s of ngspice a case: finer steps are then left out
 
@@ -55,7 +60,8 @@ def front(points):
 def settle(points, run_again):
     """The median time of REPEATS runs for the points of the front."""
     for point in front(points):
-        point.seconds = statistics.median([point.seconds] + [run_again(point).seconds for _ in range(REPEATS - 1)])
+        times = [point.seconds] + [run_again(point).seconds for _ in range(REPEATS - 1)]
+        point.seconds = statistics.median(t for t in times if t is not None)
 
 
 def measure_pwlsim(program, case):
@@ -118,6 +124,26 @@ def measure_gnucap(program, case, empty):
     return points
 
 
+def measure_siconos(python, case):
+    """Ever finer steps of each method, while the next would take no more than report.SICONOS_ENOUGH."""
+    with programs.Siconos(python, case) as siconos:
+        if siconos.refusal:
+            return [Point(case.name, "siconos", "", message=siconos.refusal)]
+        points, runs = [], {}
+        for method in SICONOS_METHODS:
+            a_divide = 0.0  # seconds
+            for divide in SICONOS_DIVIDE:
+                if a_divide * divide > report.SICONOS_ENOUGH:
+                    break
+                points.append(siconos.run(*method, divide))
+                runs[points[-1].setting] = (*method, divide)
+                if points[-1].seconds is None:
+                    break
+                a_divide = points[-1].seconds / divide
+        settle(points, lambda point: siconos.run(*runs[point.setting]))
+        return points
+
+
 def measurements(program, wanted):
     """{first word of a program's name: its points for a case}, of what is wanted and installed."""
     found = {"pwlsim": lambda case: measure_pwlsim(program, case)}
@@ -127,6 +153,12 @@ def measurements(program, wanted):
     if shutil.which("gnucap"):
         empty_gnucap = programs.empty_gnucap()
         found["gnucap"] = lambda case: measure_gnucap(program, case, empty_gnucap)
+    python = programs.siconos_python()
+    if python:
+        found["siconos"] = lambda case: measure_siconos(python, case)
+    for name in ORDER:
+        if name not in found and wanted in (None, name):
+            print(f"{name} is left out: not installed; its points stay", flush=True)
     return {name: measure for name, measure in found.items() if wanted in (None, name)}
 
 
@@ -139,9 +171,22 @@ def read_points():
         return [Point(r["case"], r["program"], r["setting"], number(r["seconds"]), number(r["error"]), r["message"]) for r in csv.DictReader(file)]
 
 
+def text(value):
+    return "" if value is None else f"{value:.4g}"
+
+
+def beside(new, old):
+    """How the points compare with those of the same settings there were."""
+    before = {(p.case, p.program, p.setting): p for p in old if p.error is not None}
+    pairs = [(p, before[p.case, p.program, p.setting]) for p in new if p.error is not None and (p.case, p.program, p.setting) in before]
+    if not pairs:
+        return ""
+    same = sum(text(p.error) == text(q.error) for p, q in pairs)
+    times = sorted(p.seconds / q.seconds for p, q in pairs)
+    return f"; beside the points before: {same} of {len(pairs)} errors the same, times by {times[0]:.2g} to {times[-1]:.2g}, median {statistics.median(times):.2g}"
+
+
 def write_points(points):
-    def text(value):
-        return "" if value is None else f"{value:.4g}"
     with POINTS.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
@@ -158,15 +203,16 @@ def main():
     options = parser.parse_args()
     points = read_points()
     if not options.report:
-        if not options.pwlsim:
+        if not options.pwlsim and options.only != "siconos":
             parser.error("--pwlsim names the program to measure")
         measured = measurements(options.pwlsim, options.only)
         for name in options.cases or cases.names():
             case = cases.load(name)
             new = [point for measure in measured.values() for point in measure(case)]
+            compared = beside(new, points)
             points = [p for p in points if p.case != name or p.program.split()[0] not in measured] + new
             write_points(points)
-            print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end", flush=True)
+            print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end{compared}", flush=True)
     report.write(points, front)
 
 
