@@ -42,7 +42,7 @@ class System:
 
 @dataclass
 class Stretch:
-    """Between two instants at which a source or a switch has an edge."""
+    """Of the run, with one position of the switches."""
     start: float
     end: float
     closed: frozenset
@@ -207,9 +207,22 @@ class Circuit:
         return lambda time, within: (row[self.algebraic:] @ self.zeta(np.array([time]), within))[0] - threshold
 
     def stretches(self):
-        """The run, cut at every edge of a source or switch."""
-        self.cut = self.cut or self._cut()
+        """The run, cut where a switch moves or a source that the circuit feels has an edge."""
+        self.cut = self.cut or self._joined(self._cut())
         return self.cut
+
+    def _joined(self, stretches):
+        systems = [self.system(closed) for closed in {s.closed for s in stretches}]
+        felt = np.any([np.vstack([s.E, s.F, s.R]) != 0 for s in systems], axis=(0, 1))
+        sources = [name[1] for name, is_felt in zip(self.layout.zeta_names, felt) if is_felt and name[0] in ("value", "slope")]
+        edges = {float(t) for source in sources for t in source.breakpoints(self.deck.stop)}
+        out = stretches[:1]
+        for stretch in stretches[1:]:
+            if stretch.start in edges or stretch.closed != out[-1].closed:
+                out.append(stretch)
+            else:
+                out[-1] = Stretch(out[-1].start, stretch.end, stretch.closed)
+        return out
 
     def _cut(self):
         stop = self.deck.stop

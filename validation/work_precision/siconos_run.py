@@ -7,7 +7,8 @@ Standard input: a line with the times of the signals, then a line [theta, gamma 
 deck is read or {"reason": why it cannot be run}, then a line for each run: the signals at the times and the CPU seconds of building and stepping the
 simulations, or the reason why there are none. More than LIMIT seconds are not spent on a run.
 
-Steps are equal and at most the deck's own over `divide` between two edges of sources or switches; at each edge a new TimeStepping goes on from the last state.
+Steps are equal and at most the deck's own over `divide` between two edges of sources or switches; at each edge the TimeStepping of the switches' new position and
+the new step goes on from the last state.
 """
 import json
 import os
@@ -21,6 +22,7 @@ import siconos.numerics as numerics
 from complementarity import Circuit, NotForSiconos
 
 BETWEEN_LOOKS = 256  # steps between two looks at the clock
+ENDLESS = 1e9        # steps
 WHOLE = 1e-9         # of a step: a stretch longer than whole steps by no more has no further one
 
 
@@ -32,19 +34,29 @@ def integrator(theta, gamma):
     return kernel.EulerMoreauOSI(theta) if gamma is None else kernel.EulerMoreauOSI(theta, gamma)
 
 
-def simulation(system, state, step, count, method):
-    """The TimeStepping of one stretch and its arrays: b of x' = A x + B l + b, e of y = C x + D l + e, x and l."""
-    ports = len(system.D)
-    dynamics = kernel.FirstOrderLinearTIDS(state, system.A, np.zeros(len(state)))
-    relation = kernel.FirstOrderLinearTIR(system.C, system.B)
-    relation.setDPtr(system.D)
-    relation.setePtr(np.zeros(ports))
-    interaction = kernel.Interaction(kernel.ComplementarityConditionNSL(ports), relation)
-    model = kernel.NonSmoothDynamicalSystem(0.0, step * (count + 1))
-    model.insertDynamicalSystem(dynamics)
-    model.link(interaction, dynamics)
-    stepping = kernel.TimeStepping(model, kernel.TimeDiscretisation(0.0, step), integrator(*method), kernel.LCP(numerics.SICONOS_LCP_LEMKE))
-    return stepping, dynamics.b(), relation.e(), dynamics.x(), interaction.lambda_(0)
+class Simulation:
+    """A TimeStepping with one system and step, of any length; in all stretches that have them it goes on from the state it is given."""
+
+    def __init__(self, system, state, step, method):
+        states, ports = system.B.shape
+        self.dynamics = kernel.FirstOrderLinearTIDS(state, system.A, np.zeros(states))
+        relation = kernel.FirstOrderLinearTIR(system.C, system.B)
+        relation.setDPtr(system.D)
+        relation.setePtr(np.zeros(ports))
+        interaction = kernel.Interaction(kernel.ComplementarityConditionNSL(ports), relation)
+        model = kernel.NonSmoothDynamicalSystem(0.0, ENDLESS * step)
+        model.insertDynamicalSystem(self.dynamics)
+        model.link(interaction, self.dynamics)
+        discretisation = kernel.TimeDiscretisation(0.0, step)
+        self.stepping = kernel.TimeStepping(model, discretisation, integrator(*method), kernel.LCP(numerics.SICONOS_LCP_LEMKE))
+        self.b, self.e = self.dynamics.b(), relation.e()  # x' = A x + B l + b, y = C x + D l + e
+        self.x, self.inputs = self.dynamics.x(), interaction.lambda_(0)
+
+    def start(self, state):
+        """Also forgets the last step's multipliers, which gamma would weigh in."""
+        self.x[:] = state
+        self.dynamics.resetAllNonSmoothParts()
+        self.dynamics.swapInMemory()
 
 
 class Piece:
@@ -56,18 +68,19 @@ class Piece:
         self.step = (stretch.end - stretch.start) / self.count
         self.times = np.linspace(stretch.start, stretch.end, self.count + 1)
         self.sources = circuit.zeta(self.times, stretch.middle)
+        self.kind = stretch.closed, f"{self.step:.9e}"  # a Simulation serves for all of a kind
 
-    def run(self, state, method, deadline):
-        system, theta = self.system, method[0]
-        b_of = (system.E @ (theta * self.sources[:, 1:] + (1 - theta) * self.sources[:, :-1])).T
-        e_of = (system.F @ self.sources[:, 1:]).T
-        stepping, b, e, x, ports = simulation(system, state, self.step, self.count, method)
-        self.states, self.inputs = np.empty((self.count + 1, len(x))), np.empty((self.count + 1, len(ports)))
+    def run(self, simulation, state, theta, deadline):
+        b_of = (self.system.E @ (theta * self.sources[:, 1:] + (1 - theta) * self.sources[:, :-1])).T
+        e_of = (self.system.F @ self.sources[:, 1:]).T
+        stepping, b, e, x, inputs = simulation.stepping, simulation.b, simulation.e, simulation.x, simulation.inputs
+        self.states, self.inputs = np.empty((self.count + 1, len(x))), np.empty((self.count + 1, len(inputs)))
         self.states[0] = state
+        simulation.start(state)
         for k in range(self.count):
             b[:], e[:] = b_of[k], e_of[k]
             stepping.computeOneStep()
-            self.states[k + 1], self.inputs[k + 1] = x, ports
+            self.states[k + 1], self.inputs[k + 1] = x, inputs
             stepping.nextStep()
             if k % BETWEEN_LOOKS == 0 and time.process_time() > deadline:
                 raise Stopped
@@ -85,9 +98,11 @@ class Piece:
 def run(circuit, method, divide, limit, at):
     longest, state = float(circuit.deck.step) / divide, circuit.start()
     pieces = [Piece(circuit, stretch, longest) for stretch in circuit.stretches()]
-    began = time.process_time()
+    began, simulations = time.process_time(), {}
     for piece in pieces:
-        state = piece.run(state, method, began + limit)
+        if piece.kind not in simulations:
+            simulations[piece.kind] = Simulation(piece.system, state, piece.step, method)
+        state = piece.run(simulations[piece.kind], state, method[0], began + limit)
     seconds = time.process_time() - began
     at = np.minimum(at, pieces[-1].times[-1])  # the last digits of the end
     rows = np.full((len(at), len(circuit.deck.saves)), np.nan)
