@@ -248,32 +248,35 @@ class Siconos:
     """A process that steps one case. `refusal`: why it cannot, or empty."""
 
     def __init__(self, python, case):
-        self.case = case
-        command = [python, "-B", str(HERE / "siconos_run.py"), str(case.deck), repr(LIMIT)]
-        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        self.case, self.command = case, [python, "-B", str(HERE / "siconos_run.py"), str(case.deck), repr(LIMIT)]
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
-        self.refusal = self.ask(case.free.times).get("reason", "")
+        self.refusal = self.ask(self.case.free.times).get("reason", "")
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.communicate()
+        self.process.wait()
 
     def ask(self, request):
-        timer = threading.Timer(12 * LIMIT, self.process.kill)
+        timer = threading.Timer(12 * LIMIT, os.kill, (self.process.pid, signal.SIGKILL))
         timer.start()
-        try:
-            print(json.dumps(request), file=self.process.stdin, flush=True)
-            return json.loads(self.process.stdout.readline() or '{"reason": "the process ended"}')
-        except BrokenPipeError:
-            return {"reason": "the process has ended"}
-        finally:
-            timer.cancel()
+        print(json.dumps(request), file=self.process.stdin, flush=True)
+        line = self.process.stdout.readline()
+        timer.cancel()
+        if not line:
+            self.process.wait()
+        return json.loads(line or '{"reason": "Siconos ended the process"}')
 
     def run(self, theta, gamma, divide):
         """seconds: CPU time of building and stepping the simulations."""
+        if self.process.poll() is not None:
+            self.start()
         method = f"theta={theta:g}" + (f" gamma={gamma:g}" if gamma else "")
         point, answer = Point(self.case.name, "siconos", f"divide={divide} {method}"), self.ask([theta, gamma, divide])
         point.message = answer.get("reason", "")

@@ -70,7 +70,7 @@ def profile(points):
             rows = [(1.0, 0.0), *((factor, (k + 1) / solved) for k, factor in enumerate(steps)), (LONGEST_FACTOR, len(steps) / solved)]
             blocks.append(f"{label} << EOD\n" + "\n".join(f"{x:.6g} {y:.6g}" for x, y in rows) + "\nEOD")
             plots.append(f"{label} with steps lw 2 lc rgb '{colour}' title '{program}'")
-        panels.append(f"set title 'error of at most {target:.0e}, {solved} circuits'\n" + ("unset key" if column == 0 else "set key at graph 0.97, 0.8") + "\nplot " + ", ".join(plots))
+        panels.append(f"set title 'error of at most {target:.0e}, {solved} circuits'\n" + ("unset key" if column == 0 else "set key at graph 0.97, 0.94") + "\nplot " + ", ".join(plots))
     for terminal, ending in (("svg size 900,380 font 'sans,12' background rgb 'white'", "svg"), ("pngcairo size 1350,570 font 'sans,12'", "png")):
         script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / ('performance-profile.' + ending)}'", *blocks,
                             f"set logscale x; set format x '10^{{%L}}'; set xrange [1:{LONGEST_FACTOR:g}]; set yrange [0:1.02]; set grid lc rgb '#dddddd'",

@@ -117,6 +117,8 @@ def answer(circuit, request, limit, at):
         return run(circuit, (theta, gamma), divide, limit, at)
     except Stopped:
         return {"reason": f"stopped after {limit:g} s"}
+    except Exception as failure:  # Siconos throws no other
+        return {"reason": f"Siconos: {failure}"}
 
 
 def main():
