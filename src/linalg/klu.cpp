@@ -2,6 +2,8 @@
 
 #include <klu.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace pwlsim::linalg {
@@ -16,6 +18,17 @@ constexpr double largest_condition = 1e12;
 
 int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }           // KLU takes no const, and writes nothing
 double* writable(const std::vector<double>& v) { return const_cast<double*>(v.data()); }  // likewise
+
+/// Largest sum of a column.
+double norm(const SparsePattern& pattern, const std::vector<double>& values) {
+  double most = 0.0;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(pattern.size); ++j) {
+    double sum = 0.0;
+    for (int e = pattern.start[j]; e < pattern.start[j + 1]; ++e) sum += std::abs(values[static_cast<std::size_t>(e)]);
+    most = std::max(most, sum);
+  }
+  return most;
+}
 
 }  // namespace
 
@@ -35,79 +48,97 @@ bool KluOrdering::structurally_regular() const {
   return pattern_.size == 0 || (handle_->symbolic != nullptr && handle_->symbolic->structural_rank == pattern_.size);
 }
 
-struct KluFactor::Numeric {
-  klu_numeric* numeric = nullptr;
+namespace {
+
+struct Columns {
+  Columns(int n, int entries)
+      : start(static_cast<std::size_t>(n) + 1), row(static_cast<std::size_t>(entries)), value(static_cast<std::size_t>(entries)) {}
+  /// The entries of a column but so many at its begin and end.
+  void append(std::size_t k, int at_begin, int at_end, std::vector<int>& rows, std::vector<double>& values) const {
+    const int first = start[k] + at_begin, end = start[k + 1] - at_end;
+    rows.insert(rows.end(), row.begin() + first, row.begin() + end);
+    values.insert(values.end(), value.begin() + first, value.begin() + end);
+  }
+  std::vector<int> start, row;
+  std::vector<double> value;
 };
 
-KluFactor::KluFactor(const KluOrdering& ordering) : ordering_(&ordering), numeric_(std::make_unique<Numeric>()) {}
-
-KluFactor::~KluFactor() {
-  if (numeric_) klu_free_numeric(&numeric_->numeric, &ordering_->handle_->common);
+/// What KLU found; it puts the ones of L first in their columns and the pivots last in those of U.
+FixedPivotFactor factor_of(klu_numeric* numeric, klu_symbolic* symbolic, klu_common* common) {
+  const int size = symbolic->n;
+  const auto n = static_cast<std::size_t>(size);
+  Columns lower(size, numeric->lnz), upper(size, numeric->unz), outer(size, numeric->nzoff);
+  auto pivots = std::make_shared<Pivots>();
+  FixedPivotFactor::Values values;
+  for (auto* indices : {&pivots->row, &pivots->column, &pivots->place}) indices->resize(n);
+  pivots->block.resize(static_cast<std::size_t>(symbolic->nblocks) + 1);
+  values.row_factor.resize(n);
+  values.inverse_pivot.resize(n);
+  klu_extract(numeric, symbolic, lower.start.data(), lower.row.data(), lower.value.data(), upper.start.data(), upper.row.data(),
+              upper.value.data(), outer.start.data(), outer.row.data(), outer.value.data(), pivots->row.data(), pivots->column.data(),
+              values.row_factor.data(), pivots->block.data(), common);
+  pivots->lower_row.reserve(lower.row.size() - n);
+  values.lower.reserve(lower.row.size() - n);
+  pivots->upper_row.reserve(upper.row.size() - n + outer.row.size());
+  values.upper.reserve(upper.row.size() - n + outer.row.size());
+  for (std::size_t k = 0; k < n; ++k) {
+    pivots->place[static_cast<std::size_t>(pivots->row[k])] = static_cast<int>(k);
+    values.row_factor[k] = 1.0 / values.row_factor[k];
+    values.inverse_pivot[k] = 1.0 / upper.value[static_cast<std::size_t>(upper.start[k + 1]) - 1];
+    lower.append(k, 1, 0, pivots->lower_row, values.lower);
+    outer.append(k, 0, 0, pivots->upper_row, values.upper);
+    upper.append(k, 0, 1, pivots->upper_row, values.upper);
+    pivots->lower_start.push_back(static_cast<int>(pivots->lower_row.size()));
+    pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
+  }
+  return {std::move(pivots), std::move(values)};
 }
 
-KluFactor::KluFactor(KluFactor&&) noexcept = default;
-
-KluFactor& KluFactor::operator=(KluFactor&& other) noexcept {
-  std::swap(ordering_, other.ordering_);
-  std::swap(numeric_, other.numeric_);
-  pivot_ratio_ = other.pivot_ratio_;
-  first_pivot_ratio_ = other.first_pivot_ratio_;
-  singular_column_ = other.singular_column_;
-  return *this;
-}
+}  // namespace
 
 Factored KluFactor::factor(const std::vector<double>& values) {
   singular_column_ = -1;
-  if (ordering_->pattern_.size == 0) return Factored::good;
+  const SparsePattern& p = ordering_->pattern_;
+  if (p.size == 0) return Factored::good;
   auto& [common, symbolic] = *ordering_->handle_;
   if (!ordering_->structurally_regular()) return Factored::singular;
-  klu_free_numeric(&numeric_->numeric, &common);
-  const SparsePattern& p = ordering_->pattern_;
-  numeric_->numeric = klu_factor(writable(p.start), writable(p.row), writable(values), symbolic, &common);
+  klu_numeric* numeric = klu_factor(writable(p.start), writable(p.row), writable(values), symbolic, &common);
   ++ordering_->counts.factorizations;
-  if (numeric_->numeric != nullptr && common.status == KLU_OK) {
-    klu_rcond(symbolic, numeric_->numeric, &common);
-    pivot_ratio_ = first_pivot_ratio_ = common.rcond;
-    return Factored::good;
-  }
-  if (common.status == KLU_SINGULAR) singular_column_ = common.singular_col;
-  const bool memory = common.status == KLU_OUT_OF_MEMORY || common.status == KLU_TOO_LARGE;
-  klu_free_numeric(&numeric_->numeric, &common);
-  return memory ? Factored::no_memory : Factored::singular;
+  const auto status = common.status;
+  const bool regular = numeric != nullptr && status == KLU_OK;
+  if (regular) numeric_ = factor_of(numeric, symbolic, &common);
+  klu_free_numeric(&numeric, &common);
+  if (status == KLU_SINGULAR) singular_column_ = common.singular_col;
+  if (!regular) return status == KLU_OUT_OF_MEMORY || status == KLU_TOO_LARGE ? Factored::no_memory : Factored::singular;
+  first_pivot_ratio_ = numeric_.pivot_ratio();
+  return Factored::good;
 }
 
-bool KluFactor::pivots_are_good(const std::vector<double>& values) {
-  auto& [common, symbolic] = *ordering_->handle_;
-  const SparsePattern& p = ordering_->pattern_;
-  if (klu_rgrowth(writable(p.start), writable(p.row), writable(values), symbolic, numeric_->numeric, &common) == 0) return false;
-  if (!(common.rgrowth >= least_growth)) return false;
-  if (klu_rcond(symbolic, numeric_->numeric, &common) == 0) return false;
-  pivot_ratio_ = common.rcond;
-  if (pivot_ratio_ >= suspicious_ratio * first_pivot_ratio_) return true;
-  if (klu_condest(writable(p.start), writable(values), symbolic, numeric_->numeric, &common) == 0) return false;
-  return common.condest <= largest_condition;
+bool KluFactor::pivots_are_good(const std::vector<double>& values) const {
+  if (!(numeric_.growth() >= least_growth)) return false;
+  if (numeric_.pivot_ratio() >= suspicious_ratio * first_pivot_ratio_) return true;
+  return numeric_.inverse_norm(ordering_->work_) * norm(ordering_->pattern_, values) <= largest_condition;
 }
 
-Factored KluFactor::refactor(const std::vector<double>& values) {
-  if (ordering_->pattern_.size == 0 || numeric_->numeric == nullptr) return factor(values);
-  auto& [common, symbolic] = *ordering_->handle_;
-  const SparsePattern& p = ordering_->pattern_;
-  const int done = klu_refactor(writable(p.start), writable(p.row), writable(values), symbolic, numeric_->numeric, &common);
+Factored KluFactor::keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values) {
+  if (!pivots) return factor(values);
+  const bool done = numeric_.factor(ordering_->pattern_, values, pivots, ordering_->work_);
   ++ordering_->counts.refactorizations;
-  if (done != 0 && common.status == KLU_OK && pivots_are_good(values)) return Factored::good;
-  return factor(values);
+  return done && pivots_are_good(values) ? Factored::good : factor(values);
+}
+
+Factored KluFactor::refactor(const std::vector<double>& values) { return keep(numeric_.pivots(), values); }
+
+Factored KluFactor::refactor_as(const KluFactor& other, const std::vector<double>& values) {
+  first_pivot_ratio_ = other.first_pivot_ratio_;
+  return keep(other.numeric_.pivots(), values);
 }
 
 void KluFactor::solve(double* b, int columns) const {
-  if (ordering_->pattern_.size == 0 || columns == 0) return;
-  auto& [common, symbolic] = *ordering_->handle_;
-  klu_solve(symbolic, numeric_->numeric, symbolic->n, columns, b, &common);
+  const auto n = static_cast<std::size_t>(ordering_->pattern_.size);
+  if (n == 0) return;
+  for (int j = 0; j < columns; ++j) numeric_.solve(b + static_cast<std::size_t>(j) * n, ordering_->work_);
   ordering_->counts.solves += static_cast<std::uint64_t>(columns);
-}
-
-std::size_t KluFactor::entries() const {
-  if (numeric_->numeric == nullptr) return 0;
-  return static_cast<std::size_t>(numeric_->numeric->lnz) + static_cast<std::size_t>(numeric_->numeric->unz);
 }
 
 }  // namespace pwlsim::linalg

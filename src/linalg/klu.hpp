@@ -2,13 +2,14 @@
 /// Sparse LU of SuiteSparse KLU (Davis and Palamadai Natarajan, ACM TOMS 37, 2010, Algorithm 907), owned and counted.
 ///
 /// The ordering is found once for a pattern. A matrix of that pattern is factored anew with pivoting, or with the pivots of an earlier one, which
-/// is faster and as good where these pivots still are: pivot growth, then the reciprocal condition, then an estimate of the condition decide that,
-/// and it is factored anew where they speak against it.
+/// is faster and as good where these pivots still are: pivot growth, then the ratio of pivots, then an estimate of the condition decide that,
+/// and it is factored anew where they speak against it. Of KLU's factorisation only the pivots are kept (fixed_pivots.hpp).
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "linalg/fixed_pivots.hpp"
 #include "linalg/sparse.hpp"
 
 namespace pwlsim::linalg {
@@ -38,37 +39,37 @@ class KluOrdering {
   struct Handle;
   SparsePattern pattern_;
   std::unique_ptr<Handle> handle_;
+  mutable std::vector<double> work_;
 };
 
 class KluFactor {
  public:
   /// The ordering must outlive the factor.
-  explicit KluFactor(const KluOrdering& ordering);
-  ~KluFactor();
-  KluFactor(KluFactor&&) noexcept;
-  KluFactor& operator=(KluFactor&&) noexcept;
+  explicit KluFactor(const KluOrdering& ordering) : ordering_(&ordering) {}
 
   /// `values`: one an entry of the pattern.
   [[nodiscard]] Factored factor(const std::vector<double>& values);
   /// With the pivots of the last `factor`, where there was one and they are still good.
   [[nodiscard]] Factored refactor(const std::vector<double>& values);
+  /// With the pivots of another factor of the same ordering, in the same way.
+  [[nodiscard]] Factored refactor_as(const KluFactor& other, const std::vector<double>& values);
   /// b := A⁻¹ b for `columns` columns, one after the other. Only after a factorisation that was good.
   void solve(double* b, int columns = 1) const;
 
   /// Smallest over largest pivot of the last factorisation.
-  [[nodiscard]] double pivot_ratio() const { return pivot_ratio_; }
+  [[nodiscard]] double pivot_ratio() const { return numeric_.pivot_ratio(); }
   /// After `singular`: the column where it was found out, −1: unknown.
   [[nodiscard]] int singular_column() const { return singular_column_; }
   /// Entries of L and U.
-  [[nodiscard]] std::size_t entries() const;
+  [[nodiscard]] std::size_t entries() const { return numeric_.entries(); }
 
  private:
-  [[nodiscard]] bool pivots_are_good(const std::vector<double>& values);
+  [[nodiscard]] Factored keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values);
+  [[nodiscard]] bool pivots_are_good(const std::vector<double>& values) const;
 
   const KluOrdering* ordering_;
-  struct Numeric;
-  std::unique_ptr<Numeric> numeric_;
-  double pivot_ratio_ = 0.0, first_pivot_ratio_ = 0.0;
+  FixedPivotFactor numeric_;
+  double first_pivot_ratio_ = 0.0;
   int singular_column_ = -1;
 };
 

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 using namespace pwlsim::linalg;
 
@@ -116,4 +118,60 @@ TEST_CASE("products with a sparse matrix", "[unit]") {
   CHECK(y == std::vector<double>{3.0, -5.0, 5.0});
   multiply_absolute(m.pattern, m.values, x.data(), y.data());
   CHECK(y == std::vector<double>{3.0, 5.0, 5.0});
+}
+
+// Of n second differences A⁻¹ has the column sums i (n + 1 − i) / 2, so that its norm is (n + 1)² / 8 for odd n.
+TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the inverse", "[unit]") {
+  const int n = 57;
+  const SecondDifferences m(n);
+  auto pivots = std::make_shared<Pivots>();
+  for (int k = 0; k < n; ++k) {
+    for (auto* order : {&pivots->row, &pivots->column, &pivots->place}) order->push_back(k);
+    if (k + 1 < n) pivots->lower_row.push_back(k + 1);
+    if (k > 0) pivots->upper_row.push_back(k - 1);
+    pivots->lower_start.push_back(static_cast<int>(pivots->lower_row.size()));
+    pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
+  }
+  pivots->block = {0, n};
+  FixedPivotFactor factor;
+  std::vector<double> work;
+  REQUIRE(factor.factor(m.pattern, m.values, pivots, work));
+  CHECK(factor.entries() == 3 * static_cast<std::size_t>(n) - 2);
+  CHECK(factor.inverse_norm(work) == Approx(0.125 * (n + 1) * (n + 1)).epsilon(rounding * n));
+  std::vector<double> b(static_cast<std::size_t>(n), 1.0), c = b;
+  factor.solve(b.data(), work);
+  factor.solve_transposed(c.data(), work);
+  for (int i = 0; i < n; ++i) {
+    const double exact = 0.5 * (i + 1) * (n - i);
+    CHECK(b[static_cast<std::size_t>(i)] == Approx(exact).epsilon(rounding * n));
+    CHECK(c[static_cast<std::size_t>(i)] == Approx(exact).epsilon(rounding * n));
+  }
+  std::vector<double> zero(m.values.size(), 0.0);
+  CHECK_FALSE(factor.factor(m.pattern, zero, pivots, work));
+}
+
+// [[2, 3, 0], [0, 4, 5], [0, 1, 1]] x = (8, 23, 5) has x = (1, 2, 3): a block of one and one of two.
+TEST_CASE("the pivots of one factor serve another of the same pattern", "[unit]") {
+  PatternBuilder builder(3);
+  for (const auto& [row, column] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, 2), std::pair(2, 1), std::pair(2, 2)})
+    builder.add(row, column);
+  std::vector<int> entry;
+  const KluOrdering ordering(builder.take(entry));
+  const auto values = [&](const std::vector<double>& added) {
+    std::vector<double> result(added.size());
+    for (std::size_t k = 0; k < added.size(); ++k) result[static_cast<std::size_t>(entry[k])] = added[k];
+    return result;
+  };
+  KluFactor first(ordering), second(ordering);
+  REQUIRE(first.factor(values({2.0, 3.0, 4.0, 5.0, 1.0, 1.0})) == Factored::good);
+  REQUIRE(second.refactor_as(first, values({20.0, 30.0, 44.0, 50.0, 10.0, 10.0})) == Factored::good);
+  CHECK(ordering.counts.factorizations == 1);
+  CHECK(ordering.counts.refactorizations == 1);
+  std::vector<double> b{8.0, 23.0, 5.0}, c{80.0, 238.0, 50.0};
+  first.solve(b.data());
+  second.solve(c.data());
+  for (int i = 0; i < 3; ++i) {
+    CHECK(b[static_cast<std::size_t>(i)] == Approx(i + 1.0).epsilon(rounding));
+    CHECK(c[static_cast<std::size_t>(i)] == Approx(i + 1.0).epsilon(rounding));
+  }
 }

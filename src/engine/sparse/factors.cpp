@@ -55,8 +55,10 @@ Factors::Factors(const model::Network& network, const Descriptor& descriptor, do
 }
 
 Factors::Entry* Factors::find(double shift, const Position& on) {
+  const auto is_it = [&](const Entry& entry) { return std::abs(entry.shift - shift) <= same_shift * shift && entry.on == on; };
+  if (last_ < entries_.size() && is_it(entries_[last_])) return &entries_[last_];
   for (Entry& entry : entries_)
-    if (std::abs(entry.shift - shift) <= same_shift * shift && entry.on == on) return &entry;
+    if (is_it(entry)) return &entry;
   return nullptr;
 }
 
@@ -80,13 +82,21 @@ Factors::Entry& Factors::slot(const Position& on) {
   return count > 1 ? *alike : *oldest;
 }
 
-linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closing, bool same_pivots) {
+linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots) {
   Factor& f = entry.factor;
   descriptor_.matrix(entry.shift, closing, f.unit_, values_);
-  const auto factored = same_pivots ? f.klu_->refactor(values_) : f.klu_->factor(values_);
+  const auto factored = pivots ? f.klu_->refactor_as(*pivots, values_) : f.klu_->factor(values_);
   if (factored != linalg::Factored::good) return factored;
   const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < least_pivot_ratio;
   return may_be_rounding ? linalg::Factored::singular : factored;
+}
+
+/// A factor of the same position at another shift, whose pivots serve.
+const linalg::KluFactor* Factors::like(const Entry& entry) const {
+  for (const Entry& other : entries_)
+    if (&other != &entry && other.used > 0 && !other.factor.closing_ && other.factor.flips_.empty() && other.on == entry.on)
+      return other.factor.klu_.get();
+  return nullptr;
 }
 
 linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, bool same_pivots) {
@@ -102,9 +112,10 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
     f.klu_ = std::make_shared<linalg::KluFactor>(ordering_);
     same_pivots = false;
   }
+  const linalg::KluFactor* pivots = same_pivots ? f.klu_.get() : like(entry);
   Descriptor::Closing closing = descriptor_.closing(entry.shift, entry.on, 0.0);
   if (!ties.empty()) f.stiffest_ = descriptor_.tie(entry.shift, entry.on, ties, closing);
-  auto factored = factor(entry, closing, same_pivots);
+  auto factored = factor(entry, closing, pivots);
   if (factored == linalg::Factored::good) {
     f.ties_ = ties;
     find_open(entry);
@@ -112,7 +123,7 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   for (const double epsilon : {epsilon_, 100.0 * epsilon_}) {
     if (factored != linalg::Factored::singular) break;
     closing = descriptor_.closing(entry.shift, entry.on, epsilon);
-    factored = factor(entry, closing, false);
+    factored = factor(entry, closing, nullptr);
     if (factored == linalg::Factored::good) f.closing_ = std::move(closing);
   }
   return factored;
@@ -215,6 +226,7 @@ const Factor* Factors::at(double shift, const Position& on) {
   }
   ++entry->uses;
   entry->used = ++clock_;
+  last_ = static_cast<std::size_t>(entry - entries_.data());
   return &entry->factor;
 }
 

@@ -79,7 +79,8 @@ class Factors {
   [[nodiscard]] Entry* find(double shift, const Position& on);
   [[nodiscard]] Entry& slot(const Position& on);
   [[nodiscard]] linalg::Factored factor(Entry& entry, const std::vector<int>& ties, bool same_pivots);
-  [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, bool same_pivots);
+  [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots);
+  [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
   void find_open(Entry& entry);
   [[nodiscard]] bool update(Entry& entry);
   [[nodiscard]] bool is_sound(const Factor& factor, const Entry& entry);
@@ -91,6 +92,7 @@ class Factors {
   std::vector<Entry> entries_;
   std::vector<double> values_;
   std::uint64_t clock_ = 0;
+  std::size_t last_ = 0;  ///< entry used last
   int singular_unknown_ = -1;
   bool out_of_memory_ = false;
 };

@@ -1,0 +1,174 @@
+#include "linalg/fixed_pivots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace pwlsim::linalg {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr int most_estimates = 5;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double sum_of_sizes(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double value : x) sum += std::abs(value);
+  return sum;
+}
+
+}  // namespace
+
+FixedPivotFactor::FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values)
+    : pivots_(std::move(pivots)), values_(std::move(values)) {
+  find_pivot_ratio();
+}
+
+void FixedPivotFactor::find_pivot_ratio() {
+  double least = infinite, most = 0.0;
+  for (const double inverse : values_.inverse_pivot) {
+    least = std::min(least, std::abs(inverse));
+    most = std::max(most, std::abs(inverse));
+  }
+  pivot_ratio_ = most > 0.0 ? least / most : 1.0;
+}
+
+void FixedPivotFactor::scale_rows(const SparsePattern& pattern, const std::vector<double>& values) {
+  values_.row_factor.assign(at(pattern.size), 0.0);
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    double& most = values_.row_factor[at(pivots_->place[at(pattern.row[e])])];
+    most = std::max(most, std::abs(values[e]));
+  }
+  for (double& most : values_.row_factor) most = most > 0.0 ? 1.0 / most : 1.0;
+}
+
+/// Column k of the scaled matrix into `column`, of the block that begins at `first`; entries above the block into the values. Its largest entry.
+double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector<double>& values, int k, int first, int& above,
+                                 double* column) {
+  const std::size_t source = at(pivots_->column[at(k)]);
+  double most = 0.0;
+  for (int e = pattern.start[source]; e < pattern.start[source + 1]; ++e) {
+    const int place = pivots_->place[at(pattern.row[at(e)])];
+    const double value = values[at(e)] * values_.row_factor[at(place)];
+    if (place < first) {
+      values_.upper[at(above++)] = value;
+    } else {
+      column[place] = value;
+      most = std::max(most, std::abs(value));
+    }
+  }
+  return most;
+}
+
+/// Column k of L and U from `column`, what is above the block done. The largest entry of U.
+double FixedPivotFactor::eliminate(int k, int above, double* column) {
+  const Pivots& p = *pivots_;
+  double most = 0.0;
+  for (int e = above; e < p.upper_start[at(k) + 1]; ++e) {
+    const std::size_t j = at(p.upper_row[at(e)]);
+    const double u = std::exchange(column[j], 0.0);
+    values_.upper[at(e)] = u;
+    if (u == 0.0) continue;
+    most = std::max(most, std::abs(u));
+    for (int l = p.lower_start[j]; l < p.lower_start[j + 1]; ++l) column[p.lower_row[at(l)]] -= values_.lower[at(l)] * u;
+  }
+  const double pivot = std::exchange(column[k], 0.0);
+  const double inverse = 1.0 / pivot;
+  values_.inverse_pivot[at(k)] = inverse;
+  for (int l = p.lower_start[at(k)]; l < p.lower_start[at(k) + 1]; ++l)
+    values_.lower[at(l)] = std::exchange(column[p.lower_row[at(l)]], 0.0) * inverse;
+  return std::max(most, std::abs(pivot));
+}
+
+bool FixedPivotFactor::factor(const SparsePattern& pattern, const std::vector<double>& values, std::shared_ptr<const Pivots> pivots,
+                              std::vector<double>& work) {
+  pivots_ = std::move(pivots);
+  const Pivots& p = *pivots_;
+  values_.lower.resize(p.lower_row.size());
+  values_.upper.resize(p.upper_row.size());
+  values_.inverse_pivot.resize(at(pattern.size));
+  work.assign(at(pattern.size), 0.0);
+  scale_rows(pattern, values);
+  growth_ = 1.0;
+  for (std::size_t b = 0; b + 1 < p.block.size(); ++b)
+    for (int k = p.block[b]; k < p.block[b + 1]; ++k) {
+      int above = p.upper_start[at(k)];
+      const double of_matrix = scatter(pattern, values, k, p.block[b], above, work.data());
+      const double of_upper = eliminate(k, above, work.data());
+      const double inverse = std::abs(values_.inverse_pivot[at(k)]);
+      if (!(inverse > 0.0 && inverse < infinite && of_upper < infinite)) return false;
+      if (p.block[b + 1] - p.block[b] > 1) growth_ = std::min(growth_, of_matrix / of_upper);
+    }
+  find_pivot_ratio();
+  return true;
+}
+
+void FixedPivotFactor::solve(double* b, std::vector<double>& work) const {
+  const Pivots& p = *pivots_;
+  const std::size_t n = values_.inverse_pivot.size();
+  work.resize(n);
+  double* const x = work.data();
+  const int *const lower_start = p.lower_start.data(), *const lower_row = p.lower_row.data();
+  const int *const upper_start = p.upper_start.data(), *const upper_row = p.upper_row.data();
+  const double *const lower = values_.lower.data(), *const upper = values_.upper.data();
+  for (std::size_t k = 0; k < n; ++k) x[k] = b[p.row[k]] * values_.row_factor[k];
+  for (std::size_t block = p.block.size() - 1; block-- > 0;) {
+    const std::size_t first = at(p.block[block]), end = at(p.block[block + 1]);
+    for (std::size_t k = first; k + 1 < end; ++k) {
+      const double factor = x[k];
+      if (factor == 0.0) continue;
+      for (int l = lower_start[k]; l < lower_start[k + 1]; ++l) x[lower_row[l]] -= lower[l] * factor;
+    }
+    for (std::size_t k = end; k-- > first;) {
+      if (x[k] == 0.0) continue;
+      const double factor = x[k] *= values_.inverse_pivot[k];
+      for (int u = upper_start[k]; u < upper_start[k + 1]; ++u) x[upper_row[u]] -= upper[u] * factor;
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k) b[p.column[k]] = x[k];
+}
+
+void FixedPivotFactor::solve_transposed(double* b, std::vector<double>& work) const {
+  const Pivots& p = *pivots_;
+  const std::size_t n = values_.inverse_pivot.size();
+  work.resize(n);
+  double* const x = work.data();
+  for (std::size_t k = 0; k < n; ++k) x[k] = b[p.column[k]];
+  for (std::size_t block = 0; block + 1 < p.block.size(); ++block) {
+    const std::size_t first = at(p.block[block]), end = at(p.block[block + 1]);
+    for (std::size_t k = first; k < end; ++k) {
+      for (int u = p.upper_start[k]; u < p.upper_start[k + 1]; ++u) x[k] -= values_.upper[at(u)] * x[p.upper_row[at(u)]];
+      x[k] *= values_.inverse_pivot[k];
+    }
+    for (std::size_t k = end; k-- > first;)
+      for (int l = p.lower_start[k]; l < p.lower_start[k + 1]; ++l) x[k] -= values_.lower[at(l)] * x[p.lower_row[at(l)]];
+  }
+  for (std::size_t k = 0; k < n; ++k) b[p.row[k]] = x[k] * values_.row_factor[k];
+}
+
+double FixedPivotFactor::inverse_norm(std::vector<double>& work) const {
+  const std::size_t n = values_.inverse_pivot.size();
+  std::vector<double> x(n, 1.0 / static_cast<double>(n)), sign(n, 0.0);
+  double estimate = 0.0;
+  std::size_t column = n;
+  for (int i = 0; i < most_estimates; ++i) {
+    solve(x.data(), work);
+    const double now = sum_of_sizes(x);
+    if (!(now > estimate)) break;
+    estimate = now;
+    for (std::size_t k = 0; k < n; ++k) sign[k] = x[k] >= 0.0 ? 1.0 : -1.0;
+    solve_transposed(sign.data(), work);
+    const auto largest = std::max_element(sign.begin(), sign.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const auto next = static_cast<std::size_t>(largest - sign.begin());
+    if (next == column) break;
+    column = next;
+    std::fill(x.begin(), x.end(), 0.0);
+    x[column] = 1.0;
+  }
+  return estimate;
+}
+
+}  // namespace pwlsim::linalg
