@@ -71,6 +71,49 @@ TEST_CASE("a step of an RC discharge is the stability function of either method"
   }
 }
 
+// With the stages R1 = (1 + d x)/(1 − d x) and R the estimate is e = x ((4b − 1) − R1 + 2d R)/(3 − 3 d x); R − e/(1 − d x) is left: zero at infinity, and
+// in small steps of e^x with an error of the fourth order.
+TEST_CASE("a step without its estimated error is of order 3, and as stable", "[unit]") {
+  Circuit c;
+  c.c("a", "0", 2.0);
+  c.r("a", "0", 3.0);
+  Rig rig(c.network());
+  rig.set_node(5.0);
+  double error[2] = {0.0, 0.0};
+  for (const double h : {0.12, 0.06, 60.0, 6e4, 6e8}) {
+    const double x = -h / 6.0, pole = 1.0 - diagonal * x;
+    const double end = (1.0 + (1.0 - 2.0 * diagonal) * x) / (pole * pole);
+    const double estimate = x * ((4.0 * step_weight - 1.0) - (1.0 + diagonal * x) / pole + 2.0 * diagonal * end) / (3.0 * pole);
+    Stepper::Trial trial;
+    rig.stepper.tr_bdf2(rig.point, h, rig.scale, trial);
+    REQUIRE(rig.stepper.improve(h, trial) == Solved::yes);
+    const double found = rig.state(0, trial.end);
+    CHECK(found == Approx(5.0 * (end - estimate / pole)).epsilon(rounding).margin(rounding));
+    std::vector<double> rates(trial.end.k.size());
+    rig.descriptor.rates(trial.end.z.data(), trial.end.w.data(), rates.data());
+    CHECK(trial.end.k[0] == Approx(rates[0]).epsilon(1e-9).margin(rounding));
+    if (h < 1.0) error[h < 0.1] = std::abs(found - 5.0 * std::exp(x));
+  }
+  CHECK(error[0] / error[1] == Approx(16.0).epsilon(0.1));
+}
+
+// |R(iy) − e(iy)/(1 − iy d)²| is one at most, for every y: no step gives a tank energy.
+TEST_CASE("a step without its estimated error gives a tank no energy", "[unit]") {
+  Circuit c;
+  c.c("a", "0", 1.0);
+  c.l("a", "0", 1.0);
+  Rig rig(c.network());
+  rig.set_states({1.0, 0.5});
+  rig.descriptor.rates(rig.point.z.data(), rig.point.w.data(), rig.point.k.data());
+  for (double h = 1e-3; h < 1e6; h *= 1.3) {
+    Stepper::Trial trial;
+    rig.stepper.tr_bdf2(rig.point, h, rig.scale, trial);
+    REQUIRE(rig.stepper.improve(h, trial) == Solved::yes);
+    const double v = rig.state(0, trial.end), i = rig.state(1, trial.end);
+    CHECK(v * v + i * i <= 1.25 * (1.0 + rounding));
+  }
+}
+
 // The local error of a step of e^(−t), from R(x) and e^x; the estimates are right to the leading order. That of SDIRK2 takes the step before into account.
 TEST_CASE("the error estimate of a small step is its local error", "[unit]") {
   Circuit c;

@@ -15,10 +15,11 @@ constexpr double most_steps_of_period = 1.0 / 16.0;  ///< and of a sinusoid's pe
 constexpr int first_level = 6;
 /// Growth waits until the error of the doubled step is this part of the tolerance.
 constexpr double growth_share = 0.5;
-constexpr double merge_fraction = 1e-14;  ///< of the run: instants closer than this are one
-constexpr double break_fraction = 1e-11;  ///< and breakpoints of sources closer than this
+constexpr double least_improvement = 1e-3;  ///< an error below this part of the tolerance stays in
+constexpr double merge_fraction = 1e-14;    ///< of the run: instants closer than this are one
+constexpr double break_fraction = 1e-11;    ///< and breakpoints of sources closer than this
 /// A step may reach so many times beyond where it is cut.
-constexpr double overshoot = 2.0;
+constexpr double overshoot = 8.0;
 constexpr double whole = 1.0 - 1e-9;  ///< of a step: nothing to cut
 /// What changes of sides may do to a saved signal, in tolerances, before they are located.
 constexpr double signal_tolerances = 10.0;
@@ -99,6 +100,10 @@ bool Block::step() {
     if (trial_.error > reltol_) {  // or the position contradicts the network further on
       if (!reduce(h, trial_.error)) return fail_step(trial_.solved, trial_.error);
       continue;
+    }
+    if (passive_ && trial_.error > least_improvement * reltol_) {
+      const Solved solved = stepper_.improve(h, trial_);
+      if (solved != Solved::yes) return fail_step(solved, trial_.error);
     }
     const double reach = std::min(1.0, remaining() / h);
     const std::vector<Crossing> list = crossings(trial_, reach);

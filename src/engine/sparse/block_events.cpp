@@ -48,12 +48,8 @@ double first_passage(double a, double b, double c, double reach, double toleranc
     below = bottom;
   }
   if (a <= 0.0) return slope < 0.0 || below < reach ? 0.0 : below;
-  double low = 0.0, high = below;
-  for (int i = 0; i < most_locations; ++i) {
-    const double middle = 0.5 * (low + high);
-    (value(middle) > 0.0 ? low : high) = middle;
-  }
-  return high;
+  const double root = std::sqrt(std::max(0.0, slope * slope - 4.0 * curvature * a));
+  return root > slope ? std::min(2.0 * a / (root - slope), below) : below;
 }
 
 }  // namespace

@@ -119,7 +119,6 @@ double InteriorPoint::gap(double length) const {
 }
 
 bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& on) {
-  factored_ = false;
   start(stage, on);
   if (!factored_) return false;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {

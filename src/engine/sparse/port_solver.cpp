@@ -268,10 +268,10 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
   return Solved::no_position;
 }
 
-Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z) {
+Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z, Search search) {
   disputed_.clear();
   Solved solved = iterate(stage, passive_ ? sign_tolerance : active_sign_tolerance, on, step, z);
-  if (solved != Solved::no_position || contradicted_) return solved;
+  if (solved != Solved::no_position || contradicted_ || search == Search::newton) return solved;
   if (passive_ && (!repeated_ || disputed_.size() > few_disputed)) {
     Position guess = on;
     solved = settle_by_interior(stage, guess, step, z);

@@ -20,6 +20,8 @@ namespace pwlsim::engine::sparse {
 inline constexpr std::size_t most_disputed = 300;
 
 enum class Solved { yes, singular, no_position };
+/// What may be done to find a position: nothing, Newton's method alone, or all that is here.
+enum class Search { none, newton, all };
 
 class InteriorPoint;
 
@@ -43,7 +45,8 @@ class PortSolver {
   ~PortSolver();
 
   /// `on`: position to start from, then the one found. `step`: z − z0.
-  [[nodiscard]] Solved solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
+  [[nodiscard]] Solved solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z,
+                             Search search = Search::all);
   /// The same with the position kept, whatever the signs. `no_position`: it contradicts the network.
   [[nodiscard]] Solved solve_in(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
   /// r := (shift·E + G)⁻¹ r in a position.

@@ -61,14 +61,15 @@ Stepper::Stepper(const Descriptor& descriptor, PortSolver& ports, const Sources&
 void Stepper::start_from(const Point& from) { descriptor_.rates_without_sources(from.z.data(), rates_.data()); }
 
 /// (shift·E + G) (z − z0) = m − (G z0 + H w + g)  at at.time, from the position in `at`.
-Solved Stepper::stage(const Point& from, double shift, bool frozen, Point& at) {
+Solved Stepper::stage(const Point& from, double shift, Search search, Point& at) {
   const std::size_t n = memory_.size();
   sources_.evaluate(at.time, at.w);
   right_ = rates_;
   descriptor_.add_sources(at.w.data(), right_.data());
   for (std::size_t i = 0; i < n; ++i) right_[i] += memory_[i];
   const Stage stage{shift, from.z, right_, at.w};
-  const Solved solved = frozen ? ports_.solve_in(stage, at.on, step_, at.z) : ports_.solve(stage, at.on, step_, at.z);
+  const Solved solved =
+      search == Search::none ? ports_.solve_in(stage, at.on, step_, at.z) : ports_.solve(stage, at.on, step_, at.z, search);
   if (solved != Solved::yes) return solved;
   at.k.resize(n);
   descriptor_.memory(step_.data(), at.k.data());
@@ -90,14 +91,33 @@ void Stepper::tr_bdf2(const Point& from, double h, const StateScale& scale, Tria
   trial.stage.on = trial.end.on = from.on;
   start_from(from);
   memory_ = from.k;
-  trial.solved = stage(from, shift, true, trial.stage);
+  trial.solved = stage(from, shift, Search::none, trial.stage);
   if (trial.solved != Solved::yes) return;
   for (std::size_t i = 0; i < n; ++i) memory_[i] = b / d * (from.k[i] + trial.stage.k[i]);
-  trial.solved = stage(from, shift, true, trial.end);
+  trial.solved = stage(from, shift, Search::none, trial.end);
   if (trial.solved != Solved::yes) return;
   for (std::size_t i = 0; i < n; ++i)
     memory_[i] = h * shift * (error_weights[0] * from.k[i] + error_weights[1] * trial.stage.k[i] + error_weights[2] * trial.end.k[i]);
   trial.error = estimate(shift, trial.end.on, scale, trial.end.z);
+}
+
+/// `memory_` holds the estimate e:  (shift·E + G) c = shift·E e  is what goes, and  G c = shift·E (e − c)  comes to the rates.
+Solved Stepper::improve(double h, Trial& trial) {
+  const double shift = 1.0 / (d * h);
+  step_ = memory_;
+  descriptor_.memory(step_.data(), right_.data());
+  for (double& value : right_) value *= shift;
+  const Solved solved = ports_.respond(shift, trial.end.on, right_);
+  if (solved != Solved::yes) return solved;
+  for (std::size_t i = 0; i < trial.end.on.size(); ++i)
+    if (trial.end.on[i] == 0) right_[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
+  for (std::size_t i = 0; i < step_.size(); ++i) {
+    step_[i] -= right_[i];
+    trial.end.z[i] -= right_[i];
+  }
+  descriptor_.memory(step_.data(), memory_.data());
+  for (std::size_t i = 0; i < step_.size(); ++i) trial.end.k[i] += shift * memory_[i];
+  return Solved::yes;
 }
 
 void Stepper::sdirk2(const Point& from, double h, const StateScale& scale, Trial& trial) {
@@ -109,11 +129,11 @@ void Stepper::sdirk2(const Point& from, double h, const StateScale& scale, Trial
   trial.stage.on = from.on;
   start_from(from);
   std::fill(memory_.begin(), memory_.end(), 0.0);
-  trial.solved = stage(from, shift, false, trial.stage);
+  trial.solved = stage(from, shift, Search::newton, trial.stage);
   if (trial.solved != Solved::yes) return;
   trial.end.on = trial.stage.on;
   for (std::size_t i = 0; i < n; ++i) memory_[i] = (1.0 - d) / d * trial.stage.k[i];
-  trial.solved = stage(from, shift, false, trial.end);
+  trial.solved = stage(from, shift, Search::newton, trial.end);
   if (trial.solved != Solved::yes) return;
   for (std::size_t i = 0; i < n; ++i)
     memory_[i] = shift * error_of_sdirk2 * h * ((trial.end.k[i] - trial.stage.k[i]) / (1.0 - d) - (trial.stage.k[i] - from.k[i]) / d);
@@ -126,7 +146,7 @@ Solved Stepper::euler(const Point& from, double h, Point& end, const std::vector
   start_from(from);
   std::fill(memory_.begin(), memory_.end(), 0.0);
   for (std::size_t i = 0; i < more.size(); ++i) memory_[i] = more[i] / h;
-  return stage(from, 1.0 / h, false, end);
+  return stage(from, 1.0 / h, Search::all, end);
 }
 
 }  // namespace pwlsim::engine::sparse
