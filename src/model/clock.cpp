@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/rounded_sum.hpp"
 
@@ -9,8 +10,6 @@ namespace pwlsim::model {
 
 namespace {
 
-/// A control this close to its threshold, against the terms it is made of, is on it; then its slope decides.
-constexpr double threshold_noise = 3e-14;
 constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
 
 }  // namespace
@@ -25,9 +24,12 @@ Clock::Clock(const System& system, const Control& control, double tolerance)
   if (sources.constant() >= 0) constant_ = control.value.state[sources.constant()];
   for (const auto& [track, block, may_jump] : sources.tracks()) {
     const double gain = control.value.state[sources.blocks()[static_cast<std::size_t>(block)].first];
-    if (gain != 0.0) terms_.push_back({&track, gain, may_jump, {}});
+    if (gain != 0.0) terms_.push_back({{system.exosystem, &track}, gain, may_jump});
   }
 }
+
+Clock::Clock(std::vector<Term> terms, double constant, double on_level, double off_level, int driven, double tolerance)
+    : terms_(std::move(terms)), constant_(constant), on_level_(on_level), off_level_(off_level), tolerance_(tolerance), driven_(driven) {}
 
 Clock::Margin Clock::margin_at(double time, double late) const {
   const double level = is_on_ ? off_level_ : on_level_;

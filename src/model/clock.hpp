@@ -5,11 +5,15 @@
 ///
 /// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides.
 
+#include <memory>
 #include <vector>
 
 #include "model/system.hpp"
 
 namespace pwlsim::model {
+
+/// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
+constexpr double threshold_noise = 3e-14;
 
 class Clock {
  public:
@@ -21,14 +25,24 @@ class Clock {
     bool is_edge = false;  ///< a source jumps
   };
 
+  /// gain · track(t).
+  struct Term {
+    std::shared_ptr<const Track> track;
+    double gain;
+    bool may_jump = false;
+    Track::Cursor cursor{};
+  };
+
   /// Whether all that the system's signals feed is controls, and all that they read is piecewise linear sources.
   [[nodiscard]] static bool can_drive(const System& system);
 
   /// A clock for one control of such a system. Breakpoints closer than `tolerance` are one.
   Clock(const System& system, const Control& control, double tolerance);
+  Clock(std::vector<Term> terms, double constant, double on_level, double off_level, int driven, double tolerance);
 
   /// From the left limit at t = 0; a switch on the wrong side there flips at t = 0.
   void start(bool is_on);
+  [[nodiscard]] bool is_on() const { return is_on_; }
   /// The next instant that is to be taken: a flip, a jump of a source, or after very many corners without either an empty one.
   [[nodiscard]] const Instant& next() const { return next_; }
   /// Takes it and looks for the one behind it.
@@ -37,12 +51,6 @@ class Clock {
   [[nodiscard]] int driven() const { return driven_; }
 
  private:
-  struct Term {
-    const Track* track;
-    double gain;
-    bool may_jump;
-    Track::Cursor cursor;
-  };
   /// v − threshold or threshold − v, ≥ 0 while the switch stays, with its slope and the rounding of its terms.
   struct Margin {
     double value = 0.0, slope = 0.0, noise = 0.0;

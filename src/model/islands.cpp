@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "model/disjoint_sets.hpp"
+#include "model/forms.hpp"
 
 namespace pwlsim::model {
 
@@ -69,9 +70,7 @@ struct Rails {
       for (const auto& term : form)
         if (term.kind == Term::Kind::branch_current) current_read[static_cast<std::size_t>(term.index)] = 1;
     };
-    for (const auto& b : n.branches) read(b.voltage);
-    for (const auto& i : n.injections) read(i.current);
-    for (const auto& c : n.complementarities) read(c.slack);
+    for_each_equation(n, read);
     for (const auto& s : n.switches) read(s.control);
     for (std::size_t i = 0; i < n.branches.size(); ++i) {
       const Branch& b = n.branches[i];

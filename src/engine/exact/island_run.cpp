@@ -5,8 +5,8 @@
 #include <span>
 
 #include "base/largest.hpp"
-
 #include "base/rounded_sum.hpp"
+#include "model/clock.hpp"
 
 namespace pwlsim::engine {
 
@@ -20,8 +20,6 @@ constexpr double row_time_rounding = 8.9e-16;
 constexpr std::uint64_t worth_building = 4;
 /// Entries of a control's row below this fraction of the largest are rounding.
 constexpr double row_noise = 1e-12;
-/// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
-constexpr double threshold_noise = 3e-14;
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
 
 std::span<const double> entries(const linalg::Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
@@ -183,7 +181,7 @@ double IslandRun::source_departure(const model::Control& control, bool is_on) {
       value += row[i] * z[i];
       size += std::abs(row[i] * z[i]);
     }
-    if (std::abs(value) > threshold_noise * size) return sign * value;
+    if (std::abs(value) > model::threshold_noise * size) return sign * value;
     linalg::multiply(system_.exosystem->a(), z, work_.data());
     std::copy_n(work_.begin(), nz, scratch_.begin());
     z = scratch_.data();

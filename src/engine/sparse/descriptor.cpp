@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/log_mean.hpp"
+#include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -59,9 +60,7 @@ std::vector<char> capacitors_read(const model::Network& network) {
     for (const Term& term : form)
       if (term.kind == Term::Kind::capacitor_current) read[static_cast<std::size_t>(term.index)] = 1;
   };
-  for (const auto& b : network.branches) note(b.voltage);
-  for (const auto& i : network.injections) note(i.current);
-  for (const auto& c : network.complementarities) note(c.slack);
+  model::for_each_equation(network, note);
   for (const auto& s : network.switches) note(s.control);
   for (const auto& s : network.signals) note(s.form);
   return read;

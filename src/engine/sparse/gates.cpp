@@ -1,10 +1,12 @@
 #include "engine/sparse/gates.hpp"
 
-#include <algorithm>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 #include <variant>
+
+#include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -46,7 +48,7 @@ std::optional<LinearForm> by_sources(const LinearForm& form, const std::unordere
   return result;
 }
 
-std::optional<model::Track> continuous_track(const model::SourceFunction& function) {
+std::shared_ptr<const model::Track> continuous_track(const model::SourceFunction& function) {
   std::optional<model::Track> track;
   if (const auto* pulse = std::get_if<model::Pulse>(&function)) track = model::make_track(*pulse);
   if (const auto* pwl = std::get_if<model::Pwl>(&function)) track = model::make_track(*pwl);
@@ -54,12 +56,12 @@ std::optional<model::Track> continuous_track(const model::SourceFunction& functi
     track.emplace();
     track->initial = dc->value;
   }
-  return track && track->is_continuous() ? track : std::nullopt;
+  return track && track->is_continuous() ? std::make_shared<const model::Track>(std::move(*track)) : nullptr;
 }
 
 std::optional<Gate> gate_of(std::size_t port, const model::Switch& s, const Network& network) {
   double constant = 0.0;
-  std::vector<Gate::Part> parts;
+  std::vector<model::Clock::Term> terms;
   for (const Term& term : s.control) {
     if (term.kind == Term::Kind::one) {
       constant += term.coefficient;
@@ -68,60 +70,28 @@ std::optional<Gate> gate_of(std::size_t port, const model::Switch& s, const Netw
     if (term.kind != Term::Kind::source) return std::nullopt;
     auto track = continuous_track(network.sources[static_cast<std::size_t>(term.index)].function);
     if (!track) return std::nullopt;
-    parts.push_back({std::move(*track), term.coefficient});
+    terms.push_back({std::move(track), term.coefficient});
   }
-  return Gate(port, s, constant, std::move(parts));
+  return Gate(port, s.inverted, {std::move(terms), constant, s.on_level, s.off_level, static_cast<int>(port), 0.0});
 }
 
 }  // namespace
 
-Gate::Gate(std::size_t port, const model::Switch& s, double constant, std::vector<Part> parts)
-    : port_(port), constant_(constant), on_level_(s.on_level), off_level_(s.off_level), inverted_(s.inverted), parts_(std::move(parts)) {}
-
 void Gate::begin(bool closed, double stop) {
-  holds_ = closed != inverted_;
   stop_ = stop;
-  time_ = 0.0;
-  for (Part& part : parts_) part.cursor = part.track.before(0.0);
-  find_next();
-  while (next_ <= 0.0) pass();
+  clock_.start(closed != inverted_);
+  skip_empty();
+  while (next() <= 0.0) pass();
 }
 
 void Gate::pass() {
-  time_ = next_;
-  holds_ = !holds_;
-  find_next();
+  clock_.take();
+  skip_empty();
 }
 
-/// Positive as long as nothing changes.
-double Gate::margin(double time) const {
-  double value = constant_;
-  for (const Part& part : parts_) value += part.coefficient * part.cursor.at(time);
-  return holds_ ? value - off_level_ : on_level_ - value;
-}
-
-double Gate::next_corner() const {
-  double next = model::forever;
-  for (const Part& part : parts_) next = std::min(next, part.cursor.next);
-  return next;
-}
-
-/// Segment by segment, on each of which the control is a line.
-void Gate::find_next() {
-  next_ = model::forever;
-  while (true) {
-    const double corner = next_corner();
-    const double end = std::min(corner, std::max(stop_, time_));
-    const double left = margin(time_), right = margin(end);
-    if (right < 0.0) {
-      next_ = left > 0.0 ? std::min(time_ + (end - time_) * left / (left - right), end) : time_;
-      return;
-    }
-    if (!(corner < stop_)) return;
-    time_ = corner;
-    for (Part& part : parts_)
-      while (part.cursor.next <= corner) part.track.advance(part.cursor);
-  }
+/// Passes the instants at which nothing changes sides.
+void Gate::skip_empty() {
+  while (clock_.next().time < stop_ && !clock_.next().flips) clock_.take();
 }
 
 Network with_controls_of_sources(Network network) {
@@ -138,9 +108,7 @@ std::vector<Gate> take_gates(Network& network) {
     for (const Term& term : form)
       if (term.kind == Term::Kind::source) read[static_cast<std::size_t>(term.index)] = 1;
   };
-  for (const auto& b : network.branches) note(b.voltage);
-  for (const auto& i : network.injections) note(i.current);
-  for (const auto& c : network.complementarities) note(c.slack);
+  model::for_each_equation(network, note);
   for (const auto& s : network.signals) note(s.form);
   const std::size_t first = network.diodes.size() + network.complementarities.size();
   for (std::size_t i = 0; i < network.switches.size(); ++i) {

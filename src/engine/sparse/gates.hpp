@@ -2,9 +2,10 @@
 /// Switches whose controls read nothing but polylines of time: when they change sides is known beforehand.
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "model/exosystem.hpp"
+#include "model/clock.hpp"
 #include "model/network.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -12,32 +13,24 @@ namespace pwlsim::engine::sparse {
 /// One such switch. Its control is a constant and a sum of continuous tracks.
 class Gate {
  public:
-  struct Part {
-    model::Track track;
-    double coefficient;
-    model::Track::Cursor cursor{};
-  };
-  Gate(std::size_t port, const model::Switch& s, double constant, std::vector<Part> parts);
+  Gate(std::size_t port, bool inverted, model::Clock clock) : port_(port), inverted_(inverted), clock_(std::move(clock)) {}
 
   [[nodiscard]] std::size_t port() const { return port_; }
   /// Goes to t = 0 with the switch in this position; what the control asks for at once is taken.
   void begin(bool closed, double stop);
-  [[nodiscard]] bool closed() const { return holds_ != inverted_; }
+  [[nodiscard]] bool closed() const { return clock_.is_on() != inverted_; }
   /// Time of its next change of sides, infinite where there is none before the end of the run.
-  [[nodiscard]] double next() const { return next_; }
+  [[nodiscard]] double next() const { return clock_.next().time < stop_ ? clock_.next().time : model::forever; }
   /// Takes that change.
   void pass();
 
  private:
-  void find_next();
-  [[nodiscard]] double margin(double time) const;
-  [[nodiscard]] double next_corner() const;
+  void skip_empty();
 
   std::size_t port_;
-  double constant_, on_level_, off_level_;
-  bool inverted_, holds_ = false;
-  std::vector<Part> parts_;
-  double time_ = 0.0, next_ = model::forever, stop_ = model::forever;
+  bool inverted_;
+  model::Clock clock_;
+  double stop_ = model::forever;
 };
 
 /// The network with the voltages of nodes that sources to ground hold written as these sources in the controls of switches.
