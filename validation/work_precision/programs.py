@@ -115,7 +115,7 @@ def run_process(command):
     """Whether a run is complete its last time tells, not its status."""
     with tempfile.TemporaryFile() as log:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
-        timer = threading.Timer(LIMIT, process.kill)
+        timer = threading.Timer(LIMIT, os.kill, (process.pid, signal.SIGKILL))  # Popen.kill may reap the process
         timer.start()
         _, status, usage = os.wait4(process.pid, 0)
         timer.cancel()
