@@ -14,6 +14,7 @@ constexpr double consistency_per_noise = 30.0;
 /// Of a state, against the largest there was.
 constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
 constexpr int most_jumps = 20;
+constexpr int most_rounds_of_rule = 4;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 /// Rounding levels of the verification, tried in turn.
 constexpr double relaxations[] = {1.0, 1e2, 1e4};
@@ -401,6 +402,17 @@ IndexSet Selector::by_rule(const double* x, const IndexSet& set) {
   return next;
 }
 
+/// The set, or what the rule makes of it in a few rounds: guards that are zero together to the rounding of the new mode show only there.
+const Mode* Selector::by_repeated_rule(double* x, IndexSet set) {
+  for (int round = 0; round < most_rounds_of_rule; ++round) {
+    if (const Mode* found = try_without_jump(x, set); found) return found;
+    IndexSet next = by_rule(x, set);
+    if (next == set) return nullptr;
+    set = std::move(next);
+  }
+  return nullptr;
+}
+
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
   if (rational_only_) return from_rcp(x, current, jumped);
   // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
@@ -411,7 +423,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     warm = found && !(system_.passive && !known(current).successors.empty());
   }
   if (!found && !system_.passive) found = remembered(x, current);
-  if (!found && trigger >= 0 && trigger < system_.diodes) found = try_without_jump(x, with_flipped(current, trigger));
+  if (!found && trigger >= 0 && trigger < system_.diodes) found = by_repeated_rule(x, with_flipped(current, trigger));
   if (!found) {
     const IndexSet guess = by_rule(x, current);
     if (guess != current) found = try_without_jump(x, guess);

@@ -1,5 +1,10 @@
 /// Decks that once ended the program (found by tests/random_decks), each as small as it can be.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
 
 #include "regression/deck_run.hpp"
 
@@ -23,4 +28,54 @@ TEST_CASE("a switch that flips on and on with no effect ends the run with a mess
       "C25 m t0 5.54e-13\nC26 t1 t0 2.97e-13\n.ends\nX1002 out a sub1\n.tran 950p 52.8n\n");
   CHECK(run.answer.outcome == engine::Outcome::accumulation);
   CHECK(run.answer.id == "E-accumulation");
+}
+
+namespace {
+
+/// A leg of a modular multilevel converter (validation/large/circuits.py): half bridges with diodes, a gate pulse each.
+std::string multilevel_leg(int submodules) {
+  constexpr double period = 20e-3, edge = 1e-6, depth = 0.9, link = 800.0;
+  std::string deck = fmt::format("leg\nVP p 0 {}\nVN n 0 {}\n", link / 2, -link / 2);
+  for (const bool upper : {true, false})
+    for (int k = 0; k < submodules; ++k) {
+      const std::string a = upper ? "U" : "L";
+      const std::string above = k > 0 ? fmt::format("{}{}", a, k) : upper ? "p" : "la";
+      const std::string below = k < submodules - 1 ? fmt::format("{}{}", a, k + 1) : upper ? "ua" : "n";
+      const double angle = std::asin(std::clamp(((2.0 * k + 1.0) / submodules - 1.0) / depth, -0.999, 0.999));
+      const double half = period / 4 + angle * period / (2.0 * std::acos(-1.0));
+      const double start = std::fmod((upper ? 0.75 : 0.25) * period - half + period, period);
+      const bool wraps = start + 2.0 * half > period;
+      const double delay = wraps ? start + 2.0 * half - period : start;
+      const double width = (wraps ? period - 2.0 * half : 2.0 * half) - edge;
+      for (const bool bottom : {false, true})
+        deck += fmt::format("V{0}{1}{2} {0}{1}{2} 0 PULSE({3} {4} {5:.9e} {6} {6} {7:.9e} {8})\n", a, bottom ? "h" : "g", k,
+                            wraps == bottom ? 0 : 1, wraps == bottom ? 1 : 0, delay, edge, width, period);
+      deck += fmt::format("C{0}{1} {0}c{1} {2} {3} ic={4}\n", a, k, below, 4e-4 * submodules, link / submodules);
+      deck += fmt::format("S{0}t{1} {0}c{1} {2} {0}g{1} 0 SW\nS{0}b{1} {2} {3} {0}h{1} 0 SW\n", a, k, above, below);
+      deck += fmt::format("D{0}t{1} {2} {0}c{1} DI\nD{0}b{1} {3} {2} DI\n", a, k, above, below);
+    }
+  return deck +
+         "LU ua o 3m\nLL o la 3m\nRO o x 10\nLO x 0 5m\n.model DI D\n.model SW SW(Ron=1m Roff=1meg Vt=0.5 Vh=0)\n"
+         ".save i(LU) i(LL) i(LO)\n.tran 40u 15.1m uic\n";
+}
+
+}  // namespace
+
+// Where the current of an arm passes zero its fifteen diodes take over within rounding of one another. Kirchhoff's law at the output, and the
+// implicit steps of the other engine.
+TEST_CASE("diodes of one arm that begin to conduct together", "[regression]") {
+  const std::string deck = multilevel_leg(15);
+  const DeckRun exact = run_text(deck);
+  INFO(exact.answer.id << " " << exact.answer.message);
+  REQUIRE(exact.answer.outcome == engine::Outcome::completed);
+  constexpr double tolerance = 1e-6, largest_current = 40.0, kirchhoff_bound = 1e-9;
+  const double global_bound = 20.0 * std::cbrt(tolerance * tolerance);
+  const DeckRun sparse = run_text_sparse(deck, tolerance);
+  REQUIRE(sparse.rows.size() == exact.rows.size());
+  for (std::size_t i = 0; i < exact.rows.size(); ++i) {
+    const auto& row = exact.rows[i];
+    CHECK(std::abs(row[1] - row[2] - row[3]) <= kirchhoff_bound * largest_current);
+    for (std::size_t column = 1; column < row.size(); ++column)
+      CHECK(std::abs(row[column] - sparse.rows[i][column]) <= global_bound * largest_current);
+  }
 }
