@@ -116,7 +116,7 @@ def against(options):
                 print(f"{name} {sizes}: no reference: {why}")
                 continue
             print(f"## {name} {' '.join(map(str, sizes))}")
-            for reltol in ("1e-2", "3e-3", "1e-3", "1e-4", "1e-5"):
+            for reltol in ("1e-1", "1e-2", "3e-3", "1e-3", "3e-4", "1e-4", "1e-5"):
                 best = None
                 for _ in range(options.repeats):
                     s, rows, why = run(options.pwlsim, deck, folder, "--reltol", reltol)
