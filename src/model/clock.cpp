@@ -15,7 +15,7 @@ constexpr int most_corners = 1024;  ///< passed at once, so that a run can be in
 }  // namespace
 
 bool Clock::can_drive(const System& system) {
-  return system.n == 0 && system.ports == 0 && system.outputs.empty() && system.exosystem->is_piecewise_linear();
+  return system.n == 0 && system.ports == 0 && system.outputs.empty() && !system.exosystem->has_curved();
 }
 
 Clock::Clock(const System& system, const Control& control, double tolerance)

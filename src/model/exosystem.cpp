@@ -69,8 +69,6 @@ double Exosystem::fastest() const {
   return rate;
 }
 
-bool Exosystem::is_piecewise_linear() const { return !curved_; }
-
 int Exosystem::add_block(Block block) {
   block.first = states_;
   states_ += block.size();

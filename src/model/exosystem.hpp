@@ -87,7 +87,6 @@ class Exosystem {
   [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
   /// Largest rate of a block that is curved in time; 0 where none is.
   [[nodiscard]] double fastest() const;
-  [[nodiscard]] bool is_piecewise_linear() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
 
@@ -113,6 +112,7 @@ class Exosystem {
   void evaluate(const Phase& phase, double time, double* zeta) const;
   /// The same of oscillations and decays alone, at time + late, where `late` is what rounding took off the time.
   void evaluate_curved(const Phase& phase, double time, double late, double* zeta) const;
+  /// Oscillations or decays: not all sources are piecewise linear.
   [[nodiscard]] bool has_curved() const { return curved_; }
 
  private:

@@ -82,7 +82,7 @@ void set_flow(const System& system, Mode& m, Matrix a) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
     if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
   }
-  m.piecewise_linear = m.n1 == 0 && system.exosystem->is_piecewise_linear();
+  m.piecewise_linear = m.n1 == 0 && !system.exosystem->has_curved();
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
   m.flow = linalg::Exponential(std::move(a), rate);

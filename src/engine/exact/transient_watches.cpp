@@ -1,0 +1,220 @@
+/// Accumulations and crowds of events, and what a run says of itself: why it ends early, what it notes on its way, its sums at the end.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "engine/exact/transient.hpp"
+#include "engine/remarks.hpp"
+
+namespace pwlsim::engine {
+
+namespace {
+
+/// Of the time from the first event of a sequence to its limit: so far ahead it is crossed once the limit is known to rounding; and so far
+/// where it is known to a fraction of what is ahead. There rounding begins to tell in states that shrink with the square of the time.
+constexpr double crossing_fraction = 1e-4;
+constexpr double last_crossing_fraction = 1e-5;
+constexpr double limit_tolerance = 1e-13;  ///< of the limit's time
+constexpr double known_fraction = 1e-2;
+/// A run whose certificate is worse than this says so.
+constexpr double doubtful_residual = 1e-6;
+/// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
+constexpr std::uint64_t crowd_limit = 400;
+constexpr double crowd_fraction = 1e-9;
+constexpr double idle_crowd_fraction = 1e-6;  ///< the same where guards are passed and nothing happens
+
+/// Elements with a port that is meant; ports of one element stand side by side, and it is named once.
+template <typename IsMeant>
+std::vector<std::string> port_names(const model::System& system, const IsMeant& is_meant) {
+  std::vector<std::string> names;
+  for (int i = 0; i < system.ports; ++i) {
+    const std::string& name = system.port[static_cast<std::size_t>(i)].name;
+    if (is_meant(i) && (names.empty() || names.back() != name)) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> all_names(const model::System& system) {
+  return port_names(system, [](int) { return true; });
+}
+
+/// Elements with a port that is not on the same side in all of the modes.
+std::vector<std::string> differing_elements(const model::System& system, const std::vector<const model::Mode*>& modes) {
+  const model::IndexSet& first = modes.front()->active;
+  return port_names(system, [&](int port) {
+    return std::any_of(modes.begin(), modes.end(), [&](const model::Mode* m) { return m->active.contains(port) != first.contains(port); });
+  });
+}
+
+}  // namespace
+
+/// In a passive circuit no events accumulate ahead.
+void Transient::watch_accumulation(const Instant& instant) {
+  const double time = instant.time;
+  if (all_passive_) return;
+  for (IslandRun* running : running_) {
+    IslandRun& island = *running;
+    const Opened opened = opened_[number_of(island)];
+    if (island.system().passive || opened == Opened::no) continue;
+    AccumulationWatch& watch = island.accumulation();
+    if (opened == Opened::from_outside || instant.flips) {  // what switches do infinitely often has no limit
+      watch.reset();
+      continue;
+    }
+    watch.note(time, *island.mode, island.x.data(), island.system().n);
+    const auto limit = watch.limit();
+    if (limit && may_cross(island, *limit, time)) cross(island, *limit);
+  }
+}
+
+/// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
+bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
+  const double ahead = limit.time - time;
+  const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
+  if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
+  if (limit.uncertainty > known_fraction * ahead) return false;
+  if (limit.time >= request_.stop ||
+      (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
+    return false;
+  for (const model::Clock& clock : clocks_)
+    if (clock.next().time <= limit.time) return false;
+  for (IslandRun* other : running_) {
+    if (other->next_break() <= limit.time) return false;
+    if (other != &island && other->certify(limit.time) < limit.time) return false;
+  }
+  return true;
+}
+
+void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
+  const std::vector<std::string> names = all_names(island.system());
+  answer_.remarks.push_back({"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} "
+                                                           "taking {:.6g} of the time of those before, the run goes on from "
+                                                           "their limit (known to {:.1g} s)",
+                                                           limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period,
+                                                           limit.ratio, std::max(limit.uncertainty, tolerance_))});
+  ++answer_.statistics.accumulations;
+  island.go_to_limit(limit);
+  island.accumulation().reset();
+}
+
+bool Transient::Crowd::note(double time, double length) {
+  if (time - start > length) *this = {time, 0};
+  return ++count >= crowd_limit;
+}
+
+bool Transient::watch_crowd(const Instant& instant) {
+  if (!crowd_.note(instant.time, crowd_fraction * request_.stop)) return true;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    if (modes_before_[i] && islands_[i].mode != modes_before_[i])
+      for (auto& name : differing_elements(islands_[i].system(), {modes_before_[i], islands_[i].mode})) names.push_back(std::move(name));
+  return fail_crowd(instant.time, crowd_, names);
+}
+
+/// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
+bool Transient::watch_idle_crowd(const Instant& instant) {
+  if (!instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop)) return true;
+  std::vector<std::string> names;
+  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  for (std::size_t i = 0; i < islands_.size() && !instant.flips; ++i)
+    if (opened_[i] == Opened::by_own_event) names = all_names(islands_[i].system());
+  return fail_crowd(instant.time, idle_crowd_, names);
+}
+
+bool Transient::fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names) {
+  fail(Outcome::accumulation, "E-accumulation",
+       fmt::format(
+           "events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
+           time, crowd.count, time - crowd.start, fmt::join(names, ", ")),
+       names);
+  return false;
+}
+
+void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
+  if (several_++ > 0) return;
+  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
+                              fmt::join(differing_elements(island.system(), selected.details->continuations), ", "),
+                              selected.details->continuations.size());
+}
+
+void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
+  if (selected.choice == model::Choice::several) {
+    const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
+    fail(Outcome::not_unique, "E-not-unique",
+         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time,
+                     fmt::join(names, ", "), selected.details->continuations.size()),
+         names);
+    return;
+  }
+  const std::vector<std::string> names = all_names(island.system());
+  const bool jumps = selected.choice == model::Choice::too_many_jumps;
+  fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
+       fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
+                   jumps ? "the state jumps without end" : "no solution continues", time, fmt::join(names, ", ")),
+       names);
+}
+
+void Transient::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
+  answer_.outcome = outcome;
+  answer_.id = std::move(id);
+  answer_.message = std::move(text);
+  answer_.elements = std::move(elements);
+}
+
+void Transient::note_open_signals() {
+  std::set<std::string> names;
+  for (const auto& island : islands_)
+    for (const std::size_t output : island.selector().open_outputs())
+      names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
+  if (!names.empty())
+    answer_.remarks.push_back(
+        {"N-indeterminate",
+         fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
+                     "the values of least norm",
+                     fmt::join(names, ", "))});
+}
+
+void Transient::finish() {
+  Statistics& s = answer_.statistics;
+  std::set<int> parts;
+  for (const auto& island : islands_) parts.insert(island.model().island.part);
+  s.islands = parts.size();
+  bool passive = true;
+  for (const auto& island : islands_) {
+    s.states += static_cast<std::uint64_t>(island.system().n);
+    s.ports += static_cast<std::uint64_t>(island.system().diodes);
+    s.switches += static_cast<std::uint64_t>(island.system().ports - island.system().diodes);
+    s.modes_visited += island.selector().modes_visited();
+    s.lcp_pivots += island.selector().pivots();
+    s.steps += island.locator().intervals();
+    passive &= island.system().passive;
+    if (island.locator().sampled() > 0)
+      answer_.remarks.push_back(
+          {"W-events-sampled",
+           fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
+                       "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
+                       island.locator().sampled(), island.system().name, 1024)});
+  }
+  note_open_signals();
+  answer_.jumps = jump_recorder_.take();
+  if (several_ > 0)
+    answer_.remarks.push_back(
+        {"N-not-unique",
+         fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
+                     several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
+                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
+  s.seconds_model = model_.seconds;
+  const auto clock = std::chrono::steady_clock::now();
+  answer_.certificate = recorder_.check();
+  const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
+  if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
+  answer_.certificate.has_passivity = true;
+  answer_.certificate.passive = passive;
+  s.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
+  answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());
+}
+
+}  // namespace pwlsim::engine
