@@ -15,13 +15,12 @@ constexpr int most_terms = 60;
 constexpr double same_interval = 1e-8;  ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
 constexpr std::uint32_t worth_a_matrix = 4;
 
-/// y := Σ (Aτ)^k/k! y, until a term changes nothing.
+/// term + (Aτ)/first·term + (Aτ)²/(first (first + 1))·term + …, until one changes nothing.
 template <int length>
-void sum_small_series(const double* a, double tau, double* y) {
-  auto sum = Small<length>::load(y);
-  auto term = sum;
+Small<length> small_series(const double* a, double tau, Small<length> term, int first) {
+  auto sum = term;
   double largest_term = term.size();
-  for (int k = 1; k <= most_terms; ++k) {
+  for (int k = first; k <= most_terms; ++k) {
     term = product(a, term);
     term.scale(tau / k);
     sum.add(term);
@@ -29,7 +28,13 @@ void sum_small_series(const double* a, double tau, double* y) {
     if (change <= negligible * largest_term) break;
     largest_term = std::max(largest_term, change);
   }
-  sum.store(y);
+  return sum;
+}
+
+/// y := e^{Aτ} y.
+template <int length>
+void sum_small_series(const double* a, double tau, double* y) {
+  small_series(a, tau, Small<length>::load(y), 1).store(y);
 }
 
 /// e^{Aτ} − I, column by column.
@@ -38,17 +43,7 @@ void small_minus_identity(const double* a, double tau, double* x) {
   for (int j = 0; j < length; ++j, x += length) {
     auto term = Small<length>::load(a + j * length);
     term.scale(tau);
-    auto sum = term;
-    double largest_term = term.size();
-    for (int k = 2; k <= most_terms; ++k) {
-      term = product(a, term);
-      term.scale(tau / k);
-      sum.add(term);
-      const double change = term.size();
-      if (change <= negligible * largest_term) break;
-      largest_term = std::max(largest_term, change);
-    }
-    sum.store(x);
+    small_series(a, tau, term, 2).store(x);
   }
 }
 
