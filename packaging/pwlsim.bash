@@ -18,7 +18,7 @@ _pwlsim() {
       inspect) options="--help --mode --json --quiet" ;;
       export) options="--help --output --smooth --quiet" ;;
       compare) options="--help --smooth --json --plot --quiet" ;;
-      *) options="--help --version --output --events --engine --reltol --stats --format --plot --report --json --quiet --verbose --no-progress" ;;
+      *) options="--help --version --output --events --engine --reltol --stats --format --split --plot --report --json --quiet --verbose --no-progress" ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
   else

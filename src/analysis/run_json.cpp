@@ -66,11 +66,6 @@ void write_measurements(JsonWriter& json, const measure::Results& results) {
   json.end_array();
 }
 
-std::string failure_text(const SweptRun& run) {
-  if (run.done) return "null";
-  return json_string(run.id.empty() ? "interrupted" : fmt::format("{}: {}", run.id, run.message));
-}
-
 void write_parameters(JsonWriter& json, const circuit::Sweeps& sweeps, std::size_t run) {
   const std::vector<double> values = sweeps.point(run);
   json.key("parameters");
@@ -90,7 +85,8 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std:
     const SweptRun& run = sweep.list[k];
     json.begin_object();
     write_parameters(json, sweep.sweeps, k);
-    json.member("failure", failure_text(run));
+    json.member("file", text_or_null(run.file));
+    json.member("failure", text_or_null(failure_text(run)));
     json.member("end", json_number(run.end));
     json.member("rows", std::to_string(run.rows));
     json.member("events", std::to_string(run.statistics.events));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 
 #include "waveform/csv.hpp"
@@ -52,6 +53,11 @@ std::string table_of(const SweptRuns& runs, const std::vector<std::string>& name
 }
 
 }  // namespace
+
+std::string failure_text(const SweptRun& run) {
+  if (run.done) return "";
+  return run.id.empty() ? "interrupted" : fmt::format("{}: {}", run.id, run.message);
+}
 
 SweptRuns::SweptRuns(const circuit::Sweeps& steps, bool with_pictures) : sweeps(steps), list(steps.runs()) {
   const std::size_t count = with_pictures ? std::min(list.size(), most_drawn) : 0;
@@ -132,6 +138,18 @@ std::string measurement_table(const SweptRuns& runs, const circuit::Measurements
     const auto& results = run.measurements.list;
     return k < results.size() && results[k].failure.empty() ? std::optional(results[k].value) : std::nullopt;
   });
+}
+
+std::string file_table(const SweptRuns& runs) {
+  std::string text = sweep_head(runs.sweeps, {"file", "rows", "end", "failure"});
+  for (std::size_t k = 0; k < runs.list.size(); ++k) {
+    const SweptRun& run = runs.list[k];
+    for (const double stepped : runs.sweeps.point(k)) text += waveform::shortest(stepped) + ",";
+    const std::string name = std::filesystem::path(run.file).filename().string();
+    text += fmt::format("{},{},{},{}\n", waveform::csv_field(name), run.rows, waveform::shortest(run.end),
+                        waveform::csv_field(failure_text(run)));
+  }
+  return text;
 }
 
 }  // namespace pwlsim::analysis

@@ -17,6 +17,7 @@ struct SweptRun {
   bool done = false;         ///< it reached its end
   bool interrupted = false;  ///< it was ended, or not begun
   std::string id, message;   ///< of a failure
+  std::string file;          ///< of its rows alone; empty where they are in one file with those of others, or there are none
   double end = 0.0;          ///< time reached, s
   engine::Statistics statistics;
   engine::Certificate certificate;
@@ -26,6 +27,9 @@ struct SweptRun {
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
 };
+
+/// Why it did not reach its end; empty where it did.
+[[nodiscard]] std::string failure_text(const SweptRun& run);
 
 /// A run whose curves are kept for pictures.
 struct DrawnRun {
@@ -61,5 +65,7 @@ void take_operating_point(const engine::OperatingPoint& point, SweptRun& run);
 [[nodiscard]] std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals);
 /// The same of the measurements that are shown.
 [[nodiscard]] std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements);
+/// CSV, a line a run: the stepped values, the name of its own file without the folder, rows, time reached, failure.
+[[nodiscard]] std::string file_table(const SweptRuns& runs);
 
 }  // namespace pwlsim::analysis

@@ -14,6 +14,7 @@
 
 #include "base/names.hpp"
 #include "cli/picture_file.hpp"
+#include "cli/split_files.hpp"
 #include "spice/deck.hpp"
 
 namespace pwlsim::cli {
@@ -57,7 +58,7 @@ class HelpText : public CLI::Formatter {
 struct Raw {
   std::vector<std::string> files;
   std::string output, engine, reltol, stats, format, plot, report, mode, smooth;
-  bool events = false, quiet = false, verbose = false, no_progress = false, json = false;
+  bool events = false, quiet = false, verbose = false, no_progress = false, json = false, split = false;
 };
 
 void add_options(CLI::App& app, Raw& raw, const std::string& version) {
@@ -78,6 +79,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
       ->type_name("X");
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
+  app.add_flag("--split", raw.split, "A file a run of .step, NAME.1.csv and so on, and a table of the runs, NAME.runs.csv");
   app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes, as SVG or PNG")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Write a web page with waveforms, measurements, events, certificate")->type_name("FILE.html");
   app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
@@ -271,6 +273,21 @@ void check_targets(const std::vector<Target>& targets, Complaints& complaints) {
                                                         first->name == "-" ? "standard output" : '`' + second->name + '`'));
 }
 
+/// What `--split` writes stands beside `output`, and is none of the other files.
+void check_split(const RunOptions& options, const std::vector<Target>& others, Complaints& complaints) {
+  std::error_code unknown;
+  const std::filesystem::path output(options.output);
+  if (options.output == "-") {
+    complaints.add("E-option-conflict", "`--split` writes several files, which standard output cannot take; try -o out.csv");
+  } else if (!output.has_filename() || (exists(output, unknown) && !is_regular_file(output, unknown))) {
+    complaints.add("E-option-conflict",
+                   fmt::format("`--split` makes the names of its files of `{}`, which is no file; try -o out.csv", options.output));
+  }
+  for (const Target& other : others)
+    if (is_split_file(options.output, other.name))
+      complaints.add("E-option-conflict", fmt::format("`--split` and {} would both write `{}`; try another name", other.what, other.name));
+}
+
 RunOptions run_options(const Raw& raw) {
   RunOptions options;
   options.deck = raw.files[0];
@@ -279,6 +296,7 @@ RunOptions run_options(const Raw& raw) {
   options.plot = raw.plot;
   options.json = raw.json;
   options.events = raw.events;
+  options.split = raw.split;
   options.quiet = raw.quiet;
   options.verbose = raw.verbose;
   options.progress = !raw.no_progress && !raw.quiet;
@@ -305,12 +323,11 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   options.reltol = reltol;
   // As if it were the name of a file: standard output is one.
   const std::string json = options.json ? "-" : "";
-  check_targets({{"the rows", options.output},
-                 {"`--stats`", options.stats},
-                 {"`--plot`", options.plot},
-                 {"`--report`", options.report},
-                 {"`--json`", json}},
-                complaints);
+  const std::string rows = options.split ? "" : options.output;
+  const std::vector<Target> targets{
+      {"the rows", rows}, {"`--stats`", options.stats}, {"`--plot`", options.plot}, {"`--report`", options.report}, {"`--json`", json}};
+  if (options.split) check_split(options, targets, complaints);
+  check_targets(targets, complaints);
   if (complaints.any()) return complaints.refused();
   return options;
 }

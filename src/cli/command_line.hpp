@@ -26,6 +26,7 @@ struct RunOptions {
   std::optional<double> reltol;  ///< --reltol
   bool json = false;
   bool events = false;
+  bool split = false;  ///< a file a run of .step: split_files.hpp
   bool quiet = false;
   bool verbose = false;
   bool progress = true;

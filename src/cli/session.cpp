@@ -21,6 +21,7 @@
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
+#include "cli/split_files.hpp"
 #include "cli/sweep_session.hpp"
 
 namespace pwlsim::cli {
@@ -71,6 +72,7 @@ class Session {
 
   int prepare();
   int open_files();
+  int check_split();
   int sweep();
   int operating_point();
   int transient();
@@ -122,10 +124,22 @@ int Session::prepare() {
   return interrupted_before_run();
 }
 
+int Session::check_split() {
+  const std::size_t runs = compiled_->analyses.sweeps.runs();
+  if (runs == 0) return fail(Status::wrong_input, "E-no-step", "the deck has no .step: there is but one run; try without --split");
+  if (!compiled_->analyses.transient)
+    return fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no rows to split; try without --split");
+  for (std::size_t run = 0; run < runs; ++run)
+    if (const std::string name = split_file(options_.output, run); waveform::same_file(name, options_.deck))
+      return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
+  return 0;
+}
+
 int Session::open_files() {
-  int status = 0;
-  if (compiled_->analyses.transient) status = open_output(options_.output, options_.deck, messages_, rows_file_);
-  if (!options_.plot.empty() && !compiled_->analyses.transient)
+  int status = options_.split ? check_split() : 0;
+  const std::string rows = options_.split ? split_table(options_.output) : options_.output;
+  if (status == 0 && compiled_->analyses.transient) status = open_output(rows, options_.deck, messages_, rows_file_);
+  if (status == 0 && !options_.plot.empty() && !compiled_->analyses.transient)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
   if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, options_.deck, messages_);
   if (status == 0 && !options_.report.empty()) status = open_output(options_.report, options_.deck, messages_, report_file_);

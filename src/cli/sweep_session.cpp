@@ -11,6 +11,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "analysis/ordered_rows.hpp"
 #include "analysis/prepared_engine.hpp"
@@ -18,6 +19,7 @@
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
+#include "cli/split_files.hpp"
 #include "cli/status.hpp"
 #include "waveform/raw_file.hpp"
 
@@ -29,6 +31,7 @@ using analysis::SweptRun;
 constexpr std::size_t runs_ahead = 4;  ///< of each thread, of the first run that is not finished
 constexpr auto between_looks = std::chrono::milliseconds(50);
 constexpr std::size_t most_failures_told = 20;
+constexpr const char* cannot_write = "E-cannot-write";
 
 class Sweep {
  public:
@@ -43,7 +46,7 @@ class Sweep {
         columns_(analysis::column_names(task.first)) {}
 
   int run() {
-    if (task_.rows != nullptr) begin_rows(*task_.rows);
+    if (task_.rows != nullptr && !task_.options.split) begin_rows(*task_.rows);
     {
       Progress progress(task_.options.progress, static_cast<double>(records_.size()));
       run_all(progress);
@@ -102,7 +105,7 @@ class Sweep {
     SweptRun& record = records_[run];
     bool has_rows = false;
     try {
-      if (caught_signal() != 0 || (rows_ && rows_->failed()))
+      if (caught_signal() != 0 || writing_failed_ || (rows_ && rows_->failed()))
         record.interrupted = true;
       else
         has_rows = simulate(run, record);
@@ -113,7 +116,7 @@ class Sweep {
     if (!has_rows && rows_) (void)rows_->finish(run, "");
   }
 
-  /// False where the run did not come to rows.
+  /// False where the run did not come to rows of the one file.
   bool simulate(std::size_t run, SweptRun& record) {
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
@@ -126,9 +129,35 @@ class Sweep {
     }
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
     if (!compiled->analyses.transient) return false;
+    if (task_.options.split) {
+      write_file(run, *compiled, engine.simulate, record);
+      return false;
+    }
     analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
     take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
     return true;
+  }
+
+  /// What a run by itself writes. After a failure to write no further run begins.
+  void write_file(std::size_t run, const circuit::Compiled& compiled, const analysis::Simulate& simulate, SweptRun& record) {
+    const std::string name = split_file(task_.options.output, run);
+    std::string problem;
+    auto file = waveform::OutputFile::open(name, problem);
+    if (!file) return note_unwritten(fmt::format("{}: {}", name, problem), record);
+    const auto writer = analysis::row_writer(task_.options.format, compiled, *file);
+    const analysis::TransientRun rows = analysis::run_transient(compiled, simulate, *file, *writer, control_of(run, compiled));
+    take_transient(rows, record);
+    if (rows.ending == analysis::Ending::write_failed || rows.ending == analysis::Ending::closed_pipe)
+      note_unwritten(rows.message, record);
+    else
+      record.file = name;
+  }
+
+  void note_unwritten(std::string why, SweptRun& record) {
+    record.done = false;
+    record.id = cannot_write;
+    record.message = std::move(why);
+    writing_failed_ = true;
   }
 
   analysis::RunControl control_of(std::size_t run, const circuit::Compiled& compiled) {
@@ -169,32 +198,47 @@ class Sweep {
   }
 
   int tell_failures() {
-    std::size_t failures = 0;
+    std::size_t failures = 0, told = 0;
     for (std::size_t run = 0; run < records_.size(); ++run) {
       const SweptRun& record = records_[run];
       if (record.done || record.interrupted || record.id.empty()) continue;
-      if (++failures <= most_failures_told)
-        (void)fail(messages_, Status::run_failed, record.id, fmt::format("run with {}: {}", name(run), record.message));
+      ++failures;
+      if (told >= most_failures_told && record.id != cannot_write) continue;
+      ++told;
+      (void)fail(messages_, Status::run_failed, record.id, fmt::format("run with {}: {}", name(run), record.message));
     }
-    if (failures > most_failures_told)
-      messages_.report({Severity::note, "N-more-failures", {}, fmt::format("{} more runs failed", failures - most_failures_told)});
+    if (failures > told) messages_.report({Severity::note, "N-more-failures", {}, fmt::format("{} more runs failed", failures - told)});
     if (const int signal_number = caught_signal(); signal_number != 0) {
       const auto done = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return record.done; });
       (void)fail(messages_, Status::run_failed, "E-interrupted",
                  fmt::format("stopped by a signal after {} of {} runs{}", done, records_.size(),
-                             task_.rows != nullptr ? "; their rows are in " + task_.rows->name() : ""));
+                             task_.rows == nullptr
+                                 ? ""
+                                 : (task_.options.split ? "; their files are listed in " : "; their rows are in ") + task_.rows->name()));
       return status_of_signal(signal_number);
     }
-    return failures > 0 ? static_cast<int>(Status::run_failed) : 0;
+    return static_cast<int>(writing_failed_ ? Status::file_error : failures > 0 ? Status::run_failed : Status::done);
+  }
+
+  void say_written(const std::string& what) {
+    const auto done = report_.runs - report_.failed_runs;
+    messages_.remark(fmt::format("wrote {}: {} runs{}, {} rows, {} events\n", what, done,
+                                 report_.failed_runs > 0 ? fmt::format(" of {}", report_.runs) : "", report_.statistics.rows,
+                                 report_.statistics.events));
+  }
+
+  int complete_table(waveform::OutputFile& file) {
+    const int status = write_whole(file, analysis::file_table(runs_), messages_);
+    const auto files = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return !record.file.empty(); });
+    if (status == 0) say_written(fmt::format("{} and {} file{} of runs", file.name(), files, files == 1 ? "" : "s"));
+    return status;
   }
 
   int complete(waveform::OutputFile& file) {
+    if (task_.options.split) return complete_table(file);
     const bool is_counted = !raw_ || raw_->flush();
     if (is_counted && file.commit()) {
-      const auto done = report_.runs - report_.failed_runs;
-      messages_.remark(fmt::format("wrote {}: {} runs{}, {} rows, {} events\n", file.name(), done,
-                                   report_.failed_runs > 0 ? fmt::format(" of {}", report_.runs) : "", report_.statistics.rows,
-                                   report_.statistics.events));
+      say_written(file.name());
       return 0;
     }
     if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);
@@ -247,7 +291,8 @@ class Sweep {
   std::optional<waveform::RawWriter> raw_;     ///< of the head and the number of rows
   std::optional<analysis::OrderedRows> rows_;  ///< of a deck with .tran
   std::atomic<std::size_t> begun_ = 0;
-  std::mutex mutex_;  ///< of finished_
+  std::atomic<bool> writing_failed_ = false;  ///< of a run's own file
+  std::mutex mutex_;                          ///< of finished_
   std::condition_variable one_finished_;
   std::size_t finished_ = 0;
 };

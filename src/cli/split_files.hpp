@@ -1,0 +1,16 @@
+#pragma once
+/// The files of --split: of out.csv those of the runs, out.1.csv, out.2.csv, …, and the table of them, out.runs.csv.
+
+#include <cstddef>
+#include <string>
+
+namespace pwlsim::cli {
+
+/// `run`: from 0.
+[[nodiscard]] std::string split_file(const std::string& output, std::size_t run);
+/// CSV, whatever the format of the rows.
+[[nodiscard]] std::string split_table(const std::string& output);
+/// Whether `name` is that table or, of however many runs, one of the files.
+[[nodiscard]] bool is_split_file(const std::string& output, const std::string& name);
+
+}  // namespace pwlsim::cli
