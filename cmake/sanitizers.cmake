@@ -8,7 +8,7 @@ if(PWLSIM_SANITIZE)
   add_compile_options($<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=pointer-overflow>)
   # Instrumented code makes g++ 12 see uninitialised reads in the standard library where there are none.
   add_compile_options($<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  add_compile_definitions(_GLIBCXX_ASSERTIONS)
+  add_compile_definitions(_GLIBCXX_ASSERTIONS PWLSIM_SANITIZED)
   add_link_options(-fsanitize=address,undefined)
 endif()
 

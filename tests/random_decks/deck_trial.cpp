@@ -14,7 +14,7 @@
 namespace pwlsim::test {
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PWLSIM_SANITIZED
 constexpr double most_seconds = 60.0, most_mebibytes = 4096.0;  // what it adds to both
 #else
 constexpr double most_seconds = 10.0, most_mebibytes = 1024.0;
@@ -114,8 +114,15 @@ void Examiner::run(const RandomDeck& deck, const std::string& name) {
   last_ = runner_.run(folder_, arguments);
 }
 
+void Examiner::note_messages(const std::string& name) {
+  std::istringstream lines(last_.err);
+  for (std::string line; std::getline(lines, line);)
+    if (const Head head = head_of(line); !head.id.empty()) first_with_.try_emplace(head.id, name);
+}
+
 std::string Examiner::examine(const RandomDeck& deck, const std::string& name) {
   run(deck, name);
+  note_messages(name);
   const bool is_long = last_.status == interrupted || last_.seconds > most_seconds;
   if (is_long && has_many_events(deck, name)) {
     long_runs_.push_back(name);

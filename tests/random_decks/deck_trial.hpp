@@ -3,6 +3,7 @@
 /// status 0, 1 or 2, or 3 where an included file is missing; a message with a known id where it is not 0, none of them E-internal; no file half written, none at all where the deck is wrong;
 /// no more than 10 s and 1 GiB resident.
 
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -43,11 +44,14 @@ class Examiner {
   [[nodiscard]] const Trial& last() const { return last_; }
   /// Decks that asked for more events than there was time for, and were interrupted as they should.
   [[nodiscard]] const std::vector<std::string>& long_runs() const { return long_runs_; }
+  /// Ids of messages seen, each with the name of the first deck.
+  [[nodiscard]] const std::map<std::string, std::string>& first_with() const { return first_with_; }
   [[nodiscard]] const Scratch& folder() const { return folder_; }
 
  private:
   void run(const RandomDeck& deck, const std::string& name);
   [[nodiscard]] bool has_many_events(RandomDeck deck, const std::string& name);
+  void note_messages(const std::string& name);
   [[nodiscard]] std::string judge(const RandomDeck& deck, const std::string& name) const;
   [[nodiscard]] std::string judge_messages() const;
   [[nodiscard]] std::string judge_files(const RandomDeck& deck, const std::string& name) const;
@@ -58,6 +62,7 @@ class Examiner {
   std::set<std::string> known_ids_;
   Trial last_;
   std::vector<std::string> long_runs_;
+  std::map<std::string, std::string> first_with_;
 };
 
 /// The deck without the lines, files and words of the command line that the fault does not need.

@@ -47,6 +47,8 @@ int examine(std::uint64_t first, std::uint64_t count, bool spawn, const std::set
   fmt::print("{} decks, {} failures; longest {:.2f} s, largest {:.0f} MiB\n", count, failures, longest, largest);
   for (const auto& [status, number] : statuses) fmt::print("status {}: {}\n", status, number);
   for (const std::string& name : examiner.long_runs()) fmt::print("more events than there is time for: {}\n", name);
+  fmt::print("messages, and the first deck with each:\n");
+  for (const auto& [id, name] : examiner.first_with()) fmt::print("  {} {}\n", id, name);
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

@@ -24,12 +24,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PWLSIM_SANITIZED
 constexpr double patience = 120.0;
 #else
-constexpr double patience = 30.0;  // of the clock on the wall: other processes may take their share of the machine
+constexpr double patience = 30.0;  ///< seconds of the processor: other processes may take their share of the machine
 #endif
 constexpr double last_patience = 60.0;
+constexpr double share_of_machine = 0.05;  ///< that a run has at least: what does not run at all is ended too
 
 class SpawningRunner : public TrialRunner {
  public:
@@ -41,6 +42,8 @@ class SpawningRunner : public TrialRunner {
     return {finished.status, finished.out, finished.err, finished.cpu_seconds, finished.resident_mebibytes};
   }
 };
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Ends what does not end.
 class Watchdog {
@@ -62,6 +65,7 @@ class Watchdog {
     const std::lock_guard lock(mutex_);
     state_ = state;
     start_ = Clock::now();
+    cpu_start_ = cpu_seconds();
     ++changes_;
     changed_.notify_one();
   }
@@ -69,15 +73,20 @@ class Watchdog {
   void watch() {
     std::unique_lock lock(mutex_);
     while (state_ != State::over) {
-      const int change = changes_;
-      const auto another = [&] { return changes_ != change; };
       if (state_ == State::idle) {
-        changed_.wait(lock, another);
-      } else if (!changed_.wait_until(lock, start_ + std::chrono::duration<double>(patience), another)) {
+        changed_.wait(lock, [this, change = changes_] { return changes_ != change; });
+      } else if (const int change = changes_; !ends_within(patience, change, lock)) {
         ::kill(::getpid(), SIGINT);
-        if (!changed_.wait_until(lock, start_ + std::chrono::duration<double>(patience + last_patience), another)) give_up();
+        if (!ends_within(patience + last_patience, change, lock)) give_up();
       }
     }
+  }
+
+  bool ends_within(double seconds, int change, std::unique_lock<std::mutex>& lock) {
+    const auto end = start_ + std::chrono::duration<double>(seconds / share_of_machine);
+    while (cpu_seconds() - cpu_start_ < seconds && Clock::now() < end)
+      if (changed_.wait_for(lock, std::chrono::seconds(1), [&] { return changes_ != change; })) return true;
+    return false;
   }
 
   /// The standard descriptors are captured.
@@ -93,6 +102,7 @@ class Watchdog {
   std::condition_variable changed_;
   State state_ = State::idle;
   Clock::time_point start_ = Clock::now();
+  double cpu_start_ = 0.0;
   int changes_ = 0;
   std::thread thread_;
 };
@@ -129,8 +139,6 @@ double resident_peak() {
     if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024.0;
   return 0.0;
 }
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 class InnerRunner : public TrialRunner {
  public:

@@ -31,7 +31,7 @@ void limit(int resource, rlim_t value) {
   ::dup2(err, STDERR_FILENO);
   for (int descriptor = 0; options.no_streams && descriptor < 3; ++descriptor) ::close(descriptor);
   if (::chdir(options.folder.c_str()) != 0) ::_exit(126);
-#ifndef __SANITIZE_ADDRESS__
+#ifndef PWLSIM_SANITIZED
   if (options.limit_memory) limit(RLIMIT_AS, rlim_t{2} << 30);
 #endif
   if (options.file_size != 0) limit(RLIMIT_FSIZE, options.file_size);
