@@ -46,6 +46,7 @@ struct Piece {
   double from = 0.0, to = 0.0;       ///< what it stands for, s
   double begin = 0.0, length = 0.0;  ///< where its points lie, s: [begin, begin + length] holds [from, to] and may reach beyond
   std::span<const double> values;    ///< probe by probe, at the sixteen Gauss–Legendre points (linalg/legendre.hpp)
+  std::span<const double> noise{};   ///< of each probe: what is smaller may be rounding; empty where the values themselves tell
 };
 
 /// Receives what lies between events, in order and without gaps.

@@ -19,6 +19,10 @@ constexpr double surroundings = 1e-3;
 constexpr double equality = 1e-13;
 constexpr const char* not_finite = "the expression is not finite everywhere in its window";
 
+std::string too_fast(double from, double to) {
+  return fmt::format("the expression moves too fast to be followed from {} s to {} s", from, to);
+}
+
 circuit::MeasuredExpression difference_of(const circuit::Crossing& crossing) {
   circuit::MeasuredExpression difference = crossing.left;
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
@@ -86,7 +90,7 @@ double Meter::noise_of(PieceView& view, double from, double to) {
   double size = largest_of(values.data());
   view.values(right_, results_, from, to, values.data());
   size = std::max(size, largest_of(values.data()));
-  return equality * size;
+  return std::max(equality * size, view.noise_of(difference_, results_, from, to));
 }
 
 void Meter::take(PieceView& view) {
@@ -112,30 +116,33 @@ void Meter::read_at(PieceView& view, double time) {
     value_ = view.value(expression_, results_, time);
   } else {
     const double end = view.piece().begin + view.piece().length;
-    view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const Part& part) {
+    const bool resolved = view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const Part& part) {
       if (time < part.from || (time >= part.to && part.to < end)) return;
       const double x = 2.0 * (time - part.from) / part.length() - 1.0;
       value_ = part.series.derivative()(std::clamp(x, -1.0, 1.0)) * 2.0 / part.length();
     });
+    if (!resolved) fail(too_fast(view.piece().begin, end));
   }
 }
 
 void Meter::take_when(PieceView& view, double from, double to) {
   const double noise = noise_of(view, from, to);
-  view.resolve(difference_, results_, from, to, scale_, [&](const Part& part) {
+  const bool resolved = view.resolve(difference_, results_, from, to, scale_, [&](const Part& part) {
     const bool is_done = found_ && !measurement_.when->last;
     if (is_done || !is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     watch_->take(part, noise, [&](double time) { read_at(view, time); });
   });
+  if (!resolved && failure_.empty()) fail(too_fast(from, to));
 }
 
 void Meter::take_window(PieceView& view, double from, double to) {
-  view.resolve(expression_, results_, from, to, scale_, [&](const Part& part) {
+  const bool resolved = view.resolve(expression_, results_, from, to, scale_, [&](const Part& part) {
     if (!is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     add(part);
   });
+  if (!resolved && failure_.empty()) fail(too_fast(from, to));
 }
 
 /// False, and failed, where the expression has no value.

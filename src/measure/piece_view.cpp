@@ -15,6 +15,8 @@ constexpr double noise = 1e-12;
 constexpr double stalled = 0.7;
 constexpr int deepest = 48;
 constexpr std::size_t most_parts = 500;  ///< of a piece, for one expression
+/// Mean error of the parts, of the largest value, beyond which they do not stand for the expression.
+constexpr double most_unresolved = 0.01;
 
 }  // namespace
 
@@ -63,14 +65,42 @@ double PieceView::value(const Program& program, const std::vector<double>& resul
   return value;
 }
 
-void PieceView::resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
+double PieceView::noise_of(const Program& program, const std::vector<double>& results, double from, double to) {
+  if (piece_.noise.empty()) return 0.0;
+  linalg::LegendreValues plain, shifted, changed;
+  values(program, results, from, to, plain.data());
+  double sum = 0.0;
+  for (const int probe : program.probes()) {
+    const double*& signal = inputs_.signals[static_cast<std::size_t>(probe)];
+    const double* own = signal;
+    const double shift = piece_.noise[static_cast<std::size_t>(probe)];
+    std::transform(own, own + points, shifted.begin(), [&](double value) { return value + shift; });
+    signal = shifted.data();
+    program.evaluate(inputs_, points, changed.data());
+    signal = own;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < points; ++i) largest = std::max(largest, std::abs(changed[i] - plain[i]));
+    if (std::isfinite(largest)) sum += largest;
+  }
+  return sum;
+}
+
+bool PieceView::resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
                         const std::function<void(const Part&)>& take) {
   Part whole = part_on(program, results, from, to);
-  if (program.is_polynomial()) return take(whole);
+  if (program.is_polynomial()) {
+    take(whole);
+    return true;
+  }
   for (const double value : whole.values) scale = std::max(scale, std::abs(value));
   split(program, results, whole, scale);
   std::sort(parts_.begin(), parts_.end(), [](const Open& a, const Open& b) { return a.part.from < b.part.from; });
-  for (const Open& open : parts_) take(open.part);
+  double unresolved = 0.0;
+  for (const Open& open : parts_) {
+    take(open.part);
+    unresolved += open.error * open.part.length();
+  }
+  return !(unresolved > most_unresolved * scale * whole.length());
 }
 
 /// Halves the part that is farthest from a polynomial until all are near, or there are too many.

@@ -31,10 +31,13 @@ class PieceView {
   /// Values at the sixteen points of [from, to] within the piece.
   void values(const Program& program, const std::vector<double>& results, double from, double to, double* out);
   [[nodiscard]] double value(const Program& program, const std::vector<double>& results, double time);
+  /// What the noise of its signals makes of an expression at most, at the points of [from, to].
+  [[nodiscard]] double noise_of(const Program& program, const std::vector<double>& results, double from, double to);
 
   /// Hands parts of [from, to] to `take`, in order, on each of which the expression is a polynomial to `resolution` of `scale`. An expression that is no
-  /// polynomial of its signals is halved until it is one: towards a corner or a jump as far as halving goes.
-  void resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
+  /// polynomial of its signals is halved until it is one: towards a corner or a jump as far as halving goes. False: it moves too fast for that, and what
+  /// was handed over is none.
+  bool resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
                const std::function<void(const Part&)>& take);
 
  private:

@@ -238,6 +238,52 @@ TEST_CASE("jumps of value: rms of pulse trains, values right of an edge, passage
   CHECK(m.value.at("reach") == near(1.1e-3));  // what arrives at the value and rests there has crossed
 }
 
+TEST_CASE("currents behind a blocked diode pass zero with the diode only, also where they are differences of voltages", "[unit]") {
+  // A half-wave rectifier with a resistive load: 10 V at 50 Hz pass zero every 10 ms. Between two half waves all currents and drops are zero.
+  const std::string deck =
+      "half wave\n"
+      "V1 s 0 SIN(0 10 50)\n"
+      "RS s b 1.3\n"
+      "R3 b c 0.37\n"
+      "R4 b c 7.7\n"
+      "D1 c out DI\n"
+      "R1 out 0 50\n"
+      ".model DI D\n"
+      ".tran 1m 0.1 uic\n"
+      ".meas current WHEN i(RS)=0 FALL=3\n"
+      ".meas again WHEN i(RS)=0 RISE=3\n"
+      ".meas branch WHEN i(R3)=0 FALL=4\n"
+      ".meas final WHEN v(b,c)=0 FALL=LAST\n";
+  for (const double reltol : {0.0, 1e-6}) {
+    INFO(reltol);
+    const double place = reltol > 0.0 ? 1e-4 : exact;
+    const Measured m = measure_deck(deck, reltol);
+    REQUIRE(m.messages.empty());
+    CHECK(m.value.at("current") == near(50e-3, place));
+    CHECK(m.value.at("again") == near(60e-3, place));
+    CHECK(m.value.at("branch") == near(70e-3, place));
+    CHECK(m.value.at("final") == near(90e-3, place));
+  }
+}
+
+TEST_CASE("an expression that moves too fast to be followed has no value", "[unit]") {
+  const Measured m = measure_deck(
+      "fast\n"
+      "V1 a 0 SIN(0 1 50)\n"
+      "R1 a 0 1k\n"
+      ".tran 1m 0.1\n"
+      ".meas slow AVG cos(10*v(a)) TO=20m\n"
+      ".meas mean AVG sin(1e16*v(a))\n"
+      ".meas place WHEN sin(1e16*v(a))=2\n"
+      ".meas slope DERIV sin(1e16*v(a)) AT=3m\n");
+  REQUIRE(m.messages.empty());
+  CHECK(m.value.at("slow") == near(-0.2459357644513483));  // the Bessel function J0(10): Abramowitz & Stegun, table 9.1
+  for (const char* name : {"mean", "place", "slope"}) {
+    INFO(name);
+    CHECK(m.result(name).failure.find("moves too fast") != std::string::npos);
+  }
+}
+
 TEST_CASE("total harmonic distortion of a square wave is sqrt(pi^2/8 - 1)", "[unit]") {
   const Measured m = measure_deck(
       "square\n"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace pwlsim::engine::sparse {
 
@@ -27,6 +28,9 @@ constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if th
 constexpr int absorbed_levels = 6;         ///< the Euler step behind such a step is so much shorter
 constexpr int longest_pause = 63;          ///< of such steps between two attempts
 constexpr std::size_t most_positions = 1u << 20;
+/// So many steps within that part of the run, and residuals of the certificate of that size (and of so many tolerances): they lead nowhere.
+constexpr std::uint64_t steps_between_looks = 50'000;
+constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
 
 }  // namespace
 
@@ -72,14 +76,35 @@ void Block::signals(double time, std::span<const int> numbers, double* values) {
   }
 }
 
+double Block::signal_size(int number) const { return signals_[static_cast<std::size_t>(number)].size(point_.z.data(), point_.w.data()); }
+
 bool Block::advance() {
   instant_.reset();
-  if (restart_due_ || next_break() <= point_.time + break_tolerance_) return restart();
+  if (restart_due_ || next_break() <= point_.time + break_tolerance_) return restart() && look_back();
   if (point_.time >= request_.stop - tolerance_) {
     finished_ = true;
     return true;
   }
-  return step();
+  return step() && look_back();
+}
+
+/// Where no solution continues, steps may get ever shorter from one wrong position to the next: an active network need not have one.
+bool Block::look_back() {
+  if (steps_ - looked_after_ < steps_between_looks) return true;
+  looked_after_ = steps_;
+  const Certificate certificate = certificate_.check();
+  const double worst = std::max(certificate.complementarity, certificate.kcl_kvl);
+  const double start = std::exchange(looked_at_, point_.time);
+  const bool is_worse = worst > std::exchange(worst_before_, worst);
+  if (point_.time - start > short_stretch * request_.stop) return true;
+  if (!is_worse || worst < std::max(hopeless_residual, hopeless_tolerances * reltol_)) return true;
+  fail(Outcome::no_solution, "E-step",
+       fmt::format(
+           "steps get ever shorter before t = {} s ({} of them within {:.3g} s), and violate the circuit's laws by {:.1e}: a solution may "
+           "not exist; try --engine exact, which examines it",
+           point_.time, steps_between_looks, point_.time - start, worst),
+       {});
+  return false;
 }
 
 /// Time to the next breakpoint or the end.

@@ -39,6 +39,8 @@ class Block {
   void signals(double time, double* values);
   /// Some of them, by number.
   void signals(double time, std::span<const int> numbers, double* values);
+  /// Sum of the magnitudes that a saved signal is a sum of, at time().
+  [[nodiscard]] double signal_size(int number) const;
 
   struct Instant {
     double time = 0.0;
@@ -78,6 +80,7 @@ class Block {
   void control_size(double error);
   bool reduce(double h, double error);
   bool fail_step(Solved solved, double error);
+  bool look_back();
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
@@ -140,6 +143,8 @@ class Block {
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   int absorb_wait_ = 0, absorb_pause_ = 0;
+  double looked_at_ = 0.0, worst_before_ = 0.0;  ///< time and residual at the step number `looked_after_`
+  std::uint64_t looked_after_ = 0;
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };

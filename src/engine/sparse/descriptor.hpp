@@ -40,6 +40,13 @@ struct Form {
     return start;
   }
   [[nodiscard]] double value(const double* unknowns, const double* sources) const { return sum(w, sources, sum(z, unknowns, constant)); }
+  /// Sum of the magnitudes of its terms.
+  [[nodiscard]] double size(const double* unknowns, const double* sources) const {
+    double result = std::abs(constant);
+    for (const Part& part : z) result += std::abs(part.coefficient * unknowns[part.index]);
+    for (const Part& part : w) result += std::abs(part.coefficient * sources[part.index]);
+    return result;
+  }
 };
 
 struct Port {
@@ -52,12 +59,7 @@ struct Port {
   /// What a position leaves free: u where on, s where off. A diode needs it not negative.
   [[nodiscard]] double free_variable(bool on, const double* z, const double* w) const { return on ? z[row] : slack.value(z, w); }
   /// Sum of the magnitudes that the slack is a sum of.
-  [[nodiscard]] double slack_size(const double* z, const double* w) const {
-    double size = std::abs(slack.constant);
-    for (const auto& part : slack.z) size += std::abs(part.coefficient * z[part.index]);
-    for (const auto& part : slack.w) size += std::abs(part.coefficient * w[part.index]);
-    return size;
-  }
+  [[nodiscard]] double slack_size(const double* z, const double* w) const { return slack.size(z, w); }
   /// The part of it that is linear in z.
   [[nodiscard]] double response(bool on, const double* z) const { return on ? z[row] : Form::sum(slack.z, z); }
 };

@@ -37,6 +37,7 @@ class Transient {
   bool rows_before(double time, bool inclusive);
   void find_shares(Track& track) const;
   void pieces_before(double time);
+  void note_noise();
   void note_before_start(const Track& track, const Start& start);
   bool open_event(Track& track);
   bool close_event();
@@ -65,6 +66,7 @@ class Transient {
   std::vector<char> on_;     ///< of all ports
   double piece_time_ = 0.0;  ///< up to which pieces have been handed over
   std::vector<double> piece_values_;
+  std::vector<double> probe_noise_;  ///< as Piece::noise, the largest so far
 };
 
 }  // namespace pwlsim::engine::sparse
