@@ -160,7 +160,7 @@ std::optional<double> Evaluator::of_binary(const Expression& expression) {
 }
 
 std::optional<double> Evaluator::of_operation(const Expression& operation, double left, double right) {
-  const double result = binary_value(operation.text, left, right);
+  const double result = find_binary(operation.text)(left, right);
   return finite(result, operation, std::isfinite(result) ? "" : why_not_finite(operation, right));
 }
 

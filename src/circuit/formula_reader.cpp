@@ -202,7 +202,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expressi
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_numbers(const Expression& operation, double left, double right) {
-  const double value = binary_value(operation.text, left, right);
+  const double value = find_binary(operation.text)(left, right);
   if (std::isfinite(value)) return Meaning{constant_sum(value), std::nullopt};
   reporter().error("E-not-finite", operation.span,
                    operation.text == "/" && right == 0.0 ? "division by zero" : "the result is not a finite number");

@@ -52,6 +52,34 @@ constexpr BuiltinFunction functions[] = {
     {"max", 2, any_number, [](Arguments a) { return *std::max_element(a.begin(), a.end()); }, true},
 };
 
+struct SpelledOperator {
+  std::string_view text;
+  BinaryOperator value;
+};
+
+double power(double a, double b) { return std::pow(a, b); }
+double both(double a, double b) { return a != 0.0 && b != 0.0; }
+double either(double a, double b) { return a != 0.0 || b != 0.0; }
+
+constexpr SpelledOperator operators[] = {
+    {"+", [](double a, double b) { return a + b; }},
+    {"-", [](double a, double b) { return a - b; }},
+    {"*", [](double a, double b) { return a * b; }},
+    {"/", [](double a, double b) { return a / b; }},
+    {"^", power},
+    {"**", power},
+    {"<", [](double a, double b) -> double { return a < b; }},
+    {">", [](double a, double b) -> double { return a > b; }},
+    {"<=", [](double a, double b) -> double { return a <= b; }},
+    {">=", [](double a, double b) -> double { return a >= b; }},
+    {"==", [](double a, double b) -> double { return a == b; }},
+    {"!=", [](double a, double b) -> double { return a != b; }},
+    {"&", both},
+    {"&&", both},
+    {"|", either},
+    {"||", either},
+};
+
 }  // namespace
 
 std::span<const BuiltinFunction> builtin_functions() { return functions; }
@@ -61,21 +89,10 @@ const BuiltinFunction* find_builtin(std::string_view name) {
   return found == std::end(functions) ? nullptr : found;
 }
 
-double binary_value(std::string_view op, double a, double b) {
-  if (op == "+") return a + b;
-  if (op == "-") return a - b;
-  if (op == "*") return a * b;
-  if (op == "/") return a / b;
-  if (op == "^" || op == "**") return std::pow(a, b);
-  if (op == "<") return a < b;
-  if (op == ">") return a > b;
-  if (op == "<=") return a <= b;
-  if (op == ">=") return a >= b;
-  if (op == "==") return a == b;
-  if (op == "!=") return a != b;
-  if (op == "&" || op == "&&") return a != 0.0 && b != 0.0;
-  if (op == "|" || op == "||") return a != 0.0 || b != 0.0;
-  return std::numeric_limits<double>::quiet_NaN();
+BinaryOperator find_binary(std::string_view op) {
+  const auto* found = std::find_if(std::begin(operators), std::end(operators), [&](const auto& o) { return o.text == op; });
+  if (found != std::end(operators)) return found->value;
+  return [](double, double) { return std::numeric_limits<double>::quiet_NaN(); };
 }
 
 }  // namespace pwlsim::circuit

@@ -18,7 +18,8 @@ struct BuiltinFunction {
 [[nodiscard]] std::span<const BuiltinFunction> builtin_functions();
 [[nodiscard]] const BuiltinFunction* find_builtin(std::string_view name);
 
-/// The value of a binary operator; nan for one that is unknown.
-[[nodiscard]] double binary_value(std::string_view op, double a, double b);
+using BinaryOperator = double (*)(double, double);
+/// As decks spell it; nan is the value of one that is unknown.
+[[nodiscard]] BinaryOperator find_binary(std::string_view op);
 
 }  // namespace pwlsim::circuit

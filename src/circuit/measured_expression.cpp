@@ -93,7 +93,7 @@ bool MeasuredExpressionReader::add(const Expression& expression, Scope& scope, c
       steps.push_back({.kind = StepKind::negate});
     if (expression.text == "!") steps.push_back({.kind = StepKind::invert});
   } else if (are_numbers(steps, first, 2)) {
-    const double value = binary_value(expression.text, steps[first].number, steps[first + 1].number);
+    const double value = find_binary(expression.text)(steps[first].number, steps[first + 1].number);
     if (!std::isfinite(value)) return fail("E-not-finite", expression, "the result is not a finite number");
     steps.resize(first);
     steps.push_back(number_step(value));

@@ -23,26 +23,11 @@ bool keeps_polynomials(const circuit::MeasuredExpression::Step& step) {
   }
 }
 
-double operation_value(const std::string& operation, double a, double b) {
-  if (operation.size() == 1) {
-    switch (operation[0]) {
-      case '+':
-        return a + b;
-      case '-':
-        return a - b;
-      case '*':
-        return a * b;
-      default:
-        break;
-    }
-  }
-  return circuit::binary_value(operation, a, b);
-}
-
 }  // namespace
 
 Program::Program(const circuit::MeasuredExpression& expression) : steps_(expression.steps) {
   for (const Step& step : steps_) {
+    operators_.push_back(step.kind == Kind::operation ? circuit::find_binary(step.operation) : nullptr);
     polynomial_ = polynomial_ && keeps_polynomials(step);
     if (step.kind == Kind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end()) probes_.push_back(step.index);
   }
@@ -65,7 +50,9 @@ double Program::at(const Inputs& inputs, std::size_t instant) const {
     stack_.pop_back();
     return value;
   };
+  const circuit::BinaryOperator* binary = operators_.data();
   for (const Step& step : steps_) {
+    const circuit::BinaryOperator operation = *binary++;
     switch (step.kind) {
       case Kind::number:
         stack_.push_back(step.number);
@@ -87,7 +74,7 @@ double Program::at(const Inputs& inputs, std::size_t instant) const {
         break;
       case Kind::operation: {
         const double right = pop();
-        stack_.back() = operation_value(step.operation, stack_.back(), right);
+        stack_.back() = operation(stack_.back(), right);
         break;
       }
       case Kind::function: {

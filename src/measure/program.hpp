@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "circuit/functions.hpp"
 #include "circuit/measurement.hpp"
 
 namespace pwlsim::measure {
@@ -35,6 +36,7 @@ class Program {
   [[nodiscard]] double at(const Inputs& inputs, std::size_t instant) const;
 
   std::vector<Step> steps_;
+  std::vector<circuit::BinaryOperator> operators_;  ///< of the steps that are operations
   std::vector<int> probes_;
   bool polynomial_ = true;
   mutable std::vector<double> stack_;
