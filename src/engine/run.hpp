@@ -56,6 +56,8 @@ class PieceSink {
   /// The probes just before t = 0, where the run starts from an operating point.
   virtual void before_start(std::span<const double> values) = 0;
   virtual void take(const Piece& piece) = 0;
+  /// ∫ dt of each probe over an instant, between the pieces before and after it; NaN where impulses of higher order acted. The sparse engine has none.
+  virtual void impulse(double /*time*/, std::span<const double> /*values*/) {}
 };
 
 /// Signals that are followed between the rows. Nothing is computed for them outside of [from, to], nor where there is no sink.

@@ -126,6 +126,10 @@ void Measuring::take(const engine::Piece& piece) {
   for (FourierMeter& meter : fourier_) meter.take(view_);
 }
 
+void Measuring::impulse(double time, std::span<const double> values) {
+  for (auto& [index, meter] : meters_) meter.take_impulse(time, values);
+}
+
 void Measuring::end_pass(double reached) {
   for (auto& [index, meter] : meters_) {
     meter.finish(reached);

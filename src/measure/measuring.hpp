@@ -46,6 +46,7 @@ class Measuring : public engine::PieceSink {
 
   void before_start(std::span<const double> values) override;
   void take(const engine::Piece& piece) override;
+  void impulse(double time, std::span<const double> values) override;
 
  private:
   [[nodiscard]] bool is_ready(std::size_t index) const;

@@ -102,6 +102,15 @@ void Meter::take(PieceView& view) {
   watch_ ? take_when(view, from, to) : take_window(view, from, to);
 }
 
+/// Windows take what happens at their begin, not at their end.
+void Meter::take_impulse(double time, std::span<const double> values) {
+  const bool integrates = measurement_.kind == Kind::integral || measurement_.kind == Kind::average;
+  if (!integrates || is_done() || time < from_ - sliver_ || time >= to_ - sliver_) return;
+  const double share = expression_.impulse(values, results_, time);
+  if (!std::isfinite(share)) return fail(fmt::format("impulses of higher order act at t = {} s", time));
+  sum_ += share;
+}
+
 /// The value on the right of an instant counts; at the end of the run that on its left.
 void Meter::take_at(PieceView& view) {
   if (view.piece().from > at_ + sliver_ || view.piece().to < at_ - sliver_) return;

@@ -5,6 +5,7 @@
 /// zeros of differences. Nothing depends on the rows.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ class Meter {
 
   void before_start(PieceView& view);
   void take(PieceView& view);
+  /// ∫ dt of each probe over an instant.
+  void take_impulse(double time, std::span<const double> values);
   /// The run is over at `reached`.
   void finish(double reached);
 

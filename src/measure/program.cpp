@@ -23,6 +23,42 @@ bool keeps_polynomials(const circuit::MeasuredExpression::Step& step) {
   }
 }
 
+/// Whether the expression is linear in its signals, with factors and summands that are no signals.
+bool is_linear(const std::vector<circuit::MeasuredExpression::Step>& steps) {
+  std::vector<bool> reads;  // a signal, of what is on the stack
+  for (const auto& step : steps) {
+    const bool right = !reads.empty() && reads.back();
+    switch (step.kind) {
+      case Kind::operation: {
+        reads.pop_back();
+        const bool left = reads.back();
+        const bool is_sum = step.operation == "+" || step.operation == "-";
+        const bool is_scaled = (step.operation == "*" && !(left && right)) || (step.operation == "/" && !right);
+        if ((left || right) && !is_sum && !is_scaled) return false;
+        reads.back() = left || right;
+        break;
+      }
+      case Kind::negate:
+        break;
+      case Kind::invert:
+        if (right) return false;
+        break;
+      case Kind::function:
+      case Kind::choose: {
+        const std::size_t count = step.kind == Kind::choose ? 3 : static_cast<std::size_t>(step.index);
+        if (std::find(reads.end() - static_cast<std::ptrdiff_t>(count), reads.end(), true) != reads.end()) return false;
+        reads.resize(reads.size() - count);
+        reads.push_back(false);
+        break;
+      }
+      default:
+        reads.push_back(step.kind == Kind::signal);
+        break;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Program::Program(const circuit::MeasuredExpression& expression) : steps_(expression.steps) {
@@ -31,6 +67,19 @@ Program::Program(const circuit::MeasuredExpression& expression) : steps_(express
     polynomial_ = polynomial_ && keeps_polynomials(step);
     if (step.kind == Kind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end()) probes_.push_back(step.index);
   }
+  linear_ = is_linear(steps_);
+}
+
+double Program::impulse(std::span<const double> signals, const std::vector<double>& results, double time) const {
+  if (!linear_) return 0.0;
+  Inputs inputs;
+  inputs.times = &time;
+  inputs.results = &results;
+  for (const double& signal : signals) inputs.signals.push_back(&signal);
+  const double with = at(inputs, 0);
+  constexpr double none = 0.0;
+  std::fill(inputs.signals.begin(), inputs.signals.end(), &none);
+  return with - at(inputs, 0);
 }
 
 void Program::evaluate(const Inputs& inputs, std::size_t count, double* values) const {

@@ -2,6 +2,7 @@
 /// Values of measured expressions at many instants at once.
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "circuit/functions.hpp"
@@ -26,6 +27,9 @@ class Program {
   [[nodiscard]] const std::vector<int>& probes() const { return probes_; }
   /// A sum or product of signals: as well resolved by the points of a piece as these.
   [[nodiscard]] bool is_polynomial() const { return polynomial_; }
+  /// What its integral takes of the impulses of the probes at an instant: of a sum of signals with factors that are no signals the same sum. Of what is
+  /// not linear in them there is none: 0.
+  [[nodiscard]] double impulse(std::span<const double> signals, const std::vector<double>& results, double time) const;
   /// `values`: `count` of them.
   void evaluate(const Inputs& inputs, std::size_t count, double* values) const;
   /// Of an expression that reads results alone.
@@ -38,7 +42,7 @@ class Program {
   std::vector<Step> steps_;
   std::vector<circuit::BinaryOperator> operators_;  ///< of the steps that are operations
   std::vector<int> probes_;
-  bool polynomial_ = true;
+  bool polynomial_ = true, linear_ = true;
   mutable std::vector<double> stack_;
 };
 

@@ -73,7 +73,8 @@ class Extractor {
         g_rest_(assembly.g_rest),
         f_(assembly.f),
         ha_(assembly.ha),
-        hw_(assembly.hw) {}
+        hw_(assembly.hw),
+        hw_edge_(WideMatrix::Zero(assembly.hw.rows(), assembly.hw.cols())) {}
 
   std::optional<Extraction> run() {
     if (!assembly_.coupling_possible) {
@@ -108,10 +109,13 @@ class Extractor {
   const Assembly& assembly_;
   Diagnostics& diagnostics_;
   WideMatrix g_, g_rest_, f_, ha_, hw_;
+  WideMatrix hw_edge_;              ///< over an instant G ∫z + H_a ∫a + this·Δζ = 0
   WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
   std::vector<Eigen::Index> held_;  ///< stores in which H is regular
   WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
   WideMatrix z_xi_, z_a_, z_zeta_;  ///< z = …·ξ, …·a, …·ζ
+  WideMatrix z_edge_, f1_edge_;     ///< ∫z = …·Δζ, ∫y = …·Δζ over an instant, with no impulse of a, of u
+  Matrix edge_;                     ///< ∫z = …·Δζ with no impulse of u
   WideMatrix a_, b_, e_;            ///< ξ' = a ξ + b a_wave + e ζ
   WideVector theta_;
   WideMatrix c_, d_, f1_;  ///< y = c ξ + d u + f1 ζ
@@ -124,7 +128,7 @@ void Extractor::equilibrate() {
     const Wide largest = g_.row(i).cwiseAbs().maxCoeff();
     if (largest == 0.0) continue;
     const Wide scale = std::ldexp(1.0L, -std::ilogb(largest));  // exact
-    for (WideMatrix* m : {&g_, &g_rest_, &f_, &ha_, &hw_}) m->row(i) *= scale;
+    for (WideMatrix* m : {&g_, &g_rest_, &f_, &ha_, &hw_, &hw_edge_}) m->row(i) *= scale;
   }
 }
 
@@ -189,6 +193,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     f_.row(row).setZero();
     ha_.row(row).setZero();
     hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
+    hw_edge_.row(row) = nw.row(k);
   }
   return true;
 }
@@ -285,12 +290,14 @@ void Extractor::solve_unknowns() {
   WideMatrix right(m, stores + k + nz);
   right << f_, ha_, hw_;
   WideMatrix solution = WideMatrix::Zero(m, right.cols());
+  z_edge_ = WideMatrix::Zero(m, nz);
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
     solution = -linalg::refined_solution(g_, g_rest_, inverse, right);
     // What a rounding of each entry of G and of the right-hand sides does to the solution (Higham 2002, §7.2).
     const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, solution) + right.cwiseAbs());
     solution = wide_cleaned(solution, bound);
+    z_edge_ = -wide_clean_product(inverse, hw_edge_);
   }
   // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
   const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();
@@ -356,6 +363,7 @@ void Extractor::choose_causality() {
     if (std::abs(d_.data()[i]) < port_noise) d_.data()[i] = 0.0;
   c_ = solution.middleCols(2 * k, n);
   f1_ = solution.rightCols(nz);
+  f1_edge_ = wide_clean_product(inverse, WideMatrix(z_edge_.middleRows(first, k)));
 }
 
 void Extractor::add_ports() {
@@ -414,6 +422,7 @@ void Extractor::finish() {
   descriptor.store_sign = assembly_.store_sign();
   descriptor.z_state.resize(m, size);
   descriptor.z_state << wide_clean_sum(z_xi_, -z_a_, c_).cast<double>(), wide_clean_sum(z_zeta_, -z_a_, f1_).cast<double>();
+  edge_ = wide_clean_sum(z_edge_, -z_a_, f1_edge_).cast<double>();
   descriptor.z_input = -wide_clean_product(z_a_, one_plus_d_).cast<double>();
   descriptor.store_state.resize(assembly_.stores(), size);
   descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
@@ -436,7 +445,7 @@ OutputRow Extractor::output(const LinearForm& form) const {
   const Assembly::FormRow row = assembly_.row_of(form);
   const Descriptor& d = result_.descriptor;
   const Vector z_part = row.z_part.cast<double>();
-  OutputRow result{d.z_state.transpose() * z_part, d.z_input.transpose() * z_part};
+  OutputRow result{d.z_state.transpose() * z_part, d.z_input.transpose() * z_part, edge_.transpose() * z_part};
   const Vector state_bound = d.z_state.cwiseAbs().transpose() * z_part.cwiseAbs();
   const Vector input_bound = d.z_input.cwiseAbs().transpose() * z_part.cwiseAbs();
   result.state.tail(row.zeta_part.size()) += row.zeta_part.cast<double>();
@@ -444,6 +453,9 @@ OutputRow Extractor::output(const LinearForm& form) const {
     if (std::abs(result.state[i]) <= linalg::clean_tolerance * state_bound[i]) result.state[i] = 0.0;
   for (Eigen::Index i = 0; i < result.input.size(); ++i)
     if (std::abs(result.input[i]) <= linalg::clean_tolerance * input_bound[i]) result.input[i] = 0.0;
+  const Vector edge_bound = edge_.cwiseAbs().transpose() * z_part.cwiseAbs();
+  for (Eigen::Index i = 0; i < result.edge.size(); ++i)
+    if (std::abs(result.edge[i]) <= linalg::clean_tolerance * edge_bound[i]) result.edge[i] = 0.0;
   return result;
 }
 

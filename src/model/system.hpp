@@ -21,10 +21,11 @@ namespace pwlsim::model {
 using linalg::Matrix;
 using linalg::Vector;
 
-/// value = state·x + input·u, in SI units.
+/// value = state·x + input·u, in SI units; over an instant ∫value dt = input·∫u dt + edge·Δζ.
 struct OutputRow {
-  Vector state;  ///< n + n_ζ
-  Vector input;  ///< ports
+  Vector state;      ///< n + n_ζ
+  Vector input;      ///< ports
+  Vector edge = {};  ///< n_ζ: of capacitors across sources and inductors in series with them
 };
 
 struct Port {

@@ -29,7 +29,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       sink_(sink),
       jump_recorder_(exact_model.islands, request.jumps),
       port_watch_(islands_, request.watcher),
-      pieces_(exact_model.islands, request.probes) {
+      pieces_(exact_model.islands, request.probes),
+      impulses_(exact_model.islands, request.probes) {
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
@@ -107,7 +108,8 @@ bool Transient::begin(const Start& start) {
   for (IslandRun* island : running_) {
     island->evaluate_sources(0.0);
     jump_recorder_.before(number_of(*island), island->x);
-    island->take_breakpoints(0.0);
+    impulses_.before(number_of(*island), island->x);
+    if (island->take_breakpoints(0.0)) impulses_.sources_jumped(number_of(*island), island->x);
     recorder_.start(island->model(), island->x.data());
   }
   if (!settle(instant, true)) return false;
@@ -133,7 +135,13 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   pieces_.advance(islands_, instant.time);
   island.open(instant.time, instant.late);
   jump_recorder_.before(number_of(island), island.x);
-  if (island.take_breakpoints(instant.time)) instant.source_edge = true;
+  // What holds nothing but sources has not been brought along.
+  if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
+  impulses_.before(number_of(island), island.x);
+  if (island.take_breakpoints(instant.time)) {
+    instant.source_edge = true;
+    impulses_.sources_jumped(number_of(island), island.x);
+  }
 }
 
 void Transient::open_event_islands(double time, Instant& instant) {
@@ -196,6 +204,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     if (!select_open(instant)) return false;
     if (flip_violated(instant)) continue;
     note_mode_changes(instant);
+    impulses_.end(instant.time, !at_start || !request_.use_initial_conditions);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
       jump_recorder_.after(number_of(*island), instant.time, island->x);
@@ -217,7 +226,10 @@ bool Transient::select_open(Instant& instant) {
     if (!island->is_open()) continue;
     const model::Selected selected = island->select();
     instant.jumps += selected.jumps;
-    if (selected.jumps > 0) jump_recorder_.jumped(number_of(*island), selected);
+    if (selected.jumps > 0) {
+      jump_recorder_.jumped(number_of(*island), selected);
+      impulses_.ports_jumped(number_of(*island), selected);
+    }
     if (selected.choice == model::Choice::found) continue;
     if (selected.choice == model::Choice::several && request_.non_unique != NonUnique::error) {
       note_several(*island, selected, instant.time);

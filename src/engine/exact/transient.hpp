@@ -8,6 +8,7 @@
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/piece_maker.hpp"
+#include "engine/exact/probe_impulses.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/start.hpp"
 #include "model/clock.hpp"
@@ -90,6 +91,7 @@ class Transient {
   JumpRecorder jump_recorder_;
   PortWatch port_watch_;
   PieceMaker pieces_;
+  ProbeImpulses impulses_;
   std::uint64_t several_ = 0;  ///< selections that had a choice, and the first of them in words
   std::string several_text_;
   double tolerance_ = 0.0;  ///< instants closer than this are one
