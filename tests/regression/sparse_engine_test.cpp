@@ -139,6 +139,19 @@ TEST_CASE("the sparse engine runs what may have no solution, and names what it l
   CHECK(names.find("V1") == std::string::npos);
 }
 
+// Half of max(0, 10 V sin ωt) on either resistor.
+TEST_CASE("rows between steps are within the tolerance where nothing is stored", "[regression]") {
+  constexpr double reltol = 1e-6, amplitude = 10.0, few = 5.0;
+  const DeckRun run = run_text_sparse(
+      "static\nV1 s 0 SIN(0 10 50)\nR1 s b 100\nD1 b o DI\nR2 o 0 100\n.model DI D\n.save v(s,b) v(o)\n.tran 0.1m 40m\n.end\n", reltol);
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  for (const auto& row : run.rows) {
+    const double expected = 0.5 * std::max(0.0, amplitude * std::sin(2.0 * std::acos(-1.0) * 50.0 * row[0]));
+    CHECK(std::abs(row[1] - expected) <= few * reltol * amplitude);
+    CHECK(std::abs(row[2] - expected) <= few * reltol * amplitude);
+  }
+}
+
 // The control of a switch that jumps in the last of an instant's Euler steps is seen in the next step. Kirchhoff's law at the star point.
 TEST_CASE("an inverter with compared gates runs on the sparse engine", "[regression]") {
   std::string deck = "inverter\nVDC p 0 400\nVT t 0 PULSE(-1 1 0 100u 100u 0 200u)\n";

@@ -12,6 +12,9 @@
 #include "lcp/problem_classes.hpp"
 #include "lcp/solve.hpp"
 
+/// What Siconos does not free is not looked at (AddressSanitizer).
+extern "C" const char* __lsan_default_suppressions() { return "leak:libsiconos_numerics"; }
+
 using namespace pwlsim;
 using namespace pwlsim::test;
 using linalg::Matrix;

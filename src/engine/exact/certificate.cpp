@@ -133,7 +133,7 @@ EnergyBalance energy(const IslandModel& island, const model::Mode& mode, const s
   const model::Descriptor& d = island.extraction.descriptor;
   if (d.store_ports.empty() || !(length > 0.0)) return {};
   const double rate = std::max(mode.flow.rate(), 1.0 / length);
-  const int panels = std::clamp(static_cast<int>(std::ceil(rate * length / panel_rate)), 1, most_panels);
+  const int panels = static_cast<int>(std::clamp(std::ceil(rate * length / panel_rate), 1.0, static_cast<double>(most_panels)));
   const double panel = std::min(length / panels, panel_rate / rate);
   std::vector<double> work(2 * y0.size());
   const auto at = [&](double tau) {

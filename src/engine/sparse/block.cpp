@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +14,8 @@ namespace {
 
 constexpr double most_steps_of_run = 1.0 / 64.0;     ///< the largest step, of the run
 constexpr double most_steps_of_period = 1.0 / 16.0;  ///< and of a sinusoid's period
+/// Rows lie on the parabola through a step's stages, which leaves a sinusoid by this times (ωh)³: max |t (t − 2d) (t − 1)|/6 over the step.
+constexpr double parabola_error = 0.0105;
 constexpr int first_level = 6;
 /// Growth waits until the error of the doubled step is this part of the tolerance.
 constexpr double growth_share = 0.5;
@@ -31,6 +34,11 @@ constexpr std::size_t most_positions = 1u << 20;
 /// So many steps within that part of the run, and residuals of the certificate of that size (and of so many tolerances): they lead nowhere.
 constexpr std::uint64_t steps_between_looks = 50'000;
 constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
+
+/// Of a sinusoid of that period, with errors of its rows within the tolerance.
+double longest_step(double period, double reltol) {
+  return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
+}
 
 }  // namespace
 
@@ -54,7 +62,7 @@ Block::Block(const Part& part, const Request& request, double reltol)
   }
   signal_scale_.assign(signals_.size(), 0.0);
   signals_before_.assign(signals_.size(), 0.0);
-  h_max_ = std::min(most_steps_of_run * request.stop, most_steps_of_period * sources_.shortest_period());
+  h_max_ = std::min(most_steps_of_run * request.stop, longest_step(sources_.shortest_period(), reltol));
   level_ = first_level;
   tolerance_ = merge_fraction * request.stop;
   break_tolerance_ = break_fraction * request.stop;
