@@ -189,7 +189,7 @@ def head(points):
         f"Made by `python3 validation/work_precision/run.py --pwlsim build/pwlsim` on {machine()}; {version_of(['ngspice', '-v'])}, "
         f"gnucap {version_of(['gnucap', '-b', '/dev/null']).removeprefix('master ')}, "
         f"python3-siconos {siconos_version()}. {len(used)} circuits. Times on a machine that is not idle are good to a factor of two; errors repeat:",
-        "a second run of pwlsim and of Siconos gave the same four digits of every one, and run.py says so of whatever it measures anew.",
+        "a second run of pwlsim, ngspice and Siconos gave the same four digits of every one, and run.py says so of whatever it measures anew.",
         "",
         "Each case is a folder of [validation/cases](../../validation/cases) with its deck, why it is there and where its reference comes from; none of the references is the program's.",
         "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of ngspice and gnucap the CPU time of the process",
