@@ -8,8 +8,8 @@
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/piece_maker.hpp"
-#include "engine/exact/probe_impulses.hpp"
 #include "engine/exact/port_watch.hpp"
+#include "engine/exact/probe_impulses.hpp"
 #include "engine/exact/start.hpp"
 #include "model/clock.hpp"
 
