@@ -6,7 +6,6 @@
 /// values, so that several of them share one, and a solution walks through two lists.
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "linalg/sparse.hpp"

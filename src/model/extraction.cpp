@@ -297,7 +297,7 @@ void Extractor::solve_unknowns() {
     // What a rounding of each entry of G and of the right-hand sides does to the solution (Higham 2002, §7.2).
     const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, solution) + right.cwiseAbs());
     solution = wide_cleaned(solution, bound);
-    z_edge_ = -wide_clean_product(inverse, hw_edge_);
+    if (!hw_edge_.isZero(0)) z_edge_ = -wide_clean_product(inverse, hw_edge_);
   }
   // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
   const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();

@@ -188,10 +188,7 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
 /// What follows where x lies in m to rounding and m is not accepted. Ports that m leaves open may have the wrong sign in the least norm: then the
 /// mode that holds those at zero goes on. Or what x is moved by into m was in the guards: then a mode goes on from there.
 const Mode* Selector::beside(double* x, const Mode& m) {
-  IndexSet set = m.active;
-  for (int i = 0; i < system_.diodes; ++i)
-    if (departures_[static_cast<std::size_t>(i)].value < 0.0) set.flip(i);
-  if (const Mode* found = try_without_jump(x, set); found) return found;
+  if (const Mode* found = try_without_jump(x, with_falling_flipped(m.active)); found) return found;
   if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
   const Mode* found = settled(m, x);
   if (found) std::copy(settled_.begin(), settled_.end(), x);
@@ -394,19 +391,25 @@ IndexSet Selector::with_flipped(const IndexSet& set, int port) {
 }
 
 IndexSet Selector::by_rule(const double* x, const IndexSet& set) {
-  IndexSet next = set;
   const Mode& m = mode(set);
-  if (!m.regular || !consistent(m, x, projected_.data()) || accepts(m, projected_.data())) return next;
+  if (!m.regular || !consistent(m, x, projected_.data()) || accepts(m, projected_.data())) return set;
+  return with_falling_flipped(set);
+}
+
+/// The set after every port has changed sides whose guard falls below zero by the departures at hand.
+IndexSet Selector::with_falling_flipped(IndexSet set) const {
   for (int i = 0; i < system_.diodes; ++i)
-    if (departures_[static_cast<std::size_t>(i)].value < 0.0) next.flip(i);
-  return next;
+    if (departures_[static_cast<std::size_t>(i)].value < 0.0) set.flip(i);
+  return set;
 }
 
 /// The set, or what the rule makes of it in a few rounds: guards that are zero together to the rounding of the new mode show only there.
 const Mode* Selector::by_repeated_rule(double* x, IndexSet set) {
   for (int round = 0; round < most_rounds_of_rule; ++round) {
+    departures_of_ = nullptr;
     if (const Mode* found = try_without_jump(x, set); found) return found;
-    IndexSet next = by_rule(x, set);
+    if (!departures_hold_for(mode(set))) return nullptr;  // x does not lie in it
+    IndexSet next = with_falling_flipped(set);
     if (next == set) return nullptr;
     set = std::move(next);
   }
