@@ -12,7 +12,18 @@ if(PWLSIM_SANITIZE)
   add_link_options(-fsanitize=address,undefined)
 endif()
 
-# The same, made for libFuzzer (tests/fuzz).
+# ThreadSanitizer, for the threads of .step: a race is told on standard error, and the process ends with status 66.
+option(PWLSIM_THREAD_SANITIZER "Build with TSan" OFF)
+
+if(PWLSIM_THREAD_SANITIZER)
+  if(PWLSIM_SANITIZE)
+    message(FATAL_ERROR "PWLSIM_THREAD_SANITIZER and PWLSIM_SANITIZE exclude each other")
+  endif()
+  add_compile_options(-fsanitize=thread -fno-omit-frame-pointer $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  add_link_options(-fsanitize=thread)
+endif()
+
+# ASan and UBSan, made for libFuzzer (tests/fuzz).
 option(PWLSIM_FUZZ "Build the fuzz targets (clang)" OFF)
 
 if(PWLSIM_FUZZ)
