@@ -25,9 +25,10 @@ struct Event {
 /// A measurement of a `.meas` card.
 struct Measurement {
   std::string name;
-  double value = 0.0;   ///< where there is no failure
-  std::string unit;     ///< "V", "W", "s", …; "" where it has none or it is not known
-  std::string failure;  ///< why there is no value; else ""
+  double value = 0.0;      ///< where there is no failure
+  std::string unit;        ///< "V", "W", "s", …; "" where it has none or it is not known
+  std::string failure;     ///< why there is no value; else ""
+  std::string left_out{};  ///< impulses that the value holds nothing of, and why; else ""
 };
 
 /// A `.four` card's Fourier analysis of one signal: y = Σ magnitude_k·sin(2π·frequency_k·t + phase_k), number 0 the mean.
@@ -38,7 +39,7 @@ struct Fourier {
   std::string signal;
   std::string failure;  ///< "" where there are harmonics
   std::vector<Harmonic> harmonics;
-  double distortion = 0.0;  ///< of all harmonics there are, relative to the first: 0.1 is ten percent
+  double distortion = 0.0;  ///< of all harmonics there are, relative to the first: 0.1 is ten percent; infinite where there are impulses
 };
 
 /// By how much the run fails the circuit's own laws: worst relative residuals over all points checked. Near 1e-15 is rounding.

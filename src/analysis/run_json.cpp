@@ -48,6 +48,7 @@ void write_measurements(JsonWriter& json, const measure::Results& results) {
     json.value(json_line({{"name", json_string(result.name)},
                           {"value", result.failure.empty() ? json_number(result.value) : "null"},
                           {"unit", json_string(result.unit)},
+                          {"left_out", text_or_null(result.left_out)},
                           {"failure", text_or_null(result.failure)}}));
   json.end_array();
   json.key("fourier");

@@ -133,7 +133,10 @@ class EventList : public engine::EventWatcher {
 };
 
 void take_measurements(const measure::Results& results, Result::Data& data) {
-  for (const measure::Result& each : results.list) data.measurements.push_back({each.name, each.value, each.unit, each.failure});
+  for (const measure::Result& each : results.list) {
+    data.measurements.push_back({each.name, each.value, each.unit, each.failure, each.left_out});
+    if (!each.left_out.empty()) data.messages.push_back(api::message_of(measure::left_out_warning(each)));
+  }
   for (const measure::FourierResult& each : results.fourier) {
     Fourier fourier{each.column, each.failure, {}, each.total_distortion};
     for (const measure::Harmonic& h : each.harmonics) fourier.harmonics.push_back({h.frequency, h.magnitude, h.phase});

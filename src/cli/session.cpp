@@ -211,13 +211,15 @@ int Session::transient() {
 /// Measurements that failed do not make the run one that failed.
 int Session::report_measurements(const measure::Results& results) {
   if (results.empty()) return 0;
-  const auto warn = [&](std::string text, const SourceSpan& span) {
-    messages_.report({Severity::warning, "W-measurement-failed", span, std::move(text)}, sources_);
-  };
   for (const measure::Result& result : results.list)
-    if (!result.failure.empty()) warn(fmt::format("measurement {} failed: {}", result.name, result.failure), result.span);
+    if (!result.failure.empty()) messages_.report(measure::failure_warning(result), sources_);
+  for (const measure::Result& result : results.list)
+    if (!result.left_out.empty()) messages_.report(measure::left_out_warning(result), sources_);
   for (const measure::FourierResult& result : results.fourier)
-    if (!result.failure.empty()) warn(fmt::format("Fourier analysis of {} failed: {}", result.column, result.failure), {});
+    if (!result.failure.empty())
+      messages_.report(
+          {Severity::warning, "W-measurement-failed", {}, fmt::format("Fourier analysis of {} failed: {}", result.column, result.failure)},
+          sources_);
   if (options_.json) return 0;
   return print(measure::results_text(results), messages_, options_.output == "-" ? Stream::error : Stream::output);
 }

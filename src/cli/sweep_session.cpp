@@ -54,7 +54,8 @@ class Sweep {
     runs_.sum_up(report_);
     tell_remarks();
     const int status = std::max(tell_failures(), task_.rows != nullptr ? complete(*task_.rows) : 0);
-    tell_failed_measurements();
+    tell_measurements(&measure::Result::failure, measure::failure_warning);
+    tell_measurements(&measure::Result::left_out, measure::left_out_warning);
     return task_.options.json ? status : std::max(status, print_tables());
   }
 
@@ -262,21 +263,19 @@ class Sweep {
     return text.empty() ? 0 : print(text, messages_, task_.options.output == "-" ? Stream::error : Stream::output);
   }
 
-  /// Of each measurement the first run that lacks it, with how many others do.
-  void tell_failed_measurements() {
+  /// Of each measurement the first run in which that text of it is not empty, with how many others have one.
+  void tell_measurements(std::string measure::Result::*text, Diagnostic (*warning_of)(const measure::Result&, const std::string&)) {
     for (std::size_t k = 0; k < task_.first.measurements.list.size(); ++k) {
-      const auto lacks = [&](const SweptRun& record) {
-        return record.done && k < record.measurements.list.size() && !record.measurements.list[k].failure.empty();
+      const auto has_text = [&](const SweptRun& record) {
+        return record.done && k < record.measurements.list.size() && !(record.measurements.list[k].*text).empty();
       };
-      const auto first = std::find_if(records_.begin(), records_.end(), lacks);
+      const auto first = std::find_if(records_.begin(), records_.end(), has_text);
       if (first == records_.end()) continue;
-      const auto others = std::count_if(first + 1, records_.end(), lacks);
-      const measure::Result& result = first->measurements.list[k];
-      messages_.report({Severity::warning, "W-measurement-failed", result.span,
-                        fmt::format("measurement {} failed in the run with {}: {}{}", result.name,
-                                    name(static_cast<std::size_t>(first - records_.begin())), result.failure,
-                                    others > 0 ? fmt::format(" (and in {} other runs)", others) : "")},
-                       task_.sources);
+      const auto others = std::count_if(first + 1, records_.end(), has_text);
+      const std::string run = name(static_cast<std::size_t>(first - records_.begin()));
+      Diagnostic warning = warning_of(first->measurements.list[k], fmt::format(" in the run with {}", run));
+      if (others > 0) warning.text += fmt::format(" (and in {} other runs)", others);
+      messages_.report(warning, task_.sources);
     }
   }
 

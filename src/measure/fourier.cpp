@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace pwlsim::measure {
@@ -57,6 +59,24 @@ void FourierMeter::take(PieceView& view) {
   }
 }
 
+/// The window takes what happens at its begin, not at its end.
+void FourierMeter::take_impulse(double time, std::span<const double> values) {
+  const double impulse = values[static_cast<std::size_t>(analysis_.signals[signal_].probe)];
+  const double edge = sliver * to_;
+  if (!failure_.empty() || impulse == 0.0 || time < from_ - edge || time >= to_ - edge) return;
+  if (!std::isfinite(impulse)) {
+    failure_ = fmt::format("impulses of higher order act at t = {} s", time);
+    return;
+  }
+  has_impulse_ = true;
+  const std::complex<double> turn = std::polar(1.0, 2.0 * std::numbers::pi * analysis_.frequency * (time - from_));
+  std::complex<double> power = impulse;
+  for (auto& sum : sums_) {
+    sum += std::complex<long double>(power);
+    power *= turn;
+  }
+}
+
 void FourierMeter::add(const linalg::LegendreValues& values, double from, double to) {
   const auto& rule = linalg::gauss_legendre();
   const double half = 0.5 * (to - from);
@@ -88,19 +108,24 @@ FourierResult FourierMeter::finish(double reached) const {
     const auto phase = k == 0 ? 0.0 : static_cast<double>(std::atan2(c.real(), c.imag())) * degree;
     result.harmonics.push_back({static_cast<double>(k) * analysis_.frequency, magnitude, phase});
   }
-  const double rms = std::sqrt(static_cast<double>(square_ / length));
   if (result.harmonics.size() < 2) return result;
+  double size = std::sqrt(static_cast<double>(square_ / length));
+  for (const Harmonic& harmonic : result.harmonics) size = std::max(size, harmonic.magnitude);
   const double fundamental = result.harmonics[1].magnitude;
   double listed = 0.0;
   for (std::size_t k = 1; k < result.harmonics.size(); ++k) {
     Harmonic& harmonic = result.harmonics[k];
-    if (harmonic.magnitude <= nothing * rms) harmonic.phase = 0.0;
+    if (harmonic.magnitude <= nothing * size) harmonic.phase = 0.0;
     if (k > 1) listed += harmonic.magnitude * harmonic.magnitude;
   }
-  if (fundamental <= nothing * rms) return result;
+  if (fundamental <= nothing * size) return result;
+  result.listed_distortion = std::sqrt(listed) / fundamental;
+  if (has_impulse_) {
+    result.total_distortion = std::numeric_limits<double>::infinity();
+    return result;
+  }
   const double mean = result.harmonics[0].magnitude;
   const auto all = static_cast<double>(2.0L * (square_ / length - static_cast<long double>(mean) * mean)) - fundamental * fundamental;
-  result.listed_distortion = std::sqrt(listed) / fundamental;
   result.total_distortion = std::sqrt(std::max(all, 0.0)) / fundamental;
   return result;
 }

@@ -2,7 +2,8 @@
 /// Fourier coefficients over whole periods, exact like integrals.
 ///
 /// y(t) = a_0 + Σ A_k sin(2πk f (t − t_0) + φ_k), t_0 the begin of the window (Tstop − periods/f), as SPICE counts phases. Two distortions:
-/// of the harmonics listed, √(Σ_{k≥2} A_k²)/A_1, and of all there are, √(2(y_rms² − a_0²) − A_1²)/A_1 (Parseval).
+/// of the harmonics listed, √(Σ_{k≥2} A_k²)/A_1, and of all there are, √(2(y_rms² − a_0²) − A_1²)/A_1 (Parseval). An impulse in the window has a share
+/// in every harmonic, and makes the latter infinite.
 
 #include <complex>
 #include <string>
@@ -34,6 +35,8 @@ class FourierMeter {
   [[nodiscard]] double to() const { return to_; }
   [[nodiscard]] bool is_possible() const { return failure_.empty(); }
   void take(PieceView& view);
+  /// ∫ dt of each probe over an instant.
+  void take_impulse(double time, std::span<const double> values);
   [[nodiscard]] FourierResult finish(double reached) const;
 
  private:
@@ -46,6 +49,7 @@ class FourierMeter {
   double from_ = 0.0, to_ = 0.0, periods_ = 1.0;
   std::vector<std::complex<long double>> sums_;
   long double square_ = 0.0L;
+  bool has_impulse_ = false;
 };
 
 /// A table a signal, as ngspice prints them.

@@ -17,6 +17,7 @@ Measuring::Measuring(const circuit::Measurements& measurements, double start, do
   known_.resize(count);
   values_.resize(count);
   failures_.resize(count);
+  left_out_.resize(count);
 }
 
 bool Measuring::is_ready(std::size_t index) const {
@@ -72,6 +73,7 @@ void Measuring::hold(double from, double to) {
 void Measuring::start_meters() {
   meters_.clear();
   fourier_.clear();
+  view_.set({});
   from_ = to_ = 0.0;
   for (std::size_t k = 0; k < known_.size(); ++k) {
     if (known_[k] != 0 || !is_ready(k)) continue;
@@ -113,10 +115,10 @@ engine::Probes Measuring::probes() {
 
 /// The values before t = 0 as a piece of their own.
 void Measuring::before_start(std::span<const double> values) {
-  std::vector<double> constant;
-  for (const double value : values) constant.insert(constant.end(), linalg::legendre_points, value);
+  before_start_.clear();
+  for (const double value : values) before_start_.insert(before_start_.end(), linalg::legendre_points, value);
   constexpr double length = 1.0;
-  view_.set({-length, 0.0, -length, length, constant});
+  view_.set({-length, 0.0, -length, length, before_start_});
   for (auto& [index, meter] : meters_) meter.before_start(view_);
 }
 
@@ -127,12 +129,14 @@ void Measuring::take(const engine::Piece& piece) {
 }
 
 void Measuring::impulse(double time, std::span<const double> values) {
-  for (auto& [index, meter] : meters_) meter.take_impulse(time, values);
+  for (auto& [index, meter] : meters_) meter.take_impulse(time, values, view_);
+  for (FourierMeter& meter : fourier_) meter.take_impulse(time, values);
 }
 
 void Measuring::end_pass(double reached) {
   for (auto& [index, meter] : meters_) {
     meter.finish(reached);
+    left_out_[index] = meter.left_out();
     settle(index, meter.value(), meter.failure());
   }
   for (const FourierMeter& meter : fourier_) fourier_results_.push_back(meter.finish(reached));
@@ -147,10 +151,21 @@ Results Measuring::results() const {
     const circuit::Measurement& measurement = measurements_.list[k];
     if (!measurement.shown) continue;
     std::string failure = known_[k] != 0 ? failures_[k] : "the run ended before it was measured";
-    results.list.push_back({measurement.name, values_[k], unit_of(measurements_, k), std::move(failure), measurement.span});
+    results.list.push_back({measurement.name, values_[k], unit_of(measurements_, k), std::move(failure), left_out_[k], measurement.span});
   }
   results.fourier = fourier_results_;
   return results;
+}
+
+Diagnostic failure_warning(const Result& result, const std::string& where) {
+  return {Severity::warning, "W-measurement-failed", result.span,
+          fmt::format("measurement {} failed{}: {}", result.name, where, result.failure)};
+}
+
+Diagnostic left_out_warning(const Result& result, const std::string& where) {
+  return {Severity::warning, "W-impulse-left-out", result.span,
+          fmt::format("measurement {} leaves out{} {}; try a small resistance in the way of the impulse, which gives it a shape",
+                      result.name, where, result.left_out)};
 }
 
 std::string results_text(const Results& results) {

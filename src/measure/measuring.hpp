@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostic.hpp"
 #include "measure/fourier.hpp"
 #include "measure/meter.hpp"
 
@@ -19,8 +20,9 @@ namespace pwlsim::measure {
 struct Result {
   std::string name;
   double value = 0.0;
-  std::string unit;     ///< "V", "W", "s", …; "" where it has none or it is not known
-  std::string failure;  ///< why there is no value; else ""
+  std::string unit;      ///< "V", "W", "s", …; "" where it has none or it is not known
+  std::string failure;   ///< why there is no value; else ""
+  std::string left_out;  ///< impulses that the value holds nothing of, and why; else ""
   SourceSpan span;
 };
 
@@ -60,14 +62,19 @@ class Measuring : public engine::PieceSink {
   double start_, stop_;
   int pass_ = 0;
   PieceView view_;
+  std::vector<double> before_start_;  ///< a piece
   std::vector<char> known_;
   std::vector<double> values_;
-  std::vector<std::string> failures_;
+  std::vector<std::string> failures_, left_out_;
   std::vector<std::pair<std::size_t, Meter>> meters_;  ///< of this pass
   std::vector<FourierMeter> fourier_;
   std::vector<FourierResult> fourier_results_;
   double from_ = 0.0, to_ = 0.0;  ///< what the meters of this pass need to see
 };
+
+/// The warning of a result that failed, or of one that leaves impulses out; `where`: " in the run with …", or nothing.
+[[nodiscard]] Diagnostic failure_warning(const Result& result, const std::string& where = "");
+[[nodiscard]] Diagnostic left_out_warning(const Result& result, const std::string& where = "");
 
 /// `name = value`, one a line, `name = failed` where there is none; then the tables of .four.
 [[nodiscard]] std::string results_text(const Results& results);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 namespace pwlsim::measure {
@@ -17,6 +18,8 @@ constexpr double overhang = 1e-9;
 constexpr double surroundings = 1e-3;
 /// Of the larger side of a comparison: a difference below it is none.
 constexpr double equality = 1e-13;
+/// Of a factor of an impulse: it is the same on both sides if it differs by less.
+constexpr double steady = 1e-6;
 constexpr const char* not_finite = "the expression is not finite everywhere in its window";
 
 std::string too_fast(double from, double to) {
@@ -45,7 +48,11 @@ double largest_of(const double* values) {
 }  // namespace
 
 Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop)
-    : measurement_(measurement), results_(results), expression_(measurement.expression), sliver_(sliver * stop) {
+    : measurement_(measurement),
+      results_(results),
+      expression_(measurement.expression),
+      sliver_(sliver * stop),
+      lead_(surroundings * stop) {
   if (measurement.when) {
     const circuit::Crossing& crossing = *measurement.when;
     difference_ = Program(difference_of(crossing));
@@ -53,6 +60,7 @@ Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>&
     right_ = Program(crossing.right);
     watch_.emplace(crossing.edge, crossing.count, crossing.last);
   }
+  needs_left_ = integrates() && !expression_.is_linear();
   measurement.at ? set_place(stop) : set_window(start, stop);
 }
 
@@ -94,6 +102,8 @@ double Meter::noise_of(PieceView& view, double from, double to) {
 }
 
 void Meter::take(PieceView& view) {
+  if (needs_left_) note_sizes(view.piece());
+  if (instant_) settle_impulses(view);
   if (is_done()) return;
   if (measurement_.at) return take_at(view);
   const double from = std::max(from_, view.piece().from);
@@ -102,13 +112,69 @@ void Meter::take(PieceView& view) {
   watch_ ? take_when(view, from, to) : take_window(view, from, to);
 }
 
-/// Windows take what happens at their begin, not at their end.
-void Meter::take_impulse(double time, std::span<const double> values) {
-  const bool integrates = measurement_.kind == Kind::integral || measurement_.kind == Kind::average;
-  if (!integrates || is_done() || time < from_ - sliver_ || time >= to_ - sliver_) return;
-  const double share = expression_.impulse(values, results_, time);
-  if (!std::isfinite(share)) return fail(fmt::format("impulses of higher order act at t = {} s", time));
-  sum_ += share;
+/// Windows take what happens at their begin, not at their end. The factors of an impulse must be the same on both sides of it, so it waits for the
+/// piece after it.
+void Meter::take_impulse(double time, std::span<const double> values, const PieceView& before) {
+  if (is_done() || watch_ || measurement_.at || time < from_ - sliver_ || time >= to_ - sliver_ || !feels(values, time)) return;
+  if (!integrates()) return leave_out(time);
+  const bool is_linear = expression_.is_linear();
+  if (is_linear || !std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
+    const double share = is_linear ? expression_.impulse(values, values, results_, time) : std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(share)) return fail(fmt::format("impulses of higher order act at t = {} s", time));
+    sum_ += share;
+    return;
+  }
+  if (!instant_) {
+    instant_ = {time, std::vector<double>(values.size(), 0.0), {}};
+    if (!before.piece().values.empty() && std::abs(before.piece().to - time) <= sliver_) instant_->left = before.signals(expression_, time);
+  }
+  for (std::size_t probe = 0; probe < values.size(); ++probe) instant_->impulses[probe] += values[probe];
+}
+
+/// Whether it reads an impulse that bears on it: of a minimum of a sum of signals only one downwards does.
+bool Meter::feels(std::span<const double> impulses, double time) const {
+  const auto& probes = expression_.probes();
+  if (std::all_of(probes.begin(), probes.end(), [&](int probe) { return impulses[static_cast<std::size_t>(probe)] == 0.0; })) return false;
+  const bool is_minimum = measurement_.kind == Kind::minimum || measurement_.kind == Kind::time_of_minimum;
+  const bool is_maximum = measurement_.kind == Kind::maximum || measurement_.kind == Kind::time_of_maximum;
+  if (!expression_.is_linear() || !(is_minimum || is_maximum)) return true;
+  const double share = expression_.impulse(impulses, impulses, results_, time);
+  return is_minimum ? !(share >= 0.0) : !(share <= 0.0);
+}
+
+void Meter::note_sizes(const engine::Piece& piece) {
+  sizes_.resize(piece.values.size() / linalg::legendre_points, 0.0);
+  for (const int probe : expression_.probes()) {
+    double& size = sizes_[static_cast<std::size_t>(probe)];
+    size = std::max(size, largest_of(piece.values.data() + static_cast<std::size_t>(probe) * linalg::legendre_points));
+  }
+}
+
+void Meter::settle_impulses(const PieceView& after) {
+  const Instant instant = std::move(*instant_);
+  instant_.reset();
+  if (instant.left.empty() || !expression_.is_affine_in(instant.impulses)) return leave_out(instant.time);
+  const double left = expression_.impulse(instant.impulses, instant.left, results_, instant.time);
+  const double right = expression_.impulse(instant.impulses, after.signals(expression_, instant.time), results_, instant.time);
+  const double rounding = equality * std::abs(expression_.impulse(instant.impulses, sizes_, results_, instant.time));
+  if (!(std::abs(right - left) <= std::max(steady * std::max(std::abs(left), std::abs(right)), rounding))) return leave_out(instant.time);
+  sum_ += right;
+}
+
+void Meter::leave_out(double time) {
+  if (left_out_ == 0) first_left_out_ = time;
+  if (left_out_ == 0 || time > last_left_out_ + sliver_) ++left_out_;
+  last_left_out_ = time;
+}
+
+std::string Meter::left_out() const {
+  if (left_out_ == 0 || !failure_.empty()) return "";
+  const bool is_one = left_out_ == 1;
+  const std::string what = is_one ? fmt::format("the impulse at t = {} s", first_left_out_)
+                                  : fmt::format("impulses at {} instants, first at t = {} s", left_out_, first_left_out_);
+  if (integrates()) return fmt::format("{}: {} has no integral over {}", what, measurement_.expression.text, is_one ? "it" : "them");
+  if (measurement_.kind == Kind::rms) return fmt::format("{}: {} no integral", what, is_one ? "its square has" : "their squares have");
+  return fmt::format("{}: {} larger than any number", what, is_one ? "it is" : "they are");
 }
 
 /// The value on the right of an instant counts; at the end of the run that on its left.

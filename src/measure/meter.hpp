@@ -19,20 +19,22 @@ class Meter {
   Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop);
 
   /// What it needs to see of the run, s.
-  [[nodiscard]] double from() const { return from_; }
+  [[nodiscard]] double from() const { return needs_left_ ? std::max(0.0, from_ - lead_) : from_; }
   [[nodiscard]] double to() const { return to_; }
   [[nodiscard]] bool is_done() const { return !failure_.empty() || (watch_ && watch_->is_done()); }
 
   void before_start(PieceView& view);
   void take(PieceView& view);
-  /// ∫ dt of each probe over an instant.
-  void take_impulse(double time, std::span<const double> values);
+  /// ∫ dt of each probe over an instant; the view holds what is before it, if it has been seen.
+  void take_impulse(double time, std::span<const double> values, const PieceView& before);
   /// The run is over at `reached`.
   void finish(double reached);
 
   [[nodiscard]] double value() const { return value_; }
   /// Why there is no value; else "".
   [[nodiscard]] const std::string& failure() const { return failure_; }
+  /// The impulses in its window that the value holds nothing of, in words; "" where there are none.
+  [[nodiscard]] std::string left_out() const;
 
  private:
   using Kind = circuit::Measurement::Kind;
@@ -40,7 +42,11 @@ class Meter {
   void set_place(double stop);
   [[nodiscard]] bool is_finite(const Part& part);
   void fail(std::string text) { failure_ = std::move(text); }
-  [[nodiscard]] bool is_window() const;
+  [[nodiscard]] bool integrates() const { return measurement_.kind == Kind::integral || measurement_.kind == Kind::average; }
+  [[nodiscard]] bool feels(std::span<const double> impulses, double time) const;
+  void leave_out(double time);
+  void note_sizes(const engine::Piece& piece);
+  void settle_impulses(const PieceView& after);
   void take_window(PieceView& view, double from, double to);
   void take_at(PieceView& view);
   void take_when(PieceView& view, double from, double to);
@@ -54,13 +60,24 @@ class Meter {
   Program expression_, difference_, left_, right_;
   std::optional<CrossingWatch> watch_;
   double from_ = 0.0, to_ = 0.0, at_ = 0.0;
-  double sliver_ = 0.0;  ///< shorter is rounding of an instant, s
+  double sliver_ = 0.0;      ///< shorter is rounding of an instant, s
+  double lead_ = 0.0;        ///< so much before its window, s
+  bool needs_left_ = false;  ///< the factors of an impulse at the begin of its window
   bool found_ = false;
   double value_ = 0.0;
   std::string failure_;
   long double sum_ = 0.0L;
   double scale_ = 0.0;  ///< largest value so far
   bool any_ = false;
+  /// Impulses that wait for what comes after them.
+  struct Instant {
+    double time = 0.0;
+    std::vector<double> impulses, left;  ///< of each probe; `left` is empty where it was not seen
+  };
+  std::optional<Instant> instant_;
+  std::vector<double> sizes_;  ///< of each probe the largest magnitude so far
+  std::size_t left_out_ = 0;
+  double first_left_out_ = 0.0, last_left_out_ = 0.0;
   double least_ = 0.0, least_at_ = 0.0, largest_ = 0.0, largest_at_ = 0.0;
 };
 

@@ -65,6 +65,16 @@ double PieceView::value(const Program& program, const std::vector<double>& resul
   return value;
 }
 
+std::vector<double> PieceView::signals(const Program& program, double time) const {
+  std::vector<double> found(signals_.size(), 0.0);
+  const double x = std::clamp(2.0 * (time - piece_.begin) / piece_.length - 1.0, -1.0, 1.0);
+  for (const int probe : program.probes()) {
+    const auto index = static_cast<std::size_t>(probe);
+    found[index] = linalg::LegendreSeries(piece_.values.data() + index * points)(x);
+  }
+  return found;
+}
+
 double PieceView::noise_of(const Program& program, const std::vector<double>& results, double from, double to) {
   if (piece_.noise.empty()) return 0.0;
   linalg::LegendreValues plain, shifted, changed;

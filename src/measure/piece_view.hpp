@@ -31,6 +31,8 @@ class PieceView {
   /// Values at the sixteen points of [from, to] within the piece.
   void values(const Program& program, const std::vector<double>& results, double from, double to, double* out);
   [[nodiscard]] double value(const Program& program, const std::vector<double>& results, double time);
+  /// Of each probe that the expression reads.
+  [[nodiscard]] std::vector<double> signals(const Program& program, double time) const;
   /// What the noise of its signals makes of an expression at most, at the points of [from, to].
   [[nodiscard]] double noise_of(const Program& program, const std::vector<double>& results, double from, double to);
 

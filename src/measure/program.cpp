@@ -23,9 +23,10 @@ bool keeps_polynomials(const circuit::MeasuredExpression::Step& step) {
   }
 }
 
-/// Whether the expression is linear in its signals, with factors and summands that are no signals.
-bool is_linear(const std::vector<circuit::MeasuredExpression::Step>& steps) {
-  std::vector<bool> reads;  // a signal, of what is on the stack
+/// Whether the expression is a sum of the signals that `counts` tells, with factors and summands that read none of these.
+template <typename Counts>
+bool is_affine(const std::vector<circuit::MeasuredExpression::Step>& steps, const Counts& counts) {
+  std::vector<bool> reads;  // such a signal, of what is on the stack
   for (const auto& step : steps) {
     const bool right = !reads.empty() && reads.back();
     switch (step.kind) {
@@ -52,7 +53,7 @@ bool is_linear(const std::vector<circuit::MeasuredExpression::Step>& steps) {
         break;
       }
       default:
-        reads.push_back(step.kind == Kind::signal);
+        reads.push_back(step.kind == Kind::signal && counts(static_cast<std::size_t>(step.index)));
         break;
     }
   }
@@ -67,19 +68,25 @@ Program::Program(const circuit::MeasuredExpression& expression) : steps_(express
     polynomial_ = polynomial_ && keeps_polynomials(step);
     if (step.kind == Kind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end()) probes_.push_back(step.index);
   }
-  linear_ = is_linear(steps_);
+  linear_ = is_affine(steps_, [](std::size_t) { return true; });
 }
 
-double Program::impulse(std::span<const double> signals, const std::vector<double>& results, double time) const {
-  if (!linear_) return 0.0;
-  Inputs inputs;
-  inputs.times = &time;
-  inputs.results = &results;
-  for (const double& signal : signals) inputs.signals.push_back(&signal);
-  const double with = at(inputs, 0);
+bool Program::is_affine_in(std::span<const double> impulses) const {
+  return is_affine(steps_, [&](std::size_t probe) { return impulses[probe] != 0.0; });
+}
+
+double Program::impulse(std::span<const double> impulses, std::span<const double> others, const std::vector<double>& results,
+                        double time) const {
   constexpr double none = 0.0;
-  std::fill(inputs.signals.begin(), inputs.signals.end(), &none);
-  return with - at(inputs, 0);
+  Inputs with, without;
+  with.times = without.times = &time;
+  with.results = without.results = &results;
+  for (std::size_t probe = 0; probe < impulses.size(); ++probe) {
+    const bool acts = impulses[probe] != 0.0;
+    with.signals.push_back(acts ? &impulses[probe] : &others[probe]);
+    without.signals.push_back(acts ? &none : &others[probe]);
+  }
+  return at(with, 0) - at(without, 0);
 }
 
 void Program::evaluate(const Inputs& inputs, std::size_t count, double* values) const {

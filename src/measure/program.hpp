@@ -27,9 +27,13 @@ class Program {
   [[nodiscard]] const std::vector<int>& probes() const { return probes_; }
   /// A sum or product of signals: as well resolved by the points of a piece as these.
   [[nodiscard]] bool is_polynomial() const { return polynomial_; }
-  /// What its integral takes of the impulses of the probes at an instant: of a sum of signals with factors that are no signals the same sum. Of what is
-  /// not linear in them there is none: 0.
-  [[nodiscard]] double impulse(std::span<const double> signals, const std::vector<double>& results, double time) const;
+  /// Whether it is a sum of signals with factors that are no signals.
+  [[nodiscard]] bool is_linear() const { return linear_; }
+  /// Whether it is such a sum of the probes that have an impulse: their factors may be other signals.
+  [[nodiscard]] bool is_affine_in(std::span<const double> impulses) const;
+  /// What its integral takes of the impulses of the probes at an instant at which the others have these values, where it is affine in those.
+  [[nodiscard]] double impulse(std::span<const double> impulses, std::span<const double> others, const std::vector<double>& results,
+                               double time) const;
   /// `values`: `count` of them.
   void evaluate(const Inputs& inputs, std::size_t count, double* values) const;
   /// Of an expression that reads results alone.

@@ -437,11 +437,13 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
 }
 
 void Selector::note_impulse(Selected& result) {
+  const int order = impulse_.order > 0 ? impulse_.order : system_.size();
   if (result.jumps == 1)
-    details_ = {impulse_.weight, impulse_.order != 1, {}};
+    details_ = {impulse_.weight, impulse_.order != 1, order, {}};
   else {
     details_.impulse += impulse_.weight;
     details_.higher_order |= impulse_.order != 1;
+    details_.order = std::max(details_.order, order);
   }
   result.details = &details_;
 }

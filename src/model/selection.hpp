@@ -28,6 +28,7 @@ enum class Several { first, stay };
 struct Details {
   Vector impulse;                          ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
   bool higher_order = false;               ///< derivatives of impulses acted too
+  int order = 0;                           ///< of the highest; where it is not known, the largest there can be
   std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
 };
 

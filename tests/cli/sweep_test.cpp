@@ -185,6 +185,26 @@ TEST_CASE("--json of a sweep lists the runs; one that fails tells why", "[unit]"
   CHECK(json["runs"][2]["measurements"][0]["value"].number == Approx(2.0 / 3.0));
 }
 
+// An ideal switch puts C across 4 V: the source gives C·16 in no time, in the runs in which it closes before the end.
+TEST_CASE("impulses that measurements of a sweep leave out are told once each, and in --json", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net",
+                "charge\nV1 in 0 4\nS1 in b g 0 SW\nC1 b 0 {C}\nV2 g 0 PULSE(0 1 {1/C} 0 0 9 0)\n.model SW SW(Vt=0.5)\n.tran 1 4 uic\n"
+                ".step param C list 0.1 1 2\n.meas given INTEG -v(in)*i(V1)\n.meas lost INTEG v(in,b)*i(S1)\n.four 0.25 3 i(S1)\n");
+  const Finished told = run_in(scratch, {"c.net"});
+  CHECK(told.status == 0);
+  CHECK_THAT(told.out, Contains("C,given,lost\n0.1,0,0\n1,16,0\n2,32,0\n"));
+  CHECK_THAT(told.err,
+             Contains("c.net:10:7: warning[W-impulse-left-out]: measurement lost leaves out in the run with C=1 the impulse at t = 1 s: "
+                      "v(in,b)*i(S1) has no integral over it; try a small resistance") &&
+                 Contains("(and in 1 other runs)\n") && !Contains("measurement given"));
+  const Json json = read_json(run_in(scratch, {"c.net", "--json"}).out);
+  CHECK(json["runs"][0]["measurements"][1]["left_out"].kind == Json::Kind::null);
+  CHECK(json["runs"][1]["measurements"][0]["left_out"].kind == Json::Kind::null);
+  CHECK(json["runs"][1]["measurements"][1]["left_out"].string == "the impulse at t = 1 s: v(in,b)*i(S1) has no integral over it");
+  CHECK(json["runs"][1]["fourier"][0]["thd"].kind == Json::Kind::null);
+}
+
 TEST_CASE("--plot of a sweep lays the runs over each other, a colour a run, and says how many are left out", "[unit]") {
   const Scratch scratch;
   const auto count = [](const std::string& text, const std::string& what) {

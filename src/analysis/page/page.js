@@ -358,13 +358,18 @@
       row(element("operating-point-table"), [name, quantity(value, units[name], 9)]);
   }
 
+  function valueOf(result) {
+    return quantity(result.value, result.unit, 9) + (result.left_out ? " (leaves out " + result.left_out + ")" : "");
+  }
+
   function fillResults() {
     if (run.measurements.length + run.fourier.length === 0) return;
     show("results");
-    for (const result of run.measurements) row(element("result-table"), [result.name, result.failure || quantity(result.value, result.unit, 9)]);
+    for (const result of run.measurements) row(element("result-table"), [result.name, result.failure || valueOf(result)]);
     for (const result of run.fourier) {
       const heading = document.createElement("h3"), table = document.createElement("table");
-      heading.textContent = "Fourier analysis of " + result.signal + (result.failure ? ": " + result.failure : ", THD " + quantity(100 * result.thd, "%"));
+      heading.textContent = "Fourier analysis of " + result.signal + 
+        (result.failure ? ": " + result.failure : ", THD " + (result.thd === null ? "infinite: there are impulses" : quantity(100 * result.thd, "%")));
       row(table, ["frequency", "magnitude", "phase"], "th");
       for (const harmonic of result.harmonics)
         row(table, [quantity(harmonic.frequency, "Hz"), quantity(harmonic.magnitude, ""), quantity(harmonic.phase, "") + "°"]);
@@ -384,7 +389,7 @@
     const units = run.signals.map(signal => signal.unit), points = runs.find(each => each.operating_point)?.operating_point ?? {};
     row(table, [...Object.keys(runs[0].parameters), ...Object.keys(points), ...measured, "rows", "events", "worst residual", "failure"], "th");
     for (const each of runs) {
-      const values = measured.map((name, k) => { const m = each.measurements[k]; return m && !m.failure ? quantity(m.value, m.unit, 9) : "failed"; });
+      const values = measured.map((name, k) => { const m = each.measurements[k]; return m && !m.failure ? valueOf(m) : "failed"; });
       const point = Object.keys(points).map((name, k) => each.operating_point ? quantity(each.operating_point[name], units[k], 9) : "failed");
       const {complementarity, kcl_kvl, energy} = each.certificate;
       row(table, [...Object.values(each.parameters), ...point, ...values, each.rows, each.events,

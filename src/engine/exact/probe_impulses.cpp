@@ -1,12 +1,31 @@
 #include "engine/exact/probe_impulses.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace pwlsim::engine {
+namespace {
+
+/// Of the terms that an impulse is a sum of.
+constexpr double rounding = 1e-12;
+
+/// Whether ports whose impulses are of that order give the signal one: directly, or, beyond the first, by way of states, x = Σ A^{j−2} B u^{−j} δ + ….
+bool may_act(const model::System& system, const model::OutputRow& row, int order) {
+  if (!row.input.isZero(0.0)) return true;
+  model::Vector reads = row.state;
+  for (int k = 2; k <= order; ++k) {
+    const model::Vector share = system.b.transpose() * reads, terms = system.b.cwiseAbs().transpose() * reads.cwiseAbs();
+    if ((share.cwiseAbs().array() > rounding * terms.array()).any()) return true;
+    reads = system.a.transpose() * reads;
+  }
+  return false;
+}
+
+}  // namespace
 
 ProbeImpulses::ProbeImpulses(const std::vector<IslandModel>& islands, const Probes& probes)
-    : islands_(islands), probes_(probes), shares_(islands.size()), values_(probes.signals.size()) {
+    : islands_(islands), probes_(probes), shares_(islands.size()), values_(probes.signals.size()), terms_(probes.signals.size()) {
   if (probes.sink == nullptr) return;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const model::System& system = islands[i].extraction.system;
@@ -25,25 +44,36 @@ void ProbeImpulses::before(std::size_t island, const std::vector<double>& x) {
 void ProbeImpulses::sources_jumped(std::size_t island, const std::vector<double>& x) {
   if (shares_[island].empty()) return;
   const model::System& system = islands_[island].extraction.system;
-  const model::Vector change = Eigen::Map<const model::Vector>(x.data() + system.n, system.n_zeta) - zeta_;
-  for (const Share& share : shares_[island]) values_[share.probe] += share.row->edge.dot(change);
+  const Eigen::Map<const model::Vector> after(x.data() + system.n, system.n_zeta);
+  const model::Vector change = after - zeta_;
+  const model::Vector size = after.cwiseAbs() + zeta_.cwiseAbs();
+  for (const Share& share : shares_[island]) add(share.probe, share.row->edge.dot(change), share.row->edge.cwiseAbs().dot(size));
+}
+
+void ProbeImpulses::add(std::size_t probe, double value, double terms) {
+  values_[probe] += value;
+  terms_[probe] += terms;
   any_ = true;
 }
 
 /// Where derivatives of impulses acted, those of first order are not all there is.
 void ProbeImpulses::ports_jumped(std::size_t island, const model::Selected& selected) {
+  const model::Details& details = *selected.details;
   for (const Share& share : shares_[island]) {
-    if (share.row->input.isZero(0.0)) continue;
-    values_[share.probe] +=
-        selected.details->higher_order ? std::numeric_limits<double>::quiet_NaN() : share.row->input.dot(selected.details->impulse);
-    any_ = true;
+    const model::OutputRow& row = *share.row;
+    if (!may_act(islands_[island].extraction.system, row, details.order)) continue;
+    const double value = details.higher_order ? std::numeric_limits<double>::quiet_NaN() : row.input.dot(details.impulse);
+    add(share.probe, value, row.input.cwiseAbs().dot(details.impulse.cwiseAbs()));
   }
 }
 
 void ProbeImpulses::end(double time, bool wanted) {
   if (!any_) return;
+  for (std::size_t probe = 0; probe < values_.size(); ++probe)
+    if (std::abs(values_[probe]) <= rounding * terms_[probe]) values_[probe] = 0.0;
   if (wanted) probes_.sink->impulse(time, values_);
   std::fill(values_.begin(), values_.end(), 0.0);
+  std::fill(terms_.begin(), terms_.end(), 0.0);
   any_ = false;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What the probed signals deliver in no time: ∫ dt over an instant, of the ports' impulses and of jumps of the sources.
+/// What the probed signals deliver in no time: ∫ dt over an instant, of the ports' impulses and of jumps of the sources. What is rounding of the terms
+/// it is a sum of is zero.
 
 #include <vector>
 
@@ -31,7 +32,10 @@ class ProbeImpulses {
   const Probes& probes_;
   std::vector<std::vector<Share>> shares_;  ///< of each island
   model::Vector zeta_;
-  std::vector<double> values_;
+  /// What is added to a probe, a sum of so large terms.
+  void add(std::size_t probe, double value, double terms);
+
+  std::vector<double> values_, terms_;
   bool any_ = false;
 };
 

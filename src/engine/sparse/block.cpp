@@ -88,6 +88,7 @@ double Block::signal_size(int number) const { return signals_[static_cast<std::s
 
 bool Block::advance() {
   instant_.reset();
+  impulses_.clear();
   if (restart_due_ || next_break() <= point_.time + break_tolerance_) return restart() && look_back();
   if (point_.time >= request_.stop - tolerance_) {
     finished_ = true;

@@ -50,6 +50,8 @@ class Block {
   /// The event that the last `advance` handled, with the signals before it (where the request wants events).
   [[nodiscard]] const std::optional<Instant>& instant() const { return instant_; }
   [[nodiscard]] const std::vector<double>& signals_before() const { return signals_before_; }
+  /// ∫ dt of each saved signal over the jump of the last `advance` or `begin`, where there are probes; empty where nothing jumped.
+  [[nodiscard]] const std::vector<double>& impulses() const { return impulses_; }
 
   /// The ports' position at time().
   [[nodiscard]] const Position& position() const { return point_.on; }
@@ -99,6 +101,7 @@ class Block {
   bool locate(double h, Crossing crossing);
   bool restart();
   void note_jump(double time, double h);
+  void note_impulses(double h);
   void find_next_gate();
   bool take_gates(double until);
   bool settle(double h, Instant& instant, Point& first);
@@ -131,7 +134,7 @@ class Block {
   Position position_before_;  ///< before the instant that is due
   Trial trial_, free_;
   Point first_, second_;
-  std::vector<double> w_, signals_before_;
+  std::vector<double> w_, signals_before_, impulses_;
   std::vector<double> states_;        ///< of point_, or those given, at an instant
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;

@@ -26,6 +26,8 @@ constexpr int deeper = 6;
 constexpr int most_refinement = 16, refinement = 4;
 constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
+/// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
+constexpr double least_impulse = 100.0;
 constexpr int crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
 
@@ -190,6 +192,17 @@ void Block::note_jump(double time, double h) {
   jump_details_.push_back(describe_jump(part_, {time, states_, after}, {h, first_, second_}, reltol_));
 }
 
+/// The first of the two Euler steps holds the impulses, the second what flows anyway.
+void Block::note_impulses(double h) {
+  impulses_.resize(signals_.size());
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const double first = signals_[i].value(first_.z.data(), first_.w.data());
+    const double second = signals_[i].value(second_.z.data(), second_.w.data());
+    const bool acts = std::abs(first - second) > least_impulse * std::max(std::abs(second), std::abs(signals_before_[i]));
+    impulses_[i] = acts ? h * (first - second) : 0.0;
+  }
+}
+
 void Block::find_next_gate() {
   next_gate_ = model::forever;
   for (const Gate& gate : gates_) next_gate_ = std::min(next_gate_, gate.next());
@@ -212,7 +225,7 @@ bool Block::restart() {
   Instant instant;
   instant.time = time;
   if (position_before_.empty()) position_before_ = point_.on;
-  if (request_.events)
+  if (request_.events || request_.probes.sink != nullptr)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
   if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
   instant.mode_change = take_gates(time + break_tolerance_);
@@ -223,6 +236,7 @@ bool Block::restart() {
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
   if (!find_position(instant, level, deepest)) return false;
   if (instant.jump) note_jump(time, diagonal * ladder(level));
+  if (instant.jump && request_.probes.sink != nullptr) note_impulses(diagonal * ladder(level));
   level_ += level - usual;
   instant.mode_change |= second_.on != position_before_;
   position_before_.clear();

@@ -74,7 +74,7 @@ bool Transient::begin() {
     projected |= track.block.start_projected() && request_.use_initial_conditions;
     order_.push_back(i);
   }
-  if (request_.probes.sink != nullptr && !request_.use_initial_conditions) request_.probes.sink->before_start(piece_values_);
+  if (request_.probes.sink != nullptr && !request_.use_initial_conditions) hand_over_start();
   std::make_heap(order_.begin(), order_.end(), is_later());
   watch_start();
   if (projected) answer_.remarks.push_back(projected_start());
@@ -86,8 +86,10 @@ bool Transient::advance_least() {
   Track& track = *tracks_[order_.front()];
   if (track.block.time() > last_instant_ + tolerance_ && !close_event()) return false;
   if (!rows_before(track.block.time(), false)) return false;
-  pieces_before(track.block.time());
+  const double time = track.block.time();
+  pieces_before(time);
   if (!track.block.advance()) return fail(track.block.failure());
+  hand_over_impulses(track, time);
   watch(track);
   if (!open_event(track)) return false;
   std::pop_heap(order_.begin(), order_.end(), is_later());
@@ -182,6 +184,21 @@ void Transient::note_before_start(const Track& track, const Start& start) {
   piece_values_.resize(probes.size());
   for (std::size_t k = 0; k < track.shares.size(); ++k)
     piece_values_[static_cast<std::size_t>(track.probes[k])] += start.signals[static_cast<std::size_t>(track.shares[k])];
+}
+
+/// What was before t = 0, and what happened then.
+void Transient::hand_over_start() {
+  request_.probes.sink->before_start(piece_values_);
+  for (const auto& track : tracks_) hand_over_impulses(*track, 0.0);
+}
+
+void Transient::hand_over_impulses(const Track& track, double time) {
+  const std::vector<double>& impulses = track.block.impulses();
+  if (impulses.empty() || track.shares.empty()) return;
+  std::vector<double> values(request_.probes.signals.size(), 0.0);
+  for (std::size_t k = 0; k < track.shares.size(); ++k)
+    values[static_cast<std::size_t>(track.probes[k])] += impulses[static_cast<std::size_t>(track.shares[k])];
+  request_.probes.sink->impulse(time, values);
 }
 
 /// What lies before the instant that the least track stands at, of the last stretches of all.

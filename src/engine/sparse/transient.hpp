@@ -38,6 +38,8 @@ class Transient {
   void find_shares(Track& track) const;
   void pieces_before(double time);
   void note_noise();
+  void hand_over_start();
+  void hand_over_impulses(const Track& track, double time);
   void note_before_start(const Track& track, const Start& start);
   bool open_event(Track& track);
   bool close_event();
