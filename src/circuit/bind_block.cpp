@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/foreign_device.hpp"
 #include "elements/block.hpp"
 
 namespace pwlsim::circuit {
@@ -34,13 +35,15 @@ class BlockBinding {
     return false;
   }
 
-  /// LTspice's A devices have eight nodes before their type.
   bool is_foreign() {
-    constexpr std::size_t nodes = 8;
-    if (cursor_.positional_left() <= nodes || !cursor_.at(ItemKind::word, nodes)) return false;
-    return !fail("E-not-supported", cursor_.peek(nodes)->span,
-                 fmt::format("{} is LTspice's own device {}, which is not supported; try a source B, or one of the blocks here", card_.name,
-                             cursor_.peek(nodes)->text));
+    if (cursor_.positional_left() <= foreign_device_nodes || !cursor_.at(ItemKind::word, foreign_device_nodes)) return false;
+    std::vector<std::string> nodes;
+    for (std::size_t k = 0; k < foreign_device_nodes; ++k) nodes.push_back(cursor_.peek(k)->text);
+    const Item& type = *cursor_.peek(foreign_device_nodes);
+    reporter().error("E-not-supported", type.span,
+                     fmt::format("{} is LTspice's own device {}, which is not supported; try {}", card_.name, type.text,
+                                 instead_of_device(type.text, nodes)));
+    return true;
   }
 
   bool missing(std::string_view what) { return fail("E-missing-node", card_.span, fmt::format("{} needs {}", card_.name, what)); }

@@ -1,4 +1,6 @@
 /// Decks as LTspice, PSpice and ngspice users write them (tests/decks), unmodified, against closed forms.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -82,4 +84,46 @@ TEST_CASE("ngspice: a deck that a control block runs", "[regression]") {
   check(run, "v(out)", 1e-11, out);
   check(run, "@r1[i]", 1e-13, [&](double t) { return out(t) / 100.0; });
   check(run, "@d1[id]", 1e-13, [&](double t) { return out(t) / 100.0; });
+}
+
+// The truth tables of the gates: the card that the message gives in their place is run with every combination of inputs.
+TEST_CASE("what the message gives in place of a gate of LTspice is that gate", "[regression]") {
+  struct Gate {
+    std::string card;
+    bool (*value)(bool a, bool b, bool c);
+  };
+  const auto gate = GENERATE(Gate{"A1 a b c 0 0 0 y 0 AND", [](bool a, bool b, bool c) { return a && b && c; }},
+                             Gate{"A1 a b 0 0 c y 0 0 AND", [](bool a, bool b, bool c) { return !(a && b && c); }},
+                             Gate{"A1 a b c 0 0 0 y 0 OR", [](bool a, bool b, bool c) { return a || b || c; }},
+                             Gate{"A1 0 b c 0 0 y 0 0 OR", [](bool, bool b, bool c) { return !(b || c); }},
+                             Gate{"A1 a c 0 0 0 0 y 0 XOR", [](bool a, bool, bool c) { return a != c; }},
+                             Gate{"A1 b 0 0 0 0 0 y 0 BUF", [](bool, bool b, bool) { return b; }},
+                             Gate{"A1 b 0 0 0 0 0 y 0 INV", [](bool, bool b, bool) { return !b; }},
+                             Gate{"A1 b 0 0 0 0 y 0 0 INV", [](bool, bool b, bool) { return b; }});
+  INFO(gate.card);
+  for (int inputs = 0; inputs < 8; ++inputs) {
+    const bool a = (inputs & 1) != 0, b = (inputs & 2) != 0, c = (inputs & 4) != 0;
+    const std::string sources = fmt::format("t\nVa a 0 {:d}\nVb b 0 {:d}\nVc c 0 {:d}\n.tran 1 1\n", a, b, c);
+    const std::string told = run_text(sources + gate.card + "\n").messages;
+    const std::size_t at = told.find("B1 y 0 V={");
+    REQUIRE(at != std::string::npos);
+    const DeckRun run = run_text(sources + told.substr(at, told.find('\n', at) - at) + "\n.save v(y)\n");
+    REQUIRE(run.messages.empty());
+    CHECK(run.rows.back()[1] == (gate.value(a, b, c) ? 1.0 : 0.0));
+  }
+}
+
+// Set at 1 s, held from 1.5 s, reset at 2 s, held from 2.5 s.
+TEST_CASE("what the message gives in place of LTspice's SR flip-flop remembers", "[regression]") {
+  const std::string sources = "t\nVs s 0 PULSE(0 1 1 0 0 0.5 9)\nVr r 0 PULSE(0 1 2 0 0 0.5 9)\nVh high 0 1\nRq q 0 1k\n.tran 0.25 3\n";
+  const std::string told = run_text(sources + "A1 s r 0 0 0 0 q 0 SRFLOP\n").messages;
+  const std::size_t at = told.find("S1 high q s r latch"), model = told.find(".model latch"), end = told.find(')', model);
+  REQUIRE(at != std::string::npos);
+  REQUIRE(end != std::string::npos);
+  const DeckRun run = run_text(sources + "S1 high q s r latch\n" + told.substr(model, end + 1 - model) + "\n.save v(q)\n");
+  REQUIRE(run.messages.empty());
+  for (const auto& row : run.rows) {
+    INFO("t = " << row[0]);
+    CHECK(row[1] == Approx(row[0] >= 1.0 && row[0] < 2.0 ? 1.0 : 0.0).margin(1e-15));
+  }
 }
