@@ -40,7 +40,9 @@ std::string lane_text(const waveform::Lane& lane) {
   return json_line({{"name", json_string(lane.name)}, {"times", numbers(lane.times)}, {"shares", short_numbers(lane.shares)}});
 }
 
-std::string marks_text(const waveform::Marks& marks) { return json_line({{"name", json_string(marks.name)}, {"x", numbers(marks.x)}}); }
+std::string marks_text(const waveform::Marks& marks) {
+  return json_line({{"name", json_string(marks.name)}, {"x", numbers(marks.x)}, {"colour", json_string(marks.colour)}});
+}
 
 std::string event_text(const ToldEvent& told) {
   std::vector<std::string> kinds;
@@ -128,7 +130,8 @@ std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
                     {"drawnRuns", index_text(names.size())},
                     {"ports", "0"},
                     {"lanes", "[]"},
-                    {"marks", "[]"},
+                    {"marks", array_of(run_marks(outcome.sweep), marks_text)},
+                    {"marksTitle", json_string(run_marks_title)},
                     {"eventCount", "0"},
                     {"events", "[]"}});
 }

@@ -37,7 +37,7 @@ std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& 
 }
 
 std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& events) {
-  std::array<waveform::Marks, 3> marks{{{"edges", {}}, {"switching", {}}, {"jumps", {}}}};
+  std::array<waveform::Marks, 3> marks{{{"edges", {}, {}}, {"switching", {}, {}}, {"jumps", {}, {}}}};
   for (const engine::Event& event : events) {
     if (event.source_edge) marks[0].x.push_back(event.time);
     if (event.mode_change) marks[1].x.push_back(event.time);
@@ -65,12 +65,27 @@ waveform::Figure run_figure(const std::string& title, const std::vector<std::str
   return figure;
 }
 
+std::vector<waveform::Marks> run_marks(const SweptRuns& runs) {
+  std::vector<waveform::Marks> rows;
+  bool any = false;
+  for (std::size_t index = 0; index < runs.drawn.size(); ++index) {
+    const DrawnRun& drawn = runs.drawn[index];
+    if (!drawn.recorder) continue;
+    waveform::Marks row{runs.name(drawn.run), {}, colour_of_run(runs, index)};
+    for (const engine::Event& event : drawn.recorder->events())
+      if (event.mode_change || event.jump) row.x.push_back(event.time);
+    any = any || !row.x.empty();
+    rows.push_back(std::move(row));
+  }
+  return any ? rows : std::vector<waveform::Marks>{};
+}
+
 std::string colour_of_run(const SweptRuns& runs, std::size_t index) {
   return waveform::ramp_colour(runs.drawn.size() < 2 ? 0.0 : static_cast<double>(index) / static_cast<double>(runs.drawn.size() - 1));
 }
 
 waveform::Figure sweep_figure(const std::string& title, const std::vector<std::string>& names, const SweptRuns& runs) {
-  waveform::Figure figure{title, "time", "s", {}};
+  waveform::Figure figure{title, "time", "s", {}, run_marks(runs), {}, {}, fmt::format("tick: {}", run_marks_title)};
   const std::size_t panels = std::min({names.size(), most_panels, RunRecorder::most_signals});
   for (std::size_t k = 0; k < panels; ++k) figure.panels.push_back({names[k], {}, std::string(unit_of_signal(names[k]))});
   for (std::size_t index = 0; index < runs.drawn.size(); ++index) {

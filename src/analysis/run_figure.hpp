@@ -16,6 +16,11 @@ namespace pwlsim::analysis {
 /// The runs of a sweep: a panel a signal, a colour a run, at most eight panels and the runs that are kept for drawing; the title says how many are left.
 [[nodiscard]] waveform::Figure sweep_figure(const std::string& title, const std::vector<std::string>& names, const SweptRuns& runs);
 
+/// A row for each drawn run, in its colour: the times at which a diode or switch changes or a state jumps. None where there is no such time in any.
+[[nodiscard]] std::vector<waveform::Marks> run_marks(const SweptRuns& runs);
+/// What the ticks of these rows are.
+inline constexpr const char* run_marks_title = "a diode or switch changes, or a state jumps";
+
 /// Of drawn run number `index`.
 [[nodiscard]] std::string colour_of_run(const SweptRuns& runs, std::size_t index);
 

@@ -10,7 +10,7 @@ namespace pwlsim::analysis {
 namespace {
 
 constexpr std::size_t most_values = 1'500'000, most_rows = 40'000;
-constexpr std::size_t most_changes = 200'000, most_events = 20'000;
+constexpr std::size_t most_changes = 200'000, most_events = 20'000, most_shared_events = 60'000;
 constexpr std::size_t pieces = 4000;
 constexpr std::size_t most_changes_told = 12;
 
@@ -32,7 +32,8 @@ RunRecorder::RunRecorder(double from, double to, std::size_t signals, std::size_
       end_(to),
       signals_(signals),
       kept_signals_(std::min(signals, most_signals)),
-      rows_(from, to, kept_signals_, std::min(most_rows, most_values / (kept_signals_ + 1)) / sharers) {}
+      rows_(from, to, kept_signals_, std::min(most_rows, most_values / (kept_signals_ + 1)) / sharers),
+      most_events_(std::clamp(most_shared_events / sharers, pieces, most_events)) {}
 
 void RunRecorder::take_rows(std::span<const double> values, std::size_t count) {
   for (std::size_t row = 0; row < count; ++row) rows_.add(values.subspan(row * (signals_ + 1), kept_signals_ + 1));
@@ -90,7 +91,7 @@ void RunRecorder::keep(const engine::Event& event) {
     last.jump |= next.jump;
   };
   add(event);
-  if (events_folded_ || events_.size() <= most_events) return;
+  if (events_folded_ || events_.size() <= most_events_) return;
   events_folded_ = true;
   std::vector<engine::Event> all;
   std::swap(all, events_);

@@ -73,7 +73,7 @@ class RunRecorder : public engine::EventWatcher {
   std::vector<std::string> elements_;
   std::vector<char> last_;  ///< position of all ports
   std::vector<Track> tracks_;
-  std::size_t change_count_ = 0;
+  std::size_t change_count_ = 0, most_events_;
   bool changes_folded_ = false, events_folded_ = false;
   std::vector<engine::Event> events_;
   std::uint64_t event_count_ = 0;

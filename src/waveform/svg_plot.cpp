@@ -14,9 +14,11 @@ namespace {
 constexpr double width = 930.0, left = 110.0, right = 20.0, top = 40.0, panel_height = 180.0, gap = 34.0, bottom = 50.0;
 constexpr double plot_width = width - left - right;
 constexpr double row_height = 16.0, bar_height = 11.0;
-constexpr double flat_margin = 0.05;  ///< of the value of a flat curve
-constexpr double rounding = 1e-12;    ///< of the largest value: a span below it has no ticks of its own
-constexpr int columns_per_unit = 2;   ///< of marks and lanes
+constexpr double flat_margin = 0.05;    ///< of the value of a flat curve
+constexpr double rounding = 1e-12;      ///< of the largest value: a span below it has no ticks of its own
+constexpr int columns_per_unit = 2;     ///< of marks and lanes
+constexpr std::size_t least_crowd = 4;  ///< columns with ticks side by side
+constexpr double crowd_shade = 0.4;
 constexpr std::string_view pale = "#dddddd", dark = "#666666";
 constexpr std::array<std::string_view, 6> colours{"#1f5fbf", "#d1480a", "#1b7f3b", "#7a3fa0", "#8a6d00", "#b0154f"};
 
@@ -167,14 +169,10 @@ class Picture {
   void draw_strip(double y) {
     for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
       if (rows() > 0) line(across_.at(tick), y, across_.at(tick), y + static_cast<double>(rows()) * row_height, pale);
+    if (rows() > 0 && !figure_.strip_title.empty()) label(left, y - 3.0, figure_.strip_title, "fill=\"#333\" font-size=\"11\"");
     for (const Marks& marks : figure_.marks) {
-      row_label(marks.name, y);
-      double drawn = -1.0;
-      for (double x : marks.x) {
-        const double at = std::floor(columns_per_unit * across_.at(x)) / columns_per_unit;
-        if (at != drawn && inside(x)) line(at, y + 2.0, at, y + 2.0 + bar_height, colours[1]);
-        drawn = at;
-      }
+      row_label(marks.name, y, marks.colour);
+      draw_ticks(marks, y + 2.0);
       y += row_height;
     }
     for (const Lane& lane : figure_.lanes) {
@@ -184,13 +182,37 @@ class Picture {
     }
   }
 
+  /// Ticks in neighbouring columns, which could not be told apart, become a pale bar.
+  void draw_ticks(const Marks& marks, double y) {
+    const std::string_view colour = marks.colour.empty() ? colours[1] : std::string_view(marks.colour);
+    std::vector<double> places;
+    for (double x : marks.x) {
+      const double column = std::floor(columns_per_unit * across_.at(x));
+      if (inside(x) && (places.empty() || places.back() != column)) places.push_back(column);
+    }
+    for (std::size_t k = 0; k < places.size();) {
+      std::size_t end = k + 1;
+      while (end < places.size() && places[end] == places[end - 1] + 1.0) ++end;
+      const bool is_crowd = end - k >= least_crowd;
+      if (is_crowd) bar(places[k] / columns_per_unit, y, static_cast<double>(end - k) / columns_per_unit, colour, crowd_shade);
+      for (; k < end; ++k)
+        if (!is_crowd) line(places[k] / columns_per_unit, y, places[k] / columns_per_unit, y + bar_height, colour);
+    }
+  }
+
+  void bar(double x, double y, double length, std::string_view colour, double shade) {
+    text_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" fill-opacity=\"{}\"/>\n", x, y, length, bar_height,
+                         colour, shade);
+  }
+
   /// The end of a long name tells more than its beginning.
-  void row_label(const std::string& name, double y) {
+  void row_label(const std::string& name, double y, const std::string& colour = "") {
     constexpr std::size_t most_letters = 16;
     std::size_t begin = name.size() <= most_letters ? 0 : name.size() - most_letters + 1;
     while (begin < name.size() && (static_cast<unsigned char>(name[begin]) & 0xC0U) == 0x80U) ++begin;  // within a letter of several bytes
     const std::string text = begin == 0 ? name : "…" + name.substr(begin);
-    label(left - 6.0, y + bar_height, text, "text-anchor=\"end\" font-size=\"11\"");
+    const std::string fill = colour.empty() ? "" : fmt::format(" fill=\"{}\"", colour);
+    label(left - 6.0, y + bar_height, text, "text-anchor=\"end\" font-size=\"11\"" + fill);
   }
 
   [[nodiscard]] bool inside(double x) const { return x >= across_.span.from && x <= across_.span.to; }
@@ -217,9 +239,8 @@ class Picture {
       const std::size_t first = c;
       while (c < shares.size() && std::ceil(shades * shares[c] - 1e-6) / shades == shade) ++c;
       if (shade > 0.0)
-        text_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" fill-opacity=\"{}\"/>\n",
-                             left + static_cast<double>(first) / columns_per_unit, y, static_cast<double>(c - first) / columns_per_unit,
-                             bar_height, colours[0], std::min(shade, 1.0));
+        bar(left + static_cast<double>(first) / columns_per_unit, y, static_cast<double>(c - first) / columns_per_unit, colours[0],
+            std::min(shade, 1.0));
     }
   }
 

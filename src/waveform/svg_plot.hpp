@@ -28,7 +28,8 @@ struct Panel {
 /// A row of ticks.
 struct Marks {
   std::string name;
-  std::vector<double> x;  ///< ascending
+  std::vector<double> x;    ///< ascending
+  std::string colour = {};  ///< of ticks and name; empty: that of all
 };
 
 /// A row of bars, for something that is on or off.
@@ -45,6 +46,7 @@ struct Figure {
   std::vector<Marks> marks = {};
   std::vector<Lane> lanes = {};
   std::vector<LegendEntry> legend = {};
+  std::string strip_title = {};  ///< above marks and lanes
 };
 
 /// A colour of a row of them from blue over green to red, 0 ≤ share ≤ 1, all dark enough on white.

@@ -68,6 +68,18 @@ TEST_CASE("millions of events are kept as shares of time, in bounded memory", "[
   CHECK(lanes[1].shares == Numbers{0.0});
 }
 
+TEST_CASE("recorders that share the memory keep fewer events, and all of them while these are few", "[unit]") {
+  const auto kept = [](int events, std::size_t sharers) {
+    RunRecorder recorder(0.0, 1.0, 1, sharers);
+    recorder.begin(Words{"D1"}, Flags{0});
+    for (int k = 0; k < events; ++k) recorder.happened(at((k + 0.5) / events), Flags{k % 2 == 0 ? char{1} : char{0}});
+    return recorder.events().size();
+  };
+  CHECK(kept(5000, 12) == 5000);
+  CHECK(kept(20'000, 1) == 20'000);
+  CHECK(kept(20'000, 12) == 4000);
+}
+
 TEST_CASE("signals share panels by unit, six at most", "[unit]") {
   const Words names{"v(a)", "i(L1)", "v(b)", "v(c)", "x(s,1)", "v(d)", "v(e)", "v(f)", "v(g)"};
   CHECK(analysis::panels_of(names) == std::vector<std::vector<std::size_t>>{{0, 2, 3, 5, 6, 7}, {8}, {1}, {4}});

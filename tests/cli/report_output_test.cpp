@@ -1,5 +1,7 @@
 // --report: a run as one web page, looked at in headless Chromium where that is installed.
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
@@ -153,6 +155,40 @@ TEST_CASE("--report of a sweep: curves of the runs on one axis of times, and a t
   CHECK_THAT(page, Contains("<tr><td>v(a), T=8</td><td>7 V</td><td>–</td><td>–</td><td>0 V</td><td>8 V</td><td>8 V</td><td>4 V</td>") &&
                        Contains("<tr><td>v(a), T=6</td><td>–</td><td>–</td><td>–</td><td>0 V</td><td>6 V</td><td>6 V</td><td>3 V</td>"));
   CHECK_THAT(page, Contains("<tr><td>8</td><td>8 V</td><td>3</td>") && Contains("<tr><td>6</td><td>6 V</td><td>3</td>"));
+}
+
+TEST_CASE("pictures and reports of a sweep show when diodes and switches of each run change", "[unit]") {
+  const Scratch scratch;
+  // From 0 to 2 V and back in 2 s: above E from E/2 to 2 - E/2. At 4 V the diode never conducts.
+  scratch.write("d.net",
+                "ticks\nV1 a 0 PWL(0 0 1 2 2 0)\nR1 a b 1\nD1 b d DI\nV2 d 0 {E}\n.model DI D\n.step param E list 1 0.5 4\n.tran 0.1 "
+                "2\n.save v(b)\n");
+  REQUIRE(run_in(scratch, {"d.net", "--report", "r.html", "--plot", "p.svg"}).status == 0);
+  const Json data = data_of(read_file(scratch / "r.html"));
+  REQUIRE(data["marks"].array.size() == 3);
+  const std::string picture = read_file(scratch / "p.svg");
+  CHECK_THAT(picture, Contains(">tick: a diode or switch changes, or a state jumps<"));
+  const auto check_run = [&](std::size_t run, const std::string& name, const std::vector<double>& times) {
+    const Json& marks = data["marks"][run];
+    const std::string colour = pwlsim::waveform::ramp_colour(0.5 * static_cast<double>(run));
+    CHECK(marks["name"].string == name);
+    CHECK(marks["colour"].string == colour);
+    REQUIRE(marks["x"].array.size() == times.size());
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      CHECK(marks["x"][k].number == Approx(times[k]));
+      // 800 units of width are 2 s; ticks stand at the left of columns half a unit wide.
+      const auto place = [&](double x) { return "<line x1=\"" + fmt::format("{:.1f}", x) + "\""; };
+      const double x = 110.0 + 400.0 * times[k];
+      CHECK_THAT(picture, Contains(place(x)) || Contains(place(x - 0.5)));
+    }
+    CHECK_THAT(picture, Contains("fill=\"" + colour + "\">" + name + "<"));
+  };
+  check_run(0, "E=1", {0.5, 1.5});
+  check_run(1, "E=0.5", {0.25, 1.75});
+  check_run(2, "E=4", {});
+  const std::string page = shown(scratch, "r.html");
+  if (!page.empty())
+    CHECK_THAT(page, Contains("data-marks=\"3\"") && Contains("A line a run, with a tick where a diode or switch changes"));
 }
 
 TEST_CASE("a view in the address is what the page shows", "[unit]") {

@@ -92,6 +92,20 @@ TEST_CASE("marks are ticks, one for all that fall into one column", "[unit]") {
   CHECK(count(svg(figure), "#d1480a") == without + 2);
 }
 
+TEST_CASE("marks have a colour of their own, and become a pale bar where they cannot be told apart", "[unit]") {
+  Figure figure = figure_of({"", {0, 1}, {0, 1}, false});
+  std::vector<double> crowd{0.25, 0.5};
+  for (int k = 0; k <= 1600; ++k) crowd.push_back(0.75 + 0.125 * k / 1600.0);
+  figure.marks = {{"R=1", crowd, "#123456"}, {"R=2", {0.5}, "#654321"}};
+  figure.strip_title = "ticks <here>";
+  const std::string text = svg(figure);
+  // 800 units of width are one second: the crowd reaches from 710 to 810, in columns half a unit wide.
+  CHECK_THAT(text, Contains("<rect x=\"710\" y=\"238\" width=\"100.5\" height=\"11\" fill=\"#123456\" fill-opacity=\"0.4\"/>"));
+  CHECK(count(text, "stroke=\"#123456\"") == 2);
+  CHECK(count(text, "stroke=\"#654321\"") == 1);
+  CHECK_THAT(text, Contains("fill=\"#123456\">R=1<") && Contains("fill=\"#654321\">R=2<") && Contains(">ticks &lt;here&gt;<"));
+}
+
 TEST_CASE("the values of a panel carry its unit", "[unit]") {
   CHECK_THAT(svg({"", "time", "s", {{"", {{"", {0, 1}, {0, 2e-3}, false}}, "V"}}}), Contains(">1 mV<") && Contains(">0<"));
 }

@@ -173,6 +173,20 @@
     return time => axisWidth + width * (time - visible.min) / (visible.max - visible.min);
   }
 
+  // Those that could not be told apart become a pale bar.
+  function drawTicks(context, places, y) {
+    const leastCrowd = 4;
+    for (let k = 0; k < places.length;) {
+      let end = k + 1;
+      while (end < places.length && places[end] <= places[end - 1] + 1) ++end;
+      const length = places[end - 1] - places[k] + 1;
+      context.globalAlpha = length < leastCrowd ? 1 : 0.4;
+      context.fillRect(places[k], y, length, rowHeight - 5);
+      k = end;
+    }
+    context.globalAlpha = 1;
+  }
+
   function drawTimeline() {
     const canvas = element("timeline");
     const rows = data.marks.length + data.lanes.length;
@@ -189,15 +203,14 @@
     context.textAlign = "right";
     context.textBaseline = "middle";
     let y = 2;
-    const label = name => {
-      context.fillStyle = "#222";
+    const label = (name, colour) => {
+      context.fillStyle = colour || "#222";
       context.fillText(name.length > 16 ? "…" + name.slice(-15) : name, axisWidth - 6, y + rowHeight / 2);
     };
     for (const marks of data.marks) {
-      label(marks.name);
-      context.fillStyle = colours[1];
-      for (const time of marks.x)
-        if (time >= visible.min && time <= visible.max) context.fillRect(Math.round(xOf(time)), y + 2, 1, rowHeight - 5);
+      label(marks.name, marks.colour);
+      context.fillStyle = marks.colour || colours[1];
+      drawTicks(context, marks.x.filter(time => time >= visible.min && time <= visible.max).map(time => Math.round(xOf(time))), y + 2);
       y += rowHeight;
     }
     for (const lane of data.lanes) {
@@ -217,6 +230,7 @@
     context.strokeRect(axisWidth, 0.5, right - axisWidth, height - 1);
     drawCursors(context, xOf, 0, height, 1);
     document.documentElement.dataset.lanes = data.lanes.length;
+    document.documentElement.dataset.marks = data.marks.length;
   }
 
   // --- Measurements ----------------------------------------------------------------------------------------------
@@ -303,7 +317,8 @@
     };
     listen(canvas, timeAt);
     const ports = data.ports > data.lanes.length ? " The first " + data.lanes.length + " of " + data.ports + " ports are shown." : "";
-    element("timeline-hint").textContent = data.lanes.length ? "Filled: the diode or switch conducts; a shade: for that share of the time." + ports : "";
+    const ticks = data.marksTitle && data.marks.length ? "A line a run, with a tick where " + data.marksTitle + "; pale where ticks are too many to be told apart." : "";
+    element("timeline-hint").textContent = data.lanes.length ? "Filled: the diode or switch conducts; a shade: for that share of the time." + ports : ticks;
     element("measurement-hint").textContent = data.thinned
       ? "The run has more rows than this page keeps: the curves show the extremes of each short piece of time, so that values between them, means and RMS values are not given. Zoom by running a shorter part (.tran … Tstart)."
       : "Values lie on straight lines between the rows.";
