@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -97,7 +98,10 @@ class RawSystemReader {
   void read_number(std::string_view text, SourceSpan span, std::vector<double>& row) {
     const netlist::NumberText number = netlist::read_number(text);
     row.push_back(number.value);
-    if (!number.valid || number.infinite) fail(span, fmt::format("'{}' is not a number", reporter_.text(span)));
+    if (!number.valid || number.infinite)
+      fail(span, fmt::format("'{}' is not a number", reporter_.text(span)));
+    else if (!std::isfinite(number.value))
+      fail(span, fmt::format("'{}' is too large", reporter_.text(span)));
   }
 
   void take_sizes() {

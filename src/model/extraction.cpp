@@ -28,6 +28,10 @@ using linalg::WideVector;
 
 /// The rank decision sees incidence numbers and R0/R after row equilibration, never a capacitance or an inductance.
 constexpr double rank_tolerance = 1e-9;
+/// A column of a row-equilibrated G whose entries are all below the first number holds a quantity that is small beside the others of its
+/// equations, not one that is undetermined: the current of an integrator's capacitor beside a large transconductance. Below the second it is
+/// rounding.
+constexpr double small_column = 1e-3, rounding_column = 1e-15;
 /// An entry of a hidden constraint below this fraction of its parts is rounding.
 constexpr double constraint_tolerance = 1e-12;
 /// An entry of D (of order one by construction) below this is rounding.
@@ -36,13 +40,23 @@ constexpr int largest_index = 6;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
 
+/// Scales of columns change nothing in left null vectors, but in what counts as one.
+WideMatrix with_small_columns_raised(WideMatrix g) {
+  for (Eigen::Index j = 0; j < g.cols(); ++j) {
+    const Wide largest = g.col(j).cwiseAbs().maxCoeff();
+    if (largest < small_column && largest > rounding_column) g.col(j) *= std::ldexp(1.0L, -std::ilogb(largest));
+  }
+  return g;
+}
+
 /// Left null vectors of g by full pivoting: exact for incidence numbers; column j has its 1 at row pivot_rows[j].
 struct LeftNull {
   WideMatrix vectors;
   std::vector<int> pivot_rows;
 };
 
-LeftNull left_null(const WideMatrix& g) {
+LeftNull left_null(const WideMatrix& unscaled) {
+  const WideMatrix g = with_small_columns_raised(unscaled);
   Eigen::ColPivHouseholderQR<WideMatrix> quick(g);
   const WideVector diagonal = quick.matrixR().diagonal().cwiseAbs();
   if (diagonal.size() == 0 || diagonal.minCoeff() > rank_tolerance * diagonal.maxCoeff()) return {};

@@ -5,6 +5,8 @@
 #include <functional>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "regression/deck_run.hpp"
 #include "support/scratch.hpp"
 
@@ -70,6 +72,24 @@ TEST_CASE("blocks with states", "[regression]") {
       {[&](double t) { return 2.0 * std::sin(w * t); }, [](double) { return 1.0; }, [](double t) { return std::min(0.25 + t, 0.75); },
        [](double t) { return 1.0 - (1.0 + t) * std::exp(-t); }, [](double t) { return std::exp(-t); },
        [&](double t) { return w * std::cos(w * t); }});
+}
+
+// A low pass by s_xfer and one by int, of time constant 1/rate, answer a step as 1 - exp(-rate t); an integral in no loop rises as rate t. The
+// state is a volt across a farad, whose current is small against R times the rate times a farad.
+TEST_CASE("blocks keep their states however fast they are beside large resistors", "[regression]") {
+  const auto [rate, resistance] = GENERATE(table<double, double>({{1e3, 1e6}, {1e5, 1e4}, {1e6, 1e3}, {1e6, 1e6}, {10.0, 1e9}}));
+  const std::string cards = fmt::format(
+      "V1 a 0 PULSE(0 1)\nA1 a x mx\nA2 %vd(a,y) y mi\nA3 a z mi\nR1 x 0 {1}\nR2 y 0 {1}\nR3 z 0 {1}\n.model mx s_xfer(num_coeff=[1] "
+      "den_coeff=[{{1/{0}}} 1])\n.model mi int(gain={0})\n.save v(x) v(y) v(z)\n.tran {{0.25/{0}}} {{2/{0}}}\n",
+      rate, resistance);
+  const DeckRun run = run_text("t\n" + cards);
+  INFO(cards << run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (const auto& row : run.rows) {
+    const double turns = rate * row[0];
+    for (const int low_pass : {1, 2}) CHECK(row[low_pass] == Approx(-std::expm1(-turns)).margin(exact));
+    CHECK(row[3] == Approx(turns).margin(exact));
+  }
 }
 
 TEST_CASE("hysteresis changes sides once the input has passed the band", "[regression]") {
@@ -163,6 +183,20 @@ TEST_CASE("15, raw: a support that accelerates", "[hard]") {
   for (const auto& row : run.rows) CHECK(row[1] == Approx(1.5 * row[0] * row[0]).margin(exact));
 }
 
+// x1 turns with x2 at 10^10 rad/s from (1, 0): x1 = cos, x2 = -sin; x3' = -10^12 x3 beside x4' = -x4.
+TEST_CASE("a raw system keeps its fast states", "[regression]") {
+  const DeckRun run = run_raw("A\n0 1e10 0 0\n-1e10 0 0 0\n0 0 -1e12 0\n0 0 0 -1\nx0\n1 0 1 1\n", ".tran 25p 1n\n");
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (const auto& row : run.rows) {
+    const double t = row[0];
+    CHECK(row[1] == Approx(std::cos(1e10 * t)).margin(exact));
+    CHECK(row[2] == Approx(-std::sin(1e10 * t)).margin(exact));
+    CHECK(row[3] == Approx(std::exp(-1e12 * t)).margin(exact));
+    CHECK(row[4] == Approx(std::exp(-t)).margin(exact));
+  }
+}
+
 TEST_CASE("sizes of a raw system that do not fit are named with their line", "[unit]") {
   const auto refused = [](const std::string& file) { return run_raw(file, ".tran 1 2\n").messages; };
   CHECK(refused("A\n0 1\n0 0\nB\n1\n").find("test.lcs:4:1: error[E-lcs]: B is 1 by 1, where 2 by 1 is meant") != std::string::npos);
@@ -170,6 +204,7 @@ TEST_CASE("sizes of a raw system that do not fit are named with their line", "[u
   CHECK(refused("A\n0 x\n0 0\n").find(":2:3: error[E-lcs]: 'x' is not a number") != std::string::npos);
   CHECK(refused("1 2\n").find(":1:1: error[E-lcs]: rows stand behind a keyword") != std::string::npos);
   CHECK(refused("A\n1\nA\n1\n").find(":3:1: error[E-lcs]: a second A") != std::string::npos);
+  CHECK(refused("A\n0\nx0\n1e400\n").find(":4:1: error[E-lcs]: '1e400' is too large") != std::string::npos);
   CHECK(refused("x0\n").find("neither states nor ports") != std::string::npos);
 }
 
