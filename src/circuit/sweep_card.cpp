@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/decimal.hpp"
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/items.hpp"
@@ -26,6 +27,11 @@ std::optional<Spacing> spacing_of(const Item& item) {
   if (is_word(item, "oct")) return Spacing::octave;
   if (is_word(item, "list")) return Spacing::list;
   return std::nullopt;
+}
+
+Decimal decimal_of(const Number& number) {
+  const auto written = parse_decimal(number.decimal);
+  return written ? *written : decimal_from_double(number.value);
 }
 
 class SweepReader {
@@ -53,13 +59,13 @@ class SweepReader {
     sweep_.name = name.text;
     sweep_.span = name.span;
     take_spacing();
-    std::vector<double> numbers;
+    std::vector<Number> numbers;
     for (; at < items.size(); ++at) {
       if (items[at].kind == ItemKind::assignment && same_name(items[at].text, "file"))
         return fail("E-not-supported", items[at].span, "file= is not supported");
       const std::optional<Number> number = scope_.number(items[at]);
       if (!number) return std::nullopt;
-      numbers.push_back(number->value);
+      numbers.push_back(*number);
     }
     if (!spread(numbers)) return std::nullopt;
     return sweep_;
@@ -88,17 +94,17 @@ class SweepReader {
     return false;
   }
 
-  bool spread(const std::vector<double>& numbers) {
+  bool spread(const std::vector<Number>& numbers) {
     if (spacing_ == Spacing::list) {
       if (numbers.empty()) (void)fail("E-missing-value", card_.span, "the list is empty");
-      sweep_.values = numbers;
+      for (const Number& number : numbers) sweep_.values.push_back(number.value);
       return !numbers.empty();
     }
     if (numbers.size() != 3) {
       (void)fail(numbers.size() < 3 ? "E-missing-value" : "E-unexpected", card_.span, "it takes three numbers");
       return false;
     }
-    return spacing_ == Spacing::linear ? spread_evenly(numbers) : spread_by_ratio(numbers);
+    return spacing_ == Spacing::linear ? spread_evenly(numbers) : spread_by_ratio(numbers[0].value, numbers[1].value, numbers[2].value);
   }
 
   bool too_many(double count) {
@@ -108,35 +114,38 @@ class SweepReader {
     return true;
   }
 
-  /// The stop belongs to it where rounding alone keeps it from being a step.
-  bool spread_evenly(const std::vector<double>& numbers) {
+  /// From the decimal text, as the rows of .tran. The stop belongs to it where rounding alone keeps it from being a step.
+  bool spread_evenly(const std::vector<Number>& numbers) {
     constexpr double rounding = 1e-9;
-    const double span = numbers[1] - numbers[0];
-    const double step = std::copysign(numbers[2], span);
-    if (step == 0.0 && span != 0.0) {
+    const double stop = numbers[1].value, span = stop - numbers[0].value;
+    const double size = std::copysign(numbers[2].value, span);
+    if (size == 0.0 && span != 0.0) {
       (void)fail("E-range", card_.span, "the step must not be 0");
       return false;
     }
-    const double count = span == 0.0 ? 0.0 : std::floor(span / step * (1.0 + rounding) + rounding);
+    const double count = span == 0.0 ? 0.0 : std::floor(span / size * (1.0 + rounding) + rounding);
     if (too_many(count)) return false;
-    for (double k = 0.0; k <= count; ++k) sweep_.values.push_back(numbers[0] + k * step);
-    if (std::abs(sweep_.values.back() - numbers[1]) <= rounding * std::abs(step)) sweep_.values.back() = numbers[1];
+    const Decimal start = decimal_of(numbers[0]);
+    Decimal step = decimal_of(numbers[2]);
+    step.mantissa = std::signbit(size) ? -std::abs(step.mantissa) : std::abs(step.mantissa);
+    for (std::int64_t k = 0; k <= static_cast<std::int64_t>(count); ++k) sweep_.values.push_back(affine(start, k, step));
+    if (std::abs(sweep_.values.back() - stop) <= rounding * std::abs(size)) sweep_.values.back() = stop;
     return true;
   }
 
-  bool spread_by_ratio(const std::vector<double>& numbers) {
+  bool spread_by_ratio(double start, double stop, double points) {
     constexpr double rounding = 1e-9;
     const double base = spacing_ == Spacing::decade ? 10.0 : 2.0;
-    const bool possible = numbers[0] * numbers[1] > 0.0 && numbers[2] >= 1.0 && numbers[2] == std::floor(numbers[2]);
+    const bool possible = start * stop > 0.0 && points >= 1.0 && points == std::floor(points);
     if (!possible) {
       (void)fail("E-range", card_.span, "start and stop must have one sign, and the points of a decade or octave be a whole number");
       return false;
     }
-    const double direction = std::abs(numbers[1]) >= std::abs(numbers[0]) ? 1.0 : -1.0;
-    const double count = std::floor(std::abs(std::log(numbers[1] / numbers[0]) / std::log(base)) * numbers[2] + rounding);
+    const double direction = std::abs(stop) >= std::abs(start) ? 1.0 : -1.0;
+    const double count = std::floor(std::abs(std::log(stop / start) / std::log(base)) * points + rounding);
     if (too_many(count)) return false;
-    for (double k = 0.0; k <= count; ++k) sweep_.values.push_back(numbers[0] * std::pow(base, direction * k / numbers[2]));
-    if (std::abs(sweep_.values.back() - numbers[1]) <= rounding * std::abs(numbers[1])) sweep_.values.back() = numbers[1];
+    for (double k = 0.0; k <= count; ++k) sweep_.values.push_back(start * std::pow(base, direction * k / points));
+    if (std::abs(sweep_.values.back() - stop) <= rounding * std::abs(stop)) sweep_.values.back() = stop;
     return true;
   }
 

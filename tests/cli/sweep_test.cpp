@@ -50,6 +50,8 @@ TEST_CASE("sweeps: linear, by decades and octaves, lists, sources; the first of 
   };
   CHECK(table(".step param R 1k 3k 1k\n.param R=5\n") == "R,mean\n1000,0.5\n2000,0.6666666666666666\n3000,0.75\n");
   CHECK(table(".step param R 3k 1k 2k\n") == "R,mean\n3000,0.75\n1000,0.5\n");
+  CHECK(table(".step param R 0.1 0.5 0.1\n").find("\n0.3,") != std::string::npos);
+  CHECK(table(".step param R 0.7 0.1 0.2\n").find("\n0.3,") != std::string::npos);
   CHECK(table(".step dec param R 1k 1Meg 1\n").rfind("R,mean\n1000,0.5\n10000,0.9090909", 0) == 0);
   CHECK(table(".step param R oct 1k 4k 1\n").find("\n2000,0.6666666666666666\n4000,0.8\n") != std::string::npos);
   CHECK(table(".param R=1k\n.step V1 list 2 4\n") == "V1,mean\n2,1\n4,2\n");
