@@ -110,6 +110,7 @@ void judge(TransientRun& run, const FileSink& sink, const std::vector<std::strin
     run.message = fmt::format("{} leaves the range of numbers after t = {}; try a shorter run, or look for an element that feeds energy in",
                               names[sink.bad_column()], quantity(sink.last_time(), "s"));
   }
+  if (!run.message.empty() && !run.answer.mode.empty()) run.message += "; mode: " + run.answer.mode;
 }
 
 void complete(TransientRun& run, waveform::OutputFile& file) {
@@ -162,6 +163,7 @@ class MeasuredRun {
         first.outcome = answer.outcome;
         first.id = answer.id;
         first.message = answer.message;
+        first.mode = answer.mode;
       }
       return;
     }

@@ -16,4 +16,27 @@ Remark projected_start() {
           "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"};
 }
 
+void ModeText::add(const std::string& name, bool is_on) {
+  if (sides_.empty() || sides_.back().name != name) sides_.push_back({name, false});
+  sides_.back().is_on |= is_on;
+}
+
+std::string ModeText::side(bool is_on) const {
+  constexpr std::size_t most_names = 8;
+  std::vector<std::string> names;
+  for (const Side& side : sides_)
+    if (side.is_on == is_on) names.push_back(side.name);
+  const std::size_t more = names.size() > most_names ? names.size() - most_names : 0;
+  names.resize(names.size() - more);
+  std::string text = fmt::format("{}", fmt::join(names, ", "));
+  if (more > 0) text += fmt::format(" and {} more", more);
+  if (!text.empty()) text += is_on ? " on" : " off";
+  return text;
+}
+
+std::string ModeText::str() const {
+  const std::string on = side(true), off = side(false);
+  return on + (on.empty() || off.empty() ? "" : ", ") + off;
+}
+
 }  // namespace pwlsim::engine

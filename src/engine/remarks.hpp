@@ -1,6 +1,9 @@
 #pragma once
 /// Remarks that every engine makes in the same words.
 
+#include <string>
+#include <vector>
+
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {
@@ -10,5 +13,22 @@ namespace pwlsim::engine {
 
 /// W-start-projected: of the whole circuit.
 [[nodiscard]] Remark projected_start();
+
+/// Sides of ports for Answer::mode. Ports of one element stand side by side; it is on where one of them is.
+class ModeText {
+ public:
+  void add(const std::string& name, bool is_on);
+  /// "D1, S2 on, D3 off"; a long list is cut and counted.
+  [[nodiscard]] std::string str() const;
+
+ private:
+  struct Side {
+    std::string name;
+    bool is_on = false;
+  };
+  [[nodiscard]] std::string side(bool is_on) const;
+
+  std::vector<Side> sides_;
+};
 
 }  // namespace pwlsim::engine

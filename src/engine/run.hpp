@@ -136,6 +136,7 @@ struct Answer {
   std::string message;  ///< why it stopped, with time and element names; empty when completed
   std::string id;       ///< "E-no-solution", …
   std::vector<std::string> elements;
+  std::string mode;  ///< of a run that stopped early: which ports conducted last, "D1 on, S1 off"; empty where there is none
   Statistics statistics;
   Certificate certificate;
   std::vector<Remark> remarks;

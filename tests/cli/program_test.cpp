@@ -209,7 +209,8 @@ TEST_CASE("the sparse engine warns, and says why it was chosen", "[unit]") {
   for (int i = 0; i < 450; ++i) deck << "R" << i << " n" << i << " n" << i + 1 << " 1\nC" << i << " n" << i + 1 << " 0 1n\n";
   deck << ".save v(n450)\n.tran 1u 2u\n.end\n";
   scratch.write("ladder.net", deck.str());
-  CHECK_THAT(run_in(scratch, {"ladder.net"}).err, Contains("warning[W-sparse-engine]: a part of this circuit is too large") && Contains("(450 stores, diodes"));
+  CHECK_THAT(run_in(scratch, {"ladder.net"}).err,
+             Contains("warning[W-sparse-engine]: a part of this circuit is too large") && Contains("(450 stores, diodes"));
   CHECK_THAT(run_in(scratch, {"ladder.net", "--engine", "sparse"}).err,
              Contains("warning[W-sparse-engine]: the sparse engine takes implicit steps"));
 }
@@ -265,6 +266,21 @@ TEST_CASE("errors in the deck have status 2 and leave an older file as it was", 
   CHECK_THAT(finished.err, Contains("bad.net:2:") && Contains("bad.net:3:"));
   CHECK(read_file(scratch / "bad.csv") == "old\n");
   CHECK(scratch.names() == Names{"bad.csv", "bad.net"});
+}
+
+TEST_CASE("a run that ends early says the mode it was in", "[unit]") {
+  const Scratch scratch;
+  // D1 conducts and D2 blocks when S1, closed at 0.7 s, shorts the source. The exact engine tells the mode before, the sparse one that it tried.
+  const std::string cards =
+      "t\nV1 a 0 1\nD1 a b DI\nR1 b 0 1\nR2 a d 1\nD2 0 d DI\nS1 a 0 c 0 SX\nVc c 0 PULSE(0 1 0.7)\n.model DI D\n.model SX SW(Vt=0.5)\n"
+      ".save v(b) v(d) i(S1)\n.tran 0.25 1\n";
+  scratch.write("short.net", cards);
+  const Finished exact = run_in(scratch, {"short.net", "--engine", "exact", "-o", "-"});
+  CHECK(exact.status == 1);
+  CHECK_THAT(exact.err, Contains("; mode: D1 on, D2, S1 off; the rows up to then"));
+  const Finished sparse = run_in(scratch, {"short.net", "--engine", "sparse", "-o", "-"});
+  CHECK(sparse.status == 1);
+  CHECK_THAT(sparse.err, Contains("; mode: D1, S1 on, D2 off; the rows up to then"));
 }
 
 TEST_CASE("a run that fails has status 1, says the time and the elements, and keeps the rows", "[unit]") {
@@ -436,8 +452,9 @@ TEST_CASE("the example of the reference is what inspect prints", "[golden]") {
 TEST_CASE("a current switch with a band closes at It+Ih and opens at It-Ih", "[unit]") {
   const Scratch scratch;
   // The control rises to 1 A within 1 s and falls back: 0.75 A at 0.75 s, 0.25 A at 1.75 s.
-  scratch.write("w.net",
-                "w\nI1 0 c PWL(0 0 1 1 2 0)\nV0 c 0 0\nV1 a 0 1\nW1 a b V0 M\nR1 b 0 1\n.model M CSW(It=0.5 Ih=0.25)\n.tran 1 2\n.save v(b)\n");
+  scratch.write(
+      "w.net",
+      "w\nI1 0 c PWL(0 0 1 1 2 0)\nV0 c 0 0\nV1 a 0 1\nW1 a b V0 M\nR1 b 0 1\n.model M CSW(It=0.5 Ih=0.25)\n.tran 1 2\n.save v(b)\n");
   REQUIRE(run_in(scratch, {"w.net", "--events"}).status == 0);
   CHECK(read_file(scratch / "w.csv") == "time,v(b)\n0,0\n0.75,0\n0.75,1\n1,1\n1.75,1\n1.75,0\n2,0\n");
 }

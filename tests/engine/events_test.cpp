@@ -85,6 +85,16 @@ TEST_CASE("rows around an event: before and after, on the grid once more than wi
   CHECK(off_grid.rows.size() == 8);
 }
 
+TEST_CASE("the row at t = 0 stands in runs of any length", "[unit]") {
+  Circuit c;
+  c.v("a", "0", model::Dc{1.0});
+  c.r("a", "0", 1.0);
+  c.save_v("a");
+  const Run run = simulate(c.network(), {5e14, 5, true, true});
+  REQUIRE(run.rows.size() == 6);
+  CHECK(run.rows[0][0] == 0.0);
+}
+
 // |sin t| of an ideal bridge on a resistor: all four diodes change at π, 2π, 3π.
 TEST_CASE("diodes that change together are one event", "[unit]") {
   Circuit c;

@@ -2,6 +2,7 @@
 /// The run: islands side by side, instants in order, rows in between.
 
 #include <chrono>
+#include <limits>
 #include <vector>
 
 #include "engine/exact/certificate.hpp"
@@ -65,6 +66,7 @@ class Transient {
   bool may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
+  [[nodiscard]] std::string mode_text(Outcome outcome) const;
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
   void note_several(const IslandRun& island, const model::Selected& selected, double time);
   void note_open_signals();
@@ -101,7 +103,7 @@ class Transient {
   std::size_t buffered_ = 0;
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0;
-  double last_event_row_ = -1.0;  ///< time of the last row written after an event
+  double last_event_row_ = -std::numeric_limits<double>::infinity();  ///< time of the last row written after an event
   Crowd crowd_, idle_crowd_;
   std::vector<int> last_flips_;
   double sink_seconds_ = 0.0;

@@ -162,6 +162,21 @@ void Transient::fail(Outcome outcome, std::string id, std::string text, std::vec
   answer_.id = std::move(id);
   answer_.message = std::move(text);
   answer_.elements = std::move(elements);
+  answer_.mode = mode_text(outcome);
+}
+
+/// Where no solution continues the mode before the instant at hand is meant, else that which holds.
+std::string Transient::mode_text(Outcome outcome) const {
+  const bool holds = outcome == Outcome::interrupted || outcome == Outcome::sink_stopped;
+  ModeText text;
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    const model::Mode* mode = holds ? islands_[i].mode : modes_before_[i];
+    if (mode == nullptr) continue;
+    const auto& ports = islands_[i].system().port;
+    for (std::size_t k = 0; k < ports.size(); ++k)
+      text.add(ports[k].name, mode->active.contains(static_cast<int>(k)) == ports[k].input_is_current);
+  }
+  return text.str();
 }
 
 void Transient::note_open_signals() {

@@ -59,7 +59,18 @@ bool Transient::fail(const Answer& failure) {
   answer_.id = failure.id;
   answer_.message = failure.message;
   answer_.elements = failure.elements;
+  answer_.mode = mode_text();
   return false;
+}
+
+std::string Transient::mode_text() const {
+  ModeText text;
+  for (const auto& track : tracks_) {
+    const auto& ports = track->part.descriptor.ports();
+    const Position& on = track->block.position();
+    for (std::size_t i = 0; i < std::min(ports.size(), on.size()); ++i) text.add(ports[i].name, on[i] != 0);
+  }
+  return text.str();
 }
 
 bool Transient::begin() {
@@ -137,6 +148,7 @@ bool Transient::interrupted() {
   answer_.outcome = Outcome::interrupted;
   answer_.id = "E-interrupted";
   answer_.message = fmt::format("stopped at t = {} s by a signal", order_.empty() ? request_.stop : tracks_[order_.front()]->block.time());
+  answer_.mode = mode_text();
   return true;
 }
 
@@ -278,7 +290,10 @@ bool Transient::flush() {
   const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
   sink_seconds_ += seconds_since(clock);
   buffered_ = 0;
-  if (!accepted && answer_.outcome == Outcome::completed) answer_.outcome = Outcome::sink_stopped;
+  if (!accepted && answer_.outcome == Outcome::completed) {
+    answer_.outcome = Outcome::sink_stopped;
+    answer_.mode = mode_text();
+  }
   return accepted;
 }
 

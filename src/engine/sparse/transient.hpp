@@ -2,6 +2,7 @@
 /// The run: blocks side by side, the one that is least far first, rows in between.
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -34,6 +35,7 @@ class Transient {
   bool advance_least();
   void row(double time, double* values);
   bool fail(const Answer& failure);
+  [[nodiscard]] std::string mode_text() const;
   bool rows_before(double time, bool inclusive);
   void find_shares(Track& track) const;
   void pieces_before(double time);
@@ -60,7 +62,7 @@ class Transient {
   std::size_t width_ = 1, buffered_ = 0;
   std::vector<double> rows_;
   std::uint64_t next_row_ = 0;
-  double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -1.0;
+  double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -std::numeric_limits<double>::infinity();
   double last_instant_ = -1.0;         ///< of any part
   bool event_open_ = false;            ///< its row after it is due
   std::uint64_t shared_instants_ = 0;  ///< at which several parts came upon something
