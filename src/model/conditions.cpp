@@ -1,11 +1,88 @@
 #include "model/conditions.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
+
+#include "model/exosystem.hpp"
 
 namespace pwlsim::model {
 
+namespace {
+
+constexpr double same_potential = 1e-12;  ///< of the larger of two
+
+/// Voltages to ground that branches of sources alone hold just before t = 0.
+class HeldPotentials {
+ public:
+  explicit HeldPotentials(const Network& network) : known_(network.nodes.size() + 1) {
+    known_[0] = 0.0;
+    const Exosystem sources(source_functions(network), true);
+    linalg::Vector zeta(sources.size());
+    sources.evaluate(sources.start(), 0.0, zeta.data());
+    for (const Branch& branch : network.branches) {
+      if (!is_independent(branch.voltage)) continue;
+      double voltage = 0.0;
+      for (const Term& term : branch.voltage)
+        voltage += term.coefficient * (term.kind == Term::Kind::one ? 1.0 : sources.rows().row(term.index).dot(zeta));
+      steps_.push_back({branch.p, branch.n, voltage});
+    }
+    spread();
+  }
+
+  [[nodiscard]] bool holds(NodeIndex node, double voltage) const {
+    const auto known = known_[place(node)];
+    return known && std::abs(*known - voltage) <= same_potential * std::max(std::abs(*known), std::abs(voltage));
+  }
+
+  void hold(NodeIndex node, double voltage) {
+    if (!known_[place(node)]) known_[place(node)] = voltage;
+    spread();
+  }
+
+ private:
+  struct Step {
+    NodeIndex p = ground, n = ground;
+    double voltage = 0.0;
+  };
+
+  static std::size_t place(NodeIndex node) { return static_cast<std::size_t>(node - ground); }
+
+  void spread() {
+    bool spreads = true;
+    while (spreads) {
+      spreads = false;
+      for (const Step& step : steps_) {
+        auto &p = known_[place(step.p)], &n = known_[place(step.n)];
+        if (p.has_value() == n.has_value()) continue;
+        if (n)
+          p = *n + step.voltage;
+        else
+          n = *p - step.voltage;
+        spreads = true;
+      }
+    }
+  }
+
+  std::vector<Step> steps_;
+  std::vector<std::optional<double>> known_;  ///< ground first
+};
+
+void hold_nodes(Network& network) {
+  if (network.node_conditions.empty()) return;
+  HeldPotentials potentials(network);
+  for (const auto& c : network.node_conditions) {
+    if (potentials.holds(c.node, c.voltage)) continue;
+    network.branches.push_back({c.label, c.node, ground, {{Term::Kind::one, 0, c.voltage}}});
+    potentials.hold(c.node, c.voltage);
+  }
+}
+
+}  // namespace
+
 Network with_held_conditions(Network network) {
-  for (const auto& c : network.node_conditions) network.branches.push_back({c.label, c.node, ground, {{Term::Kind::one, 0, c.voltage}}});
+  hold_nodes(network);
   for (const auto& c : network.current_conditions) {
     Inductor& l = network.inductors[static_cast<std::size_t>(c.inductor)];
     network.nodes.push_back({c.label.name, c.label.span});

@@ -5,7 +5,7 @@
 
 namespace pwlsim::model {
 
-/// The network with its `.ic` values held: node voltages by sources to ground, inductor currents by sources in series, since an inductor held at
+/// The network with its `.ic` values held, but for those that its sources hold already: node voltages by sources to ground, inductor currents by sources in series, since an inductor held at
 /// its current has no voltage of its own to offer (v = 0 is given up for i = value). The nodes in between are new.
 [[nodiscard]] Network with_held_conditions(Network network);
 

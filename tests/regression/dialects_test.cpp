@@ -127,3 +127,28 @@ TEST_CASE("what the message gives in place of LTspice's SR flip-flop remembers",
     CHECK(row[1] == Approx(row[0] >= 1.0 && row[0] < 2.0 ? 1.0 : 0.0).margin(1e-15));
   }
 }
+
+// LTspice writes .ic for nodes that sources hold. v(c) falls from 5 V by 1 Ω and 1 F towards the source's 2 V.
+TEST_CASE(".ic of a node that sources hold at that value says nothing new", "[regression]") {
+  const std::string cards = "t\nV1 a 0 PULSE(2 9 5)\nV2 b a 1\nR1 a c 1\nC1 c 0 1\n.tran 0.5 1\n.save v(c) v(b)\n";
+  const std::string given = ".ic v(a)=2 v(b)=3 v(c)=5 v(B)=3\n";
+  for (const DeckRun& run : {run_text(cards + given), run_text_sparse(cards + given, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    check(run, "v(c)", 1e-5, [](double t) { return 2.0 + 3.0 * std::exp(-t); });
+  }
+  for (const std::string wrong : {".ic v(a)=2.1\n", ".ic v(b)=2\n", ".ic v(a)=9\n"})
+    CHECK(run_text(cards + wrong).answer.id == "E-ic-contradiction");
+}
+
+// The source's 1 V charges the capacitor that ic=0 says is empty.
+TEST_CASE("an initial value of zero that was given and contradicts the circuit is told", "[regression]") {
+  const auto told = [](const std::string& initial) {
+    const DeckRun run = run_text("t\nV1 a 0 1\nC1 a b 1\nC2 b 0 1 " + initial + "\n.tran 1 1 uic\n.save v(b)\n");
+    REQUIRE(run.rows.size() == 2);
+    CHECK(run.rows[0][1] == Approx(0.5));
+    return std::any_of(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "W-start-projected"; });
+  };
+  CHECK(told("ic=0"));
+  CHECK_FALSE(told(""));
+}

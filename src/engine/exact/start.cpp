@@ -153,6 +153,17 @@ model::Island with_initial_values(model::Island island) {
   return island;
 }
 
+/// Whether values given were moved: any that is not zero, and a zero that a capacitor's own ic= says.
+bool contradicts(const model::Network& network, const Vector& given, const Vector& taken) {
+  constexpr double rounding = 1e-9;
+  if (given.size() == 0) return false;
+  const Vector moved = (taken - given).cwiseAbs();
+  if (given.norm() > 0.0 && moved.norm() > rounding * given.norm()) return true;
+  for (std::size_t i = 0; i < network.capacitors.size(); ++i)
+    if (network.capacitors[i].has_initial && moved[static_cast<Eigen::Index>(i)] > rounding * taken.norm()) return true;
+  return false;
+}
+
 /// Without the part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow.
 Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& remarks) {
   const model::Descriptor& d = island.extraction.descriptor;
@@ -160,8 +171,7 @@ Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& r
   const Vector full = model::initial_state(with_initial_values(island.island));
   Vector x(s.size());
   x << d.reduce * full, zeta_before_start(s);
-  const double moved = full.size() > 0 ? (d.store_state * x - full).norm() : 0.0;
-  if (moved > 1e-9 * full.norm() && full.norm() > 0.0)
+  if (contradicts(island.island.network, full, d.store_state * x))
     remarks.push_back(
         {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
                                           "as any jump, conserving charge and flux",
