@@ -66,7 +66,6 @@ Kind current_switch() {
   kind.tail = Tail::model;
   kind.models = models;
   kind.takes_flag = true;
-  kind.saved_by_default = true;
   kind.emit = add_switch;
   kind.connect = connect;
   kind.smooth_twin = smooth_twin;
