@@ -176,3 +176,18 @@ TEST_CASE("where derivatives of impulses act, measurements of what takes part in
   CHECK_THAT(m.results.fourier[0].failure, Catch::StartsWith("impulses of higher order act at t = "));
   CHECK(m.results.fourier[1].failure.empty());
 }
+
+// Time constants from 1e-16 s to 3e-11 s, shorter than the Euler steps of a run of 1 ms: charge and voltage of a capacitor go together, but for what the
+// parabola of the first long step makes of the rest.
+TEST_CASE("what moves within the short steps of the sparse engine is part of INTEG", "[unit]") {
+  const double reltol = GENERATE(1e-4, 1e-6);
+  constexpr double parabola = 2e-4;
+  for (const char* resistance : {"1e-10", "1e-7", "1e-6", "1e-5", "3e-5"}) {
+    INFO(resistance << " Ohm");
+    const Measured m = measure_deck(std::string("fast\nV1 a 0 PULSE(0 5 0.3m 0 0 9 0)\nR1 a b ") + resistance +
+                                        "\nC1 b 0 1u\nR2 b 0 1k\n.tran 10u 1m\n.save v(b)\n.meas charge INTEG i(C1) TO=0.8m\n",
+                                    reltol);
+    REQUIRE(m.messages.empty());
+    CHECK(m.value.at("charge") == Approx(5.0 * 1e-6).epsilon(parabola));
+  }
+}

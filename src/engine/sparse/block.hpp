@@ -101,6 +101,7 @@ class Block {
   bool locate(double h, Crossing crossing);
   bool restart();
   void note_jump(double time, double h);
+  void note_first_step();
   void note_impulses(double h);
   void find_next_gate();
   bool take_gates(double until);

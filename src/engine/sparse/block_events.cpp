@@ -192,14 +192,21 @@ void Block::note_jump(double time, double h) {
   jump_details_.push_back(describe_jump(part_, {time, states_, after}, {h, first_, second_}, reltol_));
 }
 
-/// The first of the two Euler steps holds the impulses, the second what flows anyway.
-void Block::note_impulses(double h) {
+/// Signals at the end of the first Euler step, which holds the impulses.
+void Block::note_first_step() {
   impulses_.resize(signals_.size());
+  for (std::size_t i = 0; i < signals_.size(); ++i) impulses_[i] = signals_[i].value(first_.z.data(), first_.w.data());
+}
+
+/// What the three Euler steps deliver, without what the line through the ends of the last two does, which stands for the signal from the instant on:
+/// states and their integrals go together.
+void Block::note_impulses(double h) {
   for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const double first = signals_[i].value(first_.z.data(), first_.w.data());
-    const double second = signals_[i].value(second_.z.data(), second_.w.data());
-    const bool acts = std::abs(first - second) > least_impulse * std::max(std::abs(second), std::abs(signals_before_[i]));
-    impulses_[i] = acts ? h * (first - second) : 0.0;
+    const double first = impulses_[i];
+    const double second = signals_[i].value(first_.z.data(), first_.w.data());
+    const double third = signals_[i].value(second_.z.data(), second_.w.data());
+    const double largest = std::max({std::abs(second), std::abs(third), std::abs(signals_before_[i])});
+    impulses_[i] = std::abs(first - second) > least_impulse * largest ? h * (first - 3.5 * second + 2.5 * third) : 0.0;
   }
 }
 
@@ -236,7 +243,8 @@ bool Block::restart() {
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
   if (!find_position(instant, level, deepest)) return false;
   if (instant.jump) note_jump(time, diagonal * ladder(level));
-  if (instant.jump && request_.probes.sink != nullptr) note_impulses(diagonal * ladder(level));
+  const bool has_impulses = instant.jump && request_.probes.sink != nullptr;
+  if (has_impulses) note_first_step();
   level_ += level - usual;
   instant.mode_change |= second_.on != position_before_;
   position_before_.clear();
@@ -244,6 +252,7 @@ bool Block::restart() {
   starting_ = false;
   // The first holds the impulses, be they no larger than the error of the instant.
   if (stepper_.euler(second_, diagonal * ladder(level), first_) == Solved::yes) std::swap(first_, second_);
+  if (has_impulses) note_impulses(diagonal * ladder(level));
   stretch_.set(first_, second_);
   certificate_.add_point(second_, ports_);
   settle_in(second_);
