@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/log_mean.hpp"
 #include "linalg/doubled.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 /// Resistors below this fraction of R0 carry their current as an unknown: as conductances they would drown their node's row.
 constexpr double low_resistance = 1e-3;
+/// A resistor further from R0 may be taken for a short circuit beside a capacitor, or for an open one beside an inductor.
+constexpr double widest_ratio = 1e8;
 /// Pivots of the unit-diagonal inductance matrix below this are zero: |k| = 1.
 constexpr double coupling_rank_tolerance = 1e-12;
 
@@ -32,6 +35,20 @@ bool needs_constant(const Network& network) {
   for (const auto& s : network.signals)
     if (has_one(s.form)) return true;
   return false;
+}
+
+/// `mean`, or where that leaves a resistor too far away, the middle of the smallest and the largest.
+double within_reach(const std::vector<Resistor>& resistors, double mean) {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const auto& r : resistors) {
+    const double size = std::abs(r.resistance);
+    if (size == 0.0 || std::isinf(size)) continue;
+    least = std::min(least, size);
+    most = std::max(most, size);
+  }
+  const bool all_near = most <= widest_ratio * mean && mean <= widest_ratio * least;
+  const bool helps = most <= widest_ratio * least * widest_ratio;
+  return most == 0.0 || all_near || !helps ? mean : std::sqrt(least) * std::sqrt(most);
 }
 
 }  // namespace
@@ -63,7 +80,7 @@ void Assembly::choose_scales() {
   for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
   for (const auto& r : network.resistors) resistance.add(std::abs(r.resistance));
   if (!capacitance.empty() && !inductance.empty()) resistance.add(std::sqrt(inductance.value() / capacitance.value()));
-  r0 = resistance.value();
+  r0 = within_reach(network.resistors, resistance.value());
   for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);
   for (const auto& l : network.inductors) time.add(std::abs(l.inductance) / r0);
   tau0 = time.value();

@@ -233,3 +233,22 @@ TEST_CASE("steps of ramps, pulses and straight lines", "[regression]") {
        [](double t) { return t < 0.25 ? 1.0 - 4.0 * t : std::min(0.0, 1.0 - 2.0 * t); }, above, polygon,
        [&](double t) { return 1.0 - above(t); }});
 }
+
+// 1 mΩ into 1 µF beside bleeders of 1 GΩ: 1 - exp(-t/RC). 1 MΩ and 1 H beside contacts of 1 µΩ: (1 - exp(-tR/L))/R. The others bear on it by 1e-11.
+TEST_CASE("small and large resistors keep their time constants beside others far away", "[regression]") {
+  const int others = GENERATE(1, 3, 4, 10);
+  std::string bleeders, contacts;
+  for (int i = 0; i < others; ++i) {
+    bleeders += fmt::format("RB{} b 0 1g\n", i);
+    contacts += fmt::format("RC{} n{} n{} 1u\n", i, i, i + 1);
+  }
+  const auto charged = [](const DeckRun& run, double unit) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.rows.size() == 4);
+    for (const auto& row : run.rows) CHECK(row[1] == Approx(unit * -std::expm1(-row[0] / run.rows[2][0])).epsilon(1e-10));
+  };
+  charged(run_text("t\nV1 a 0 PULSE(0 1)\nR1 a b 1m\nC1 b 0 1u\n" + bleeders + ".tran 0.5n 1.5n\n.save v(b)\n"), 1.0);
+  charged(
+      run_text(fmt::format("t\nV1 a 0 PULSE(0 1)\nR1 a b 1meg\nL1 b n0 1\n{}V2 n{} 0 0\n.tran 0.5u 1.5u\n.save i(L1)\n", contacts, others)),
+      1e-6);
+}
