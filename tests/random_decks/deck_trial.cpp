@@ -16,9 +16,12 @@ namespace {
 
 #ifdef PWLSIM_SANITIZED
 constexpr double most_seconds = 60.0, most_mebibytes = 4096.0;  // what it adds to both
+constexpr double many_events = 500;                             ///< within the time a run has: it goes on
 #else
 constexpr double most_seconds = 10.0, most_mebibytes = 1024.0;
+constexpr double many_events = 2000;
 #endif
+constexpr const char* stats_file = "stats.json";
 
 std::set<std::string> ids_of_reference() {
   const std::string page = read_file(PWLSIM_SOURCE_DIR "/docs/reference/messages.md");
@@ -32,7 +35,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds shrinking{60};
 constexpr std::size_t shortest_text = 10;
 constexpr int interrupted = 130;
-constexpr double many_events = 2000;  ///< within the time a run has: it goes on
 
 struct Head {
   std::string id, text;
@@ -111,6 +113,7 @@ void Examiner::run(const RandomDeck& deck, const std::string& name) {
   std::vector<std::string> arguments = deck.before;
   arguments.push_back(file);
   arguments.insert(arguments.end(), deck.after.begin(), deck.after.end());
+  if (deck.before.empty() && !names(deck.after, "--stats")) arguments.insert(arguments.end(), {"--stats", stats_file});
   last_ = runner_.run(folder_, arguments);
 }
 
@@ -124,7 +127,7 @@ std::string Examiner::examine(const RandomDeck& deck, const std::string& name) {
   run(deck, name);
   note_messages(name);
   const bool is_long = last_.status == interrupted || last_.seconds > most_seconds;
-  if (is_long && has_many_events(deck, name)) {
+  if (is_long && had_many_events()) {
     long_runs_.push_back(name);
     tidy();
     return "";
@@ -134,14 +137,8 @@ std::string Examiner::examine(const RandomDeck& deck, const std::string& name) {
   return fault;
 }
 
-bool Examiner::has_many_events(RandomDeck deck, const std::string& name) {
-  if (!deck.before.empty()) return false;
-  const Trial first = last_;
-  deck.after = {"--stats", "events.json"};
-  run(deck, name);
-  const bool many = folder_.holds("events.json") && read_json(read_file(folder_ / "events.json")).object["events"].number >= many_events;
-  last_ = first;
-  return many;
+bool Examiner::had_many_events() const {
+  return folder_.holds(stats_file) && read_json(read_file(folder_ / stats_file)).object["events"].number >= many_events;
 }
 
 std::string Examiner::judge(const RandomDeck& deck, const std::string& name) const {

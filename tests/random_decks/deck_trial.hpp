@@ -50,7 +50,7 @@ class Examiner {
 
  private:
   void run(const RandomDeck& deck, const std::string& name);
-  [[nodiscard]] bool has_many_events(RandomDeck deck, const std::string& name);
+  [[nodiscard]] bool had_many_events() const;
   void note_messages(const std::string& name);
   [[nodiscard]] std::string judge(const RandomDeck& deck, const std::string& name) const;
   [[nodiscard]] std::string judge_messages() const;

@@ -25,9 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 #ifdef PWLSIM_SANITIZED
-constexpr double patience = 120.0;
+constexpr double patience = 15.0;
 #else
-constexpr double patience = 30.0;  ///< seconds of the processor: other processes may take their share of the machine
+constexpr double patience = 12.0;  ///< seconds of the processor: other processes may take their share of the machine
 #endif
 constexpr double last_patience = 60.0;
 constexpr double share_of_machine = 0.05;  ///< that a run has at least: what does not run at all is ended too
