@@ -438,6 +438,18 @@ TEST_CASE("a circuit with states of very different sizes is measured", "[unit]")
   CHECK(m.value.at("top") == -m.value.at("low"));
 }
 
+// v(n1) is rounding after 10⁻¹⁵ s, somewhat more of it than eight units, and asked for pieces of picoseconds. Integrals are additive.
+TEST_CASE("a signal that is rounding beside a very fast time constant does not hold the measurements up", "[unit]") {
+  const Measured m = measure_deck(
+      "rounding\nV1 out n1 SIN(117 35.1 653m) Rser=105\nR2 a 0 4.93\nR3 b a 9.3\nC4 out 0 336m\nC5 in out 327m\nV6 in n1 EXP(58.7 17 0.418 2.03 2.29 4.9)\n"
+      "R7 n1 a 8.2e-15\n.model mPJF8 PJF( Beta=1m Is=1e-14 )\nJ9 a b in mPJF8\nL10 a in L=0.62\n.model mVSWITCH11 VSWITCH( Von=-76.6 )\n"
+      "S12 in out 0 a mVSWITCH11\n.model mD13 D( )\nD14 a 0 mD13 m=2\nR15 0 n1 29.4\n.model mNPN16 NPN IS=1e-15 BR=2 RC=1 RE=0.1 VAF=100 I0=1m\n"
+      "Q17 0 0 a mNPN16\nR19 a o18 196\nH20 o18 0 D14 -1.39\n.tran 368m 7.8 uic\n.save v(in)\n"
+      ".meas tran passes TRIG V(n1)=-62.7 TARG I(C4)=141 RISE=7\n.meas tran whole INTEG time*v(in)\n"
+      ".meas tran first INTEG time*v(in) TO=3.9\n.meas tran second INTEG time*v(in) FROM=3.9\n");
+  CHECK(m.value.at("whole") == near(m.value.at("first") + m.value.at("second")));
+}
+
 TEST_CASE("the sparse engine measures to its tolerance", "[unit]") {
   const std::string deck = charging +
                            ".meas tran mean AVG v(out)\n"

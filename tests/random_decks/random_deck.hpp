@@ -16,7 +16,7 @@ struct RandomDeck {
   [[nodiscard]] std::string text() const;
 };
 
-/// The same for the same seed, on every machine.
+/// The same for the same seed and compiler (arguments are evaluated in no fixed order).
 [[nodiscard]] RandomDeck make_random_deck(std::uint64_t seed);
 
 }  // namespace pwlsim::test

@@ -79,3 +79,33 @@ TEST_CASE("diodes of one arm that begin to conduct together", "[regression]") {
       CHECK(std::abs(row[column] - sparse.rows[i][column]) <= global_bound * largest_current);
   }
 }
+
+// Its sixteen ideal sections reach a diode at orders of the source's ramp that rounding hides: the guards leave zero unseen, and small.
+TEST_CASE("diodes along a line of L and C are followed by bounds, not by samples", "[regression]") {
+  constexpr int sections = 16;
+  std::string deck = "line\nV1 s 0 PULSE(0 10 1u 10n 10n 5u 10u)\nRS s n0 50\n";
+  for (int i = 1; i <= sections; ++i) deck += fmt::format("L{0} n{1} n{0} 2.5u\nC{0} n{0} 0 1n\n", i, i - 1);
+  for (const int at : {sections / 2, sections}) deck += fmt::format("D{0} n{0} d{0} DI\nRD{0} d{0} 0 100\nCD{0} d{0} 0 10n\n", at);
+  deck += fmt::format("RL n{0} 0 1k\n.model DI D\n.save v(n{0}) v(d{0})\n.tran 100n 20u\n", sections);
+  const DeckRun exact = run_text(deck);
+  REQUIRE(exact.answer.outcome == engine::Outcome::completed);
+  for (const engine::Remark& remark : exact.answer.remarks) CHECK(remark.id != "W-events-sampled");
+  // The implicit steps of the other engine, with errors that add up over some fifty events.
+  constexpr double tolerance = 1e-6, source = 10.0;
+  const DeckRun sparse = run_text_sparse(deck, tolerance);
+  REQUIRE(sparse.rows.size() == exact.rows.size());
+  for (std::size_t i = 0; i < exact.rows.size(); ++i)
+    for (std::size_t column = 1; column < exact.rows[i].size(); ++column)
+      CHECK(std::abs(exact.rows[i][column] - sparse.rows[i][column]) <= 20.0 * std::cbrt(tolerance * tolerance) * source);
+}
+
+// D3 short-circuits the source that A10 is: no current fits, and the engine that does not examine this shared 6 GA out in steps of 0.3 µs.
+TEST_CASE("small steps that violate the laws altogether are given up", "[regression]") {
+  const std::string deck =
+      "short\nV1 0 b SIN(0 0.702 0.596)\n.model mD2 D( )\nD3 0 A MD2\nR5 out a R=830k\nL6 0 out 49.4k ic=12.2u\n.model mISWITCH7 ISWITCH\n"
+      "W8 a 0 D3 mISWITCH7\n.model md_dt9 d_dt( gain=0.548 )\nA10 %v out a md_dt9\nL11 b 0 885k\nB13 0 a I={-(sgn(0.543))+i(L11)}\n"
+      "C14 0 a 28.5u ic=1.76\n.tran 481m 9.88 uic\n";
+  const DeckRun run = run_text_sparse(deck, 1e-6);
+  CHECK(run.answer.outcome == engine::Outcome::no_solution);
+  CHECK(run.answer.id == "E-step");
+}

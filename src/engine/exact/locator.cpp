@@ -13,8 +13,6 @@ constexpr double epsilon = 2.220446049250313e-16;
 /// A minimum of a guard within this fraction of the terms it is made of touches zero.
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
-/// Of a guard that leaves zero within an interval, against its rounding: in a longer one it could fall again unseen.
-constexpr double leaving_zero = 1e3;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
@@ -59,12 +57,6 @@ double Locator::noise_of(const Segment& s, int row) const {
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since.
 bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
   return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
-}
-
-bool Locator::any_at_rest(const Segment& s) const {
-  for (std::size_t i = 0; i < s.rows.size(); ++i)
-    if (is_at_rest(s, i)) return true;
-  return false;
 }
 
 void Locator::prepare(Segment& s) {
@@ -431,7 +423,6 @@ Located Locator::march(Segment& s, double end) {
   if (s.mode->piecewise_linear) return straight_lines(s, end);
   const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
-  const bool from_rest = std::any_of(s.departures.begin(), s.departures.end(), [](const auto& d) { return d.order < 0; });
   while (s.certified < end) {
     if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
       if (s.rows.empty()) {
@@ -448,7 +439,7 @@ Located Locator::march(Segment& s, double end) {
       s.certified = end;
       return located;
     }
-    if (!(from_rest && any_at_rest(s)) && (!s.mode->stiff || s.turns > 0)) {
+    if (!s.mode->stiff || s.turns > 0) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {
         ++s.intervals;

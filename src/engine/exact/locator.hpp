@@ -95,16 +95,18 @@ class Locator {
     double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
   };
   /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
+  Isolated leave_rest(const Segment& segment, std::size_t i, double h, const double* series) const;
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
   void polish(const Segment& segment, int row, double& tau);
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
   [[nodiscard]] bool is_at_rest(const Segment& s, std::size_t i) const;
-  [[nodiscard]] bool any_at_rest(const Segment& s) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
   static constexpr int series_order = 10;  ///< of the Taylor models
+  /// Of a guard that leaves zero within an interval, against its rounding: in a longer one it could fall again unseen.
+  static constexpr double leaving_zero = 1e3;
 
   std::size_t size_ = 0;  ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;

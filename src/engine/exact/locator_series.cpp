@@ -219,12 +219,26 @@ void Locator::series_state(const Segment& s, double step, double* out) {
   }
 }
 
+/// A guard at rest stays there, falls below its noise, or rises so far that it could fall again unseen. `series`: of the guard over the interval.
+Locator::Isolated Locator::leave_rest(const Segment& s, std::size_t i, double h, const double* series) const {
+  Coefficients c{};
+  std::copy_n(series, c.size(), c.begin());
+  const double noise = noise_of(s, s.rows[i]);
+  const double end = value_at(c, 1.0);
+  if (end < -noise) {
+    c[0] += noise;  // sooner its sign would be rounding
+    return {Verdict::one_root, 0.0, h, polynomial_root(c, 0.0, 1.0) * h};
+  }
+  return {end <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0, 0.0, 0.0};
+}
+
 Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, const double* powers, double next_derivative) {
   Coefficients c{};
   const double* g = &guard_derivatives_[i * (order + 1)];
   for (std::size_t j = 0; j <= order; ++j) c[j] = g[j] * powers[j];
   double rest = next_derivative * powers[order + 1];
   double rest_slope = (order + 1) * rest;
+  if (is_at_rest(s, i)) return leave_rest(s, i, h, c.data());
   const int start = s.tau == 0.0 ? s.departures[i].order : 0;
   if (start > order - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
   if (start > 0) {

@@ -15,6 +15,10 @@ constexpr double resolution = 2e-15;
 constexpr double dead = 1e-12;
 /// Rounding of a value at a point, in units of |c e^{Aτ}||y|.
 constexpr double point_noise = 8.0 * rounding;
+/// Intervals this short, of the window, hang on rounding that is larger than that: after each so many of them in a segment it counts twice, and so often.
+constexpr double crowding = 1e-7;
+constexpr std::uint64_t crowd = 4096;
+constexpr std::uint64_t most_doublings = 10;
 /// Derivatives at the begin may differ by so many resolutions of a coefficient, and by so many roundings of their own terms.
 constexpr double derivative_slack = 32.0;
 constexpr double derivative_noise = 16.0 * rounding;
@@ -38,7 +42,8 @@ EndDerivatives end_derivatives() {
 
 }  // namespace
 
-PieceMaker::PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes) : probes_(probes) {
+PieceMaker::PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes, const std::atomic<int>* interrupt)
+    : probes_(probes), interrupt_(interrupt) {
   if (probes.sink == nullptr) return;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     Track track;
@@ -69,7 +74,7 @@ void PieceMaker::before_start(const std::vector<std::vector<double>>& signals) {
 }
 
 void PieceMaker::advance(const std::vector<IslandRun>& islands, double time) {
-  if (probes_.sink == nullptr || time <= done_) return;
+  if (probes_.sink == nullptr || cut_ || time <= done_) return;
   const double end = std::min(time, probes_.to);
   double at = std::max(done_, probes_.from);
   done_ = time;
@@ -82,7 +87,9 @@ void PieceMaker::advance(const std::vector<IslandRun>& islands, double time) {
     for (fill(level); level > least && !resolved(std::ldexp(1.0, level)); fill(level)) --level;
     const double next = std::min(end, at + std::ldexp(1.0, level));
     hand_over(at, next, level);
-    if (next == at) return;  // shorter than the time's own rounding
+    if (next - at < crowding * (probes_.to - probes_.from)) ++short_;
+    cut_ = interrupt_ && interrupt_->load(std::memory_order_relaxed) != 0;
+    if (cut_ || next == at) return;  // shorter than the time's own rounding
     at = next;
     step(at, level);
   }
@@ -101,6 +108,7 @@ void PieceMaker::follow(Track& track, const IslandRun& run, double time) {
     std::copy_n(segment.y0.begin(), run.mode->ny, track.y.begin());
     track.is_fresh = time == segment.anchor;
     resumes_ = false;
+    short_ = 0;
   }
   if (time > track.time) track.mode->flow.apply(time - track.time, track.y.data(), track.work.data());
   track.time = time;
@@ -202,12 +210,13 @@ void PieceMaker::fill(int level) {
 
 bool PieceMaker::resolved(double length) const {
   static const EndDerivatives ends = end_derivatives();
+  const double noise_unit = std::ldexp(point_noise, static_cast<int>(std::min(short_ / crowd, most_doublings)));
   for (std::size_t probe = 0; probe < largest_.size(); ++probe) {
     const double* values = &values_[probe * points];
     const linalg::LegendreSeries series(values);
     double size = dead * largest_[probe];
     for (std::size_t i = 0; i < points; ++i) size = std::max(size, std::abs(values[i]));
-    const double noise = point_noise * terms_[probe];
+    const double noise = noise_unit * terms_[probe];
     const double tolerance = resolution * size + noise;
     if (series.tail() > tolerance) return false;
     linalg::LegendreSeries derivative = series;

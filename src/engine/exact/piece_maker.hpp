@@ -7,6 +7,7 @@
 /// first point is seen: a stiff segment costs some intervals for each octave between its fastest rate and its length. The last interval may reach
 /// beyond the segment's end, where the mode's motion goes on undisturbed.
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -22,12 +23,15 @@ namespace pwlsim::engine {
 
 class PieceMaker {
  public:
-  PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes);
+  /// `interrupt` (may be null): nonzero, and nothing more is handed over.
+  PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes, const std::atomic<int>* interrupt);
 
   /// Each island's share of its signals at the operating point; empty where the run starts elsewhere.
   void before_start(const std::vector<std::vector<double>>& signals);
   /// Hands over what lies before `time`, up to which no island has opened since the last call.
   void advance(const std::vector<IslandRun>& islands, double time);
+  /// Interrupted before all was handed over.
+  [[nodiscard]] bool is_cut() const { return cut_; }
 
  private:
   static constexpr int derivatives = 4;  ///< orders compared at an interval's begin, from 0
@@ -73,10 +77,13 @@ class PieceMaker {
   static void advance(Track& track, const linalg::Matrix& m, double factor);
 
   const Probes& probes_;
+  const std::atomic<int>* interrupt_;
   std::vector<Track> tracks_;
   double done_ = 0.0;
-  int level_ = 0;         ///< of the interval before
-  bool resumes_ = false;  ///< level_ is of this stretch
+  int level_ = 0;  ///< of the interval before
+  bool cut_ = false;
+  bool resumes_ = false;     ///< level_ is of this stretch
+  std::uint64_t short_ = 0;  ///< intervals of the segment that are short against the window
   std::vector<double> values_, starts_, bounds_, scratch_;
   std::vector<double> terms_;    ///< Σ |row||y| of a value at any point of the interval: what its rounding is a part of
   std::vector<double> largest_;  ///< of each probe so far

@@ -29,7 +29,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       sink_(sink),
       jump_recorder_(exact_model.islands, request.jumps),
       port_watch_(islands_, request.watcher),
-      pieces_(exact_model.islands, request.probes),
+      pieces_(exact_model.islands, request.probes, request.interrupt),
       impulses_(exact_model.islands, request.probes) {
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
@@ -73,8 +73,8 @@ Answer Transient::run(const Start& start) {
     going = handle(time) && time < request_.stop;
     if (++instants_ % instants_between_checks == 0) {
       if (request_.progress) request_.progress(time);
-      if (request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0) {
-        fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", time), {});
+      if (is_interrupted()) {
+        fail_interrupted();
         break;
       }
     }
@@ -82,6 +82,7 @@ Answer Transient::run(const Start& start) {
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   flush();
   pieces_.advance(islands_, now_);
+  if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail_interrupted();
   answer_.time = now_;
   for (const auto& island : islands_)
     if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
@@ -319,12 +320,16 @@ bool Transient::emit_row(double time) {
   return push_row();
 }
 
+bool Transient::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
+
+void Transient::fail_interrupted() { fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {}); }
+
 bool Transient::push_row() {
   ++answer_.statistics.rows;
   if (++buffered_ < rows_per_block) return true;
-  if (request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0) {
+  if (is_interrupted()) {
     now_ = std::max(now_, row_time_);  // nothing happens between the last instant and this row
-    fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {});
+    fail_interrupted();
     flush();
     return false;
   }

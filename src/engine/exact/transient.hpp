@@ -57,6 +57,8 @@ class Transient {
   void note_mode_changes(Instant& instant);
   bool rows_before(double time, bool inclusive);
   bool emit_row(double time);
+  [[nodiscard]] bool is_interrupted() const;
+  void fail_interrupted();
   bool push_row();
   bool flush();
   bool watch_crowd(const Instant& instant);

@@ -34,6 +34,7 @@ constexpr std::size_t most_positions = 1u << 20;
 /// So many steps within that part of the run, and residuals of the certificate of that size (and of so many tolerances): they lead nowhere.
 constexpr std::uint64_t steps_between_looks = 50'000;
 constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
+constexpr double slow_stretch = 1e-2, senseless_residual = 0.5;  ///< wrong altogether: then it need not get worse to be given up
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
 double longest_step(double period, double reltol) {
@@ -105,11 +106,12 @@ bool Block::look_back() {
   const double worst = std::max(certificate.complementarity, certificate.kcl_kvl);
   const double start = std::exchange(looked_at_, point_.time);
   const bool is_worse = worst > std::exchange(worst_before_, worst);
-  if (point_.time - start > short_stretch * request_.stop) return true;
-  if (!is_worse || worst < std::max(hopeless_residual, hopeless_tolerances * reltol_)) return true;
+  const bool is_senseless = worst >= senseless_residual;
+  if (point_.time - start > (is_senseless ? slow_stretch : short_stretch) * request_.stop) return true;
+  if (!is_senseless && (!is_worse || worst < std::max(hopeless_residual, hopeless_tolerances * reltol_))) return true;
   fail(Outcome::no_solution, "E-step",
        fmt::format(
-           "steps get ever shorter before t = {} s ({} of them within {:.3g} s), and violate the circuit's laws by {:.1e}: a solution may "
+           "steps get too short before t = {} s ({} of them within {:.3g} s), and violate the circuit's laws by {:.1e}: a solution may "
            "not exist; try --engine exact, which examines it",
            point_.time, steps_between_looks, point_.time - start, worst),
        {});
