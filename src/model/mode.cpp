@@ -44,6 +44,8 @@ constexpr Wide entry_rounding = 4e-19L;
 constexpr Wide output_rounding = 1e-15L;  ///< of the terms of an entry that reads state and ports, both rounded to double
 /// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
 constexpr double row_noise = 1e-15;
+/// Of A, 1/s: its square has to be a number.
+constexpr double fastest_rate = 1e150;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
 constexpr double growth_tolerance = 1e-10;
 
@@ -184,8 +186,8 @@ class Builder {
     mode_->noise = std::max(noise_floor, noise_per_condition_ * condition_);
     spread_inputs();
     reduce_coordinates();
-    build_flow();
-    build_rows();
+    mode_->regular = build_flow();
+    if (mode_->regular) build_rows();
     return std::move(mode_);
   }
 
@@ -197,7 +199,7 @@ class Builder {
   void take_least_norm(const WideMatrix& free_directions);
   void spread_inputs();
   void reduce_coordinates();
-  void build_flow();
+  bool build_flow();
   void build_rows();
   template <class Input>
   void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input, Wide rounding);
@@ -359,7 +361,8 @@ void Builder::reduce_coordinates() {
   m.lift = embedding_.topRightCorner(s_.n, s_.n_zeta).cast<double>();
 }
 
-void Builder::build_flow() {
+/// False where its rates are beyond reckoning.
+bool Builder::build_flow() {
   Mode& m = *mode_;
   WideMatrix rate = wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);
   if (m.constrained) {
@@ -373,7 +376,9 @@ void Builder::build_flow() {
   Matrix a = Matrix::Zero(m.ny, m.ny);
   a.topRows(m.n1) = rate.cast<double>();
   a.bottomRightCorner(s_.n_zeta, s_.n_zeta) = s_.exosystem->a();
+  if (!(linalg::norm_bound(a) < fastest_rate)) return false;
   set_flow(s_, m, std::move(a));
+  return true;
 }
 
 /// rows(row, ·) += input·K, cleaned.

@@ -109,3 +109,10 @@ TEST_CASE("small steps that violate the laws altogether are given up", "[regress
   CHECK(run.answer.outcome == engine::Outcome::no_solution);
   CHECK(run.answer.id == "E-step");
 }
+
+// R/L is no double.
+TEST_CASE("time constants below the range of numbers end the run with a message", "[regression]") {
+  const DeckRun run = run_text("tiny\nV1 a 0 PULSE(0 1 0 0 0 1 2)\nR1 a b 1\nL1 b 0 1e-320\n.tran 1m 2m\n");
+  CHECK(run.answer.outcome == engine::Outcome::no_solution);
+  CHECK(run.answer.message.find("part with node b") != std::string::npos);
+}

@@ -150,6 +150,12 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
     return;
   }
   const std::vector<std::string> names = all_names(island.system());
+  if (names.empty())
+    return fail(Outcome::no_solution, "E-no-solution",
+                fmt::format("no solution can be reckoned at t = {} s in the part with {}: its time constants are too short for double "
+                            "precision; try larger capacitors and inductors there, or leave them out",
+                            time, island.system().name),
+                {});
   const bool jumps = selected.choice == model::Choice::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
