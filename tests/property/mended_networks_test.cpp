@@ -68,6 +68,9 @@ TEST_CASE("a guard that leaves zero and falls again is seen to cross", "[propert
   check("all parts", {2'323});
 }
 
+// Negative by the rounding of its slow part's coordinates, where it hardly moves: the zero of its tangent lay seconds before the segment.
+TEST_CASE("a guard at rest in a slow part", "[property]") { check("all parts", {11'789}); }
+
 // Bounds on a decaying guard took in a ring that it does not read: no interval was short enough, and the selection was asked without end.
 TEST_CASE("a guard beside a ring that it does not read", "[property]") { check("little resistance", {23'219}); }
 

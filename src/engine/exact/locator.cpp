@@ -13,6 +13,8 @@ constexpr double epsilon = 2.220446049250313e-16;
 /// A minimum of a guard within this fraction of the terms it is made of touches zero.
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
+/// Its coordinates add to the rounding of a guard in a slow part.
+constexpr double parting_noise = 16.0;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
@@ -51,7 +53,7 @@ double Locator::noise_of(const Segment& s, int row) const {
   double size = 0.0;
   for (int k = 0; k < s.mode->ny; ++k) size += std::abs(s.mode->guards(row, k) * s.y[static_cast<std::size_t>(k)]);
   size = std::max(size, share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
-  return std::max(graze_noise, s.mode->noise) * size;
+  return (s.part ? parting_noise : 1.0) * std::max(graze_noise, s.mode->noise) * size;
 }
 
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since.
@@ -160,7 +162,7 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const model::Departure& start = s.departures[i];
   if (is_at_rest(s, i)) {
     const double noise = noise_of(s, s.rows[i]);
-    if (ge_[i] < -noise) return {Verdict::one_root, h};
+    if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
     return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
   if (s.tau == 0.0 && start.order != 0) {
@@ -233,8 +235,8 @@ double Locator::parabola_root(std::size_t i) const {
   return discriminant >= 0.0 ? 2.0 * g_[i] / (-gd_[i] + std::sqrt(discriminant)) : -1.0;
 }
 
-/// The one root of guard i in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
-double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess) {
+/// The one root of guard i (where it is −`below`) in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
+double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
   const Mode& m = *s.mode;
   const int row = s.rows[i];
   double low = lower;
@@ -244,7 +246,7 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
   state_at(s, at, at_.data());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     linalg::multiply(m.flow.a(), at_.data(), a1_.data());
-    const double value = linalg::row_times(m.guards, row, at_.data());
+    const double value = linalg::row_times(m.guards, row, at_.data()) + below;
     const double slope = linalg::row_times(m.guards, row, a1_.data());
     (value > 0.0 ? low : high) = at;
     // Against the terms of this very sum: a large part of the state that the row does not read says nothing here.
@@ -293,7 +295,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   ++s.intervals;
   end_values(s, h);
   decided = true;
-  double first = INFINITY;
+  double first = INFINITY, below = 0.0;
   std::size_t first_index = 0;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const Root root = examine(s, i, h);
@@ -304,16 +306,17 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
     if (root.verdict == Verdict::excluded) continue;
     // Still positive at the earliest root so far: its only root lies behind that.
     if (first < root.upper && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
-    const double at = find_root(s, i, 0.0, std::min(root.upper, first), parabola_root(i));
+    const double at = find_root(s, i, 0.0, std::min(root.upper, first), parabola_root(i), root.below);
     if (at < first) {
       first = at;
+      below = root.below;
       first_index = i;
       std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
     }
   }
   if (!(first < INFINITY)) return false;
   double tau = s.tau + first;
-  polish(s, s.rows[first_index], tau);
+  if (below == 0.0) polish(s, s.rows[first_index], tau);
   if (tau > end) {
     s.certified = end;
     return true;
@@ -359,7 +362,7 @@ bool Locator::sample_interval(Segment& s, double h, double end, Located& located
   double first = INFINITY;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     if (ge_[i] >= -noise_of(s, s.rows[i]) || gde_[i] > 0.0) continue;
-    const double at = g_[i] > 0.0 ? find_root(s, i, 0.0, h, parabola_root(i)) : 0.5 * h;
+    const double at = g_[i] > 0.0 ? find_root(s, i, 0.0, h, parabola_root(i), 0.0) : 0.5 * h;
     if (at >= first) continue;
     first = at;
     state_at(s, at, event_.data());

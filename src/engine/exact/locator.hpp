@@ -59,6 +59,7 @@ class Locator {
   struct Root {
     Verdict verdict = Verdict::excluded;
     double upper = 0.0;  ///< one root in (0, upper), g(upper) < 0
+    double below = 0.0;  ///< of a guard at rest: the event is where it is that far below zero; sooner its sign is rounding
   };
 
   void prepare(Segment& segment);
@@ -79,7 +80,7 @@ class Locator {
   Root examine(const Segment& segment, std::size_t i, double h);
   Root convex(const Segment& segment, std::size_t i, double h, double noise);
   [[nodiscard]] double parabola_root(std::size_t i) const;
-  double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess);
+  double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
   Located straight_lines(Segment& segment, double end);
@@ -93,9 +94,10 @@ class Locator {
   struct Isolated {
     Verdict verdict = Verdict::excluded;
     double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
+    double below = 0.0;                            ///< as Root::below
   };
   /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
-  Isolated leave_rest(const Segment& segment, std::size_t i, double h, const double* series) const;
+  Isolated leave_rest(const Segment& segment, std::size_t i, double h);
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);

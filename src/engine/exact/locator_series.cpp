@@ -219,26 +219,23 @@ void Locator::series_state(const Segment& s, double step, double* out) {
   }
 }
 
-/// A guard at rest stays there, falls below its noise, or rises so far that it could fall again unseen. `series`: of the guard over the interval.
-Locator::Isolated Locator::leave_rest(const Segment& s, std::size_t i, double h, const double* series) const {
-  Coefficients c{};
-  std::copy_n(series, c.size(), c.begin());
+/// A guard at rest stays there, falls below its noise, or rises so far that it could fall again unseen. The state itself decides: in the series its
+/// rounding is multiplied by powers of rate·h.
+Locator::Isolated Locator::leave_rest(const Segment& s, std::size_t i, double h) {
+  state_at(s, h, at_.data());
   const double noise = noise_of(s, s.rows[i]);
-  const double end = value_at(c, 1.0);
-  if (end < -noise) {
-    c[0] += noise;  // sooner its sign would be rounding
-    return {Verdict::one_root, 0.0, h, polynomial_root(c, 0.0, 1.0) * h};
-  }
-  return {end <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0, 0.0, 0.0};
+  const double end = linalg::row_times(s.mode->guards, s.rows[i], at_.data());
+  if (end < -noise) return {Verdict::one_root, 0.0, h, find_root(s, i, 0.0, h, 0.5 * h, noise), noise};
+  return {end <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided};
 }
 
 Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, const double* powers, double next_derivative) {
+  if (is_at_rest(s, i)) return leave_rest(s, i, h);
   Coefficients c{};
   const double* g = &guard_derivatives_[i * (order + 1)];
   for (std::size_t j = 0; j <= order; ++j) c[j] = g[j] * powers[j];
   double rest = next_derivative * powers[order + 1];
   double rest_slope = (order + 1) * rest;
-  if (is_at_rest(s, i)) return leave_rest(s, i, h, c.data());
   const int start = s.tau == 0.0 ? s.departures[i].order : 0;
   if (start > order - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
   if (start > 0) {
@@ -303,14 +300,14 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     }
     // Within the series' exact reach the polynomial's root is the root; elsewhere it starts a Newton iteration on the state.
     double at = root.guess;
-    if (s.mode->flow.rate() * at <= exact_reach) {
+    if (root.below == 0.0 && s.mode->flow.rate() * at <= exact_reach) {
       series_state(s, at, event_.data());
     } else {
-      at = find_root(s, which, root.lower, root.upper, root.guess);
+      at = find_root(s, which, root.lower, root.upper, root.guess, root.below);
       std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
     }
     double tau = s.tau + at;
-    polish(s, s.rows[which], tau);
+    if (root.below == 0.0) polish(s, s.rows[which], tau);
     s.certified = std::min(tau, end);
     if (tau <= end) located = {true, tau, s.rows[which], event_.data()};
     return true;
