@@ -140,7 +140,7 @@ class MeasuredRun {
     (void)measuring_.begin_pass();
     request.probes = measuring_.probes();
     engine::Answer answer = simulate_(request, sink);
-    measuring_.end_pass(answer.time);
+    measuring_.end_pass(answer.probed);
     if (answer.outcome == engine::Outcome::completed) run_again(request, answer);
     return answer;
   }
@@ -157,7 +157,7 @@ class MeasuredRun {
     while (measuring_.begin_pass()) {
       request.probes = measuring_.probes();
       const engine::Answer answer = simulate_(request, sink);
-      measuring_.end_pass(answer.time);
+      measuring_.end_pass(answer.probed);
       if (answer.outcome == engine::Outcome::completed) continue;
       if (answer.outcome == engine::Outcome::interrupted) {
         first.outcome = answer.outcome;

@@ -10,14 +10,18 @@ namespace {
 using Nodes = std::vector<std::string>;
 constexpr std::size_t inputs = 5, complement = 5, output = 6, common = 7;
 
+bool is_ground(const std::string& node) { return node == "0" || same_name(node, "gnd"); }
+
 /// Unused terminals are tied to the common.
-bool is_used(const Nodes& nodes, std::size_t place) { return !same_name(nodes[place], nodes[common]); }
+bool is_used(const Nodes& nodes, std::size_t place) {
+  return !same_name(nodes[place], nodes[common]) && !(is_ground(nodes[place]) && is_ground(nodes[common]));
+}
 
 Nodes input_voltages(const Nodes& nodes) {
   Nodes result;
   for (std::size_t k = 0; k < inputs; ++k)
     if (is_used(nodes, k))
-      result.push_back(nodes[common] == "0" ? fmt::format("v({})", nodes[k]) : fmt::format("v({},{})", nodes[k], nodes[common]));
+      result.push_back(is_ground(nodes[common]) ? fmt::format("v({})", nodes[k]) : fmt::format("v({},{})", nodes[k], nodes[common]));
   return result;
 }
 

@@ -133,6 +133,7 @@ struct Jump {
 struct Answer {
   Outcome outcome = Outcome::completed;
   double time = 0.0;    ///< reached, seconds
+  double probed = 0.0;  ///< how far the probes have been served: less where the run was interrupted on the way
   std::string message;  ///< why it stopped, with time and element names; empty when completed
   std::string id;       ///< "E-no-solution", …
   std::vector<std::string> elements;

@@ -118,7 +118,8 @@ void Meter::take_impulse(double time, std::span<const double> values, const Piec
   if (is_done() || watch_ || measurement_.at || time < from_ - sliver_ || time >= to_ - sliver_ || !feels(values, time)) return;
   if (!integrates()) return leave_out(time);
   const bool is_linear = expression_.is_linear();
-  if (is_linear || !std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
+  const auto is_known = [&](int probe) { return std::isfinite(values[static_cast<std::size_t>(probe)]); };
+  if (is_linear || !std::all_of(expression_.probes().begin(), expression_.probes().end(), is_known)) {
     const double share = is_linear ? expression_.impulse(values, values, results_, time) : std::numeric_limits<double>::quiet_NaN();
     if (!std::isfinite(share)) return fail(fmt::format("impulses of higher order act at t = {} s", time));
     sum_ += share;
@@ -174,7 +175,7 @@ std::string Meter::left_out() const {
                                   : fmt::format("impulses at {} instants, first at t = {} s", left_out_, first_left_out_);
   if (integrates()) return fmt::format("{}: {} has no integral over {}", what, measurement_.expression.text, is_one ? "it" : "them");
   if (measurement_.kind == Kind::rms) return fmt::format("{}: {} no integral", what, is_one ? "its square has" : "their squares have");
-  return fmt::format("{}: {} larger than any number", what, is_one ? "it is" : "they are");
+  return fmt::format("{}: {} beyond any number", what, is_one ? "it is" : "they are");
 }
 
 /// The value on the right of an instant counts; at the end of the run that on its left.

@@ -28,6 +28,8 @@ using linalg::WideVector;
 
 /// The rank decision sees incidence numbers and R0/R after row equilibration, never a capacitance or an inductance.
 constexpr double rank_tolerance = 1e-9;
+/// Of a null vector of order one: an entry above this takes part in it.
+constexpr double takes_part = 1e-6;
 /// A column of a row-equilibrated G whose entries are all below the first number holds a quantity that is small beside the others of its
 /// equations, not one that is undetermined: the current of an integrator's capacitor beside a large transconductance. Below the second it is
 /// rounding.
@@ -246,13 +248,13 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
     const Wide weight = free_rows.row(i).cwiseAbs().maxCoeff();
     const Wide freedom = kernel.row(i).cwiseAbs().maxCoeff();
-    if (i < nodes && (weight > 1e-6 || freedom > 1e-6)) {
+    if (i < nodes && (weight > takes_part || freedom > takes_part)) {
       const Label& label = network_.nodes[static_cast<std::size_t>(i)];
       if (!node_span.known()) node_span = label.span;
       node_names += (node_names.empty() ? "" : ", ") + label.name;
     }
     const std::string owner = assembly_.current_owner(static_cast<int>(i));
-    if (!owner.empty() && freedom > 1e-6) {
+    if (!owner.empty() && freedom > takes_part) {
       for (const auto& b : network_.branches) {
         if (b.label.name != owner) continue;
         has_source = true;
@@ -265,7 +267,8 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
   if (has_source) {
     diagnostics_.error("E-source-loop", element_span,
-                       fmt::format("{} form a loop of voltage sources without resistance{}; try a small resistor in series", element_names,
+                       fmt::format("{} {} a loop of voltage sources without resistance{}; try a small resistor in series", element_names,
+                                   element_names.find(',') == std::string::npos ? "forms" : "form",
                                    contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
     return;
   }

@@ -35,7 +35,7 @@ const measure::Result& Measured::result(const std::string& name) const {
   return *std::find_if(results.list.begin(), results.list.end(), [&](const measure::Result& other) { return other.name == name; });
 }
 
-Measured measure_deck(const std::string& text, double reltol) {
+Measured measure_deck(const std::string& text, double reltol, const std::atomic<int>* interrupt) {
   Measured measured;
   SourceStore sources;
   Diagnostics diagnostics;
@@ -51,7 +51,8 @@ Measured measure_deck(const std::string& text, double reltol) {
     request.use_initial_conditions = transient.use_initial_conditions;
     request.unsaved_signals = compiled->measured_signals;
     request.probes = measuring.probes();
-    measuring.end_pass(run(*compiled, request, reltol).time);
+    request.interrupt = interrupt;
+    measuring.end_pass(run(*compiled, request, reltol).probed);
     ++measured.passes;
   }
   measured.results = measuring.results();

@@ -1,6 +1,7 @@
 #pragma once
 /// A deck measured in process.
 
+#include <atomic>
 #include <map>
 #include <string>
 
@@ -18,6 +19,6 @@ struct Measured {
 };
 
 /// On the exact engine, or with `reltol` > 0 on the sparse one.
-[[nodiscard]] Measured measure_deck(const std::string& text, double reltol = 0.0);
+[[nodiscard]] Measured measure_deck(const std::string& text, double reltol = 0.0, const std::atomic<int>* interrupt = nullptr);
 
 }  // namespace pwlsim::test

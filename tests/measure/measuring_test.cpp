@@ -438,6 +438,14 @@ TEST_CASE("a circuit with states of very different sizes is measured", "[unit]")
   CHECK(m.value.at("top") == -m.value.at("low"));
 }
 
+TEST_CASE("an interrupted run gives no value to what it has not measured", "[unit]") {
+  const std::atomic<int> interrupt = 1;
+  const Measured m = measure_deck(
+      "ring\nV1 in 0 SIN(0 1 1meg)\nR1 in 0 1\n.tran 1 20\n.save v(in)\n.meas tran whole INTEG v(in)\n.meas tran late INTEG v(in) FROM=11 TO=12\n", 0.0,
+      &interrupt);
+  CHECK(m.value.empty());
+}
+
 // v(n1) is rounding after 10⁻¹⁵ s, somewhat more of it than eight units, and asked for pieces of picoseconds. Integrals are additive.
 TEST_CASE("a signal that is rounding beside a very fast time constant does not hold the measurements up", "[unit]") {
   const Measured m = measure_deck(

@@ -81,7 +81,7 @@ TEST_CASE("diodes of one arm that begin to conduct together", "[regression]") {
 }
 
 // Its sixteen ideal sections reach a diode at orders of the source's ramp that rounding hides: the guards leave zero unseen, and small.
-TEST_CASE("diodes along a line of L and C are followed by bounds, not by samples", "[regression]") {
+TEST_CASE("diodes along a line of L and C are followed without sampling", "[regression]") {
   constexpr int sections = 16;
   std::string deck = "line\nV1 s 0 PULSE(0 10 1u 10n 10n 5u 10u)\nRS s n0 50\n";
   for (int i = 1; i <= sections; ++i) deck += fmt::format("L{0} n{1} n{0} 2.5u\nC{0} n{0} 0 1n\n", i, i - 1);

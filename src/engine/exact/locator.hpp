@@ -96,8 +96,8 @@ class Locator {
     double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
     double below = 0.0;                            ///< as Root::below
   };
-  /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
   Isolated leave_rest(const Segment& segment, std::size_t i, double h);
+  /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);

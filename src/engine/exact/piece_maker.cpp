@@ -89,6 +89,7 @@ void PieceMaker::advance(const std::vector<IslandRun>& islands, double time) {
     hand_over(at, next, level);
     if (next - at < crowding * (probes_.to - probes_.from)) ++short_;
     cut_ = interrupt_ && interrupt_->load(std::memory_order_relaxed) != 0;
+    if (cut_) cut_at_ = next;
     if (cut_ || next == at) return;  // shorter than the time's own rounding
     at = next;
     step(at, level);

@@ -30,8 +30,9 @@ class PieceMaker {
   void before_start(const std::vector<std::vector<double>>& signals);
   /// Hands over what lies before `time`, up to which no island has opened since the last call.
   void advance(const std::vector<IslandRun>& islands, double time);
-  /// Interrupted before all was handed over.
+  /// Interrupted before all was handed over, and where.
   [[nodiscard]] bool is_cut() const { return cut_; }
+  [[nodiscard]] double cut_at() const { return cut_at_; }
 
  private:
   static constexpr int derivatives = 4;  ///< orders compared at an interval's begin, from 0
@@ -82,6 +83,7 @@ class PieceMaker {
   double done_ = 0.0;
   int level_ = 0;  ///< of the interval before
   bool cut_ = false;
+  double cut_at_ = 0.0;
   bool resumes_ = false;     ///< level_ is of this stretch
   std::uint64_t short_ = 0;  ///< intervals of the segment that are short against the window
   std::vector<double> values_, starts_, bounds_, scratch_;

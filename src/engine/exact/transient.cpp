@@ -84,6 +84,7 @@ Answer Transient::run(const Start& start) {
   pieces_.advance(islands_, now_);
   if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail_interrupted();
   answer_.time = now_;
+  answer_.probed = pieces_.is_cut() ? pieces_.cut_at() : now_;
   for (const auto& island : islands_)
     if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;

@@ -127,6 +127,7 @@ Answer Transient::run() {
   answer_.time = request_.stop;
   if (going) pieces_before(request_.stop);
   if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->block.time(), request_.stop);
+  answer_.probed = answer_.time;
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
   finish();
   return std::move(answer_);
