@@ -116,3 +116,13 @@ TEST_CASE("time constants below the range of numbers end the run with a message"
   CHECK(run.answer.outcome == engine::Outcome::no_solution);
   CHECK(run.answer.message.find("part with node b") != std::string::npos);
 }
+
+// S14 holds 1.55 V across V1's 1.12 V: Kirchhoff's laws are off by 10⁻⁴ in every step, and the steps were picoseconds of a tenth of a second.
+TEST_CASE("small steps that break Kirchhoff's laws are given up", "[regression]") {
+  const DeckRun run = run_text_sparse(
+      "contradiction\nV1 b out DC 1.12\nC9 b 0 1.73e-07\nL10 0 out 2.21e+03 ic=-7.7e-06\nR11 out b 1.59e+06\nC12 a out 876n ic=1.98\n"
+      ".model mVSWITCH13 VSWITCH( Vser=1.55 Voff=1.23 )\nS14 b out a a mVSWITCH13\n.tran 2.76m 0.102 uic\n",
+      1e-4);
+  CHECK(run.answer.outcome == engine::Outcome::no_solution);
+  CHECK(run.answer.id == "E-step");
+}

@@ -34,7 +34,8 @@ constexpr std::size_t most_positions = 1u << 20;
 /// So many steps within that part of the run, and residuals of the certificate of that size (and of so many tolerances): they lead nowhere.
 constexpr std::uint64_t steps_between_looks = 50'000;
 constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
-constexpr double slow_stretch = 1e-2, senseless_residual = 0.5;  ///< wrong altogether: then it need not get worse to be given up
+/// Wrong altogether, or in Kirchhoff's laws, which solutions keep to rounding: then it need not get worse to be given up.
+constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e-6;
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
 double longest_step(double period, double reltol) {
@@ -106,7 +107,7 @@ bool Block::look_back() {
   const double worst = std::max(certificate.complementarity, certificate.kcl_kvl);
   const double start = std::exchange(looked_at_, point_.time);
   const bool is_worse = worst > std::exchange(worst_before_, worst);
-  const bool is_senseless = worst >= senseless_residual;
+  const bool is_senseless = worst >= senseless_residual || certificate.kcl_kvl >= broken_laws;
   if (point_.time - start > (is_senseless ? slow_stretch : short_stretch) * request_.stop) return true;
   if (!is_senseless && (!is_worse || worst < std::max(hopeless_residual, hopeless_tolerances * reltol_))) return true;
   fail(Outcome::no_solution, "E-step",
