@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace pwlsim::linalg {
@@ -10,6 +11,10 @@ namespace {
 constexpr std::size_t count = legendre_points;
 /// Beyond so many halvings what has not been decided is a touch.
 constexpr int deepest = 50;
+/// Parts looked at in one search: 15 zeros, each halved to the deepest, take half as many.
+constexpr int most_parts = 4 * static_cast<int>(count) * deepest;
+/// Numbers below the normal ones have lost their digits: series of them have no signs.
+constexpr double smallest_size = static_cast<double>(count) * std::numeric_limits<double>::min();
 constexpr int most_iterations = 100;
 constexpr double rounding = 2.3e-16;
 /// Rounding of a derivative's coefficients against the sum of the series' own: sums of terms (2k + 1) c_j.
@@ -73,12 +78,13 @@ double zero_between(const LegendreSeries& f, const LegendreSeries& slope, double
 
 class ZeroSearch {
  public:
-  ZeroSearch(const LegendreSeries& f, double noise) : f_(f), slope_(f.derivative()), noise_(noise) {}
+  ZeroSearch(const LegendreSeries& f, double noise) : f_(f), slope_(f.derivative()), noise_(std::max(noise, smallest_size)) {}
 
   void search(const LegendreSeries& part, double lower, double upper, int depth) {
     const double mean = std::abs(part.mean());
     const double variation = part.variation();
     if (mean > variation + noise_ || mean + variation <= noise_ || depth > deepest) return;
+    if (!std::isfinite(mean + variation) || ++parts_ > most_parts) return;
     const LegendreSeries slope = part.derivative();
     if (std::abs(slope.mean()) > slope.variation()) {
       if ((part(-1.0) < 0.0) != (part(1.0) < 0.0)) zeros.push_back(zero_between(f_, slope_, lower, upper));
@@ -95,6 +101,7 @@ class ZeroSearch {
   const LegendreSeries& f_;
   const LegendreSeries slope_;
   double noise_;
+  int parts_ = 0;
 };
 
 }  // namespace

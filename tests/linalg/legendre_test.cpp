@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 using namespace pwlsim::linalg;
 
@@ -54,12 +55,19 @@ TEST_CASE("sign changes: all simple zeros, and touches only as pairs", "[unit]")
   CHECK(touch.size() % 2 == 0);
   for (const double x : touch) CHECK(x == Approx(0.3).epsilon(1e-7));  // the root of rounding
   CHECK(sign_changes(through([](double) { return 0.0; }), 1e-15).empty());
+  // Numbers of one or two bits and numbers that are none have no signs, and are not searched for ever.
+  CHECK(sign_changes(through([](double x) { return 1e-323 * std::sin(40.0 * x); }), 0.0).empty());
+  CHECK(sign_changes(through([](double x) { return x < 0.3 ? x : std::numeric_limits<double>::quiet_NaN(); }), 0.0).empty());
 }
 
 TEST_CASE("extremes lie at zeros of the derivative or at the ends", "[unit]") {
   const Extremes found = extremes(through([](double x) { return std::pow(x, 3) - 0.75 * x; }));  // at ±½: ∓¼; at ±1: ±¼
   CHECK(found.largest == Approx(0.25).epsilon(rounding));
   CHECK(found.least == Approx(-0.25).epsilon(rounding));
+  const Extremes tiny = extremes(through([](double x) { return std::exp(-744.0 - x); }));
+  CHECK(std::abs(tiny.least) < 1e-322);  // e^-745 to e^-743, in units of 5e-324
+  CHECK(std::abs(tiny.largest) < 1e-322);
+
   const Extremes slope = extremes(through([](double x) { return 2.0 * x; }));
   CHECK(slope.largest_at == 1.0);
   CHECK(slope.least_at == -1.0);
