@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/static_neighbours.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -22,8 +24,10 @@ constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on w
 constexpr std::size_t most_remembered = 6;
 /// A signal moves along an open direction of u when its terms do not cancel there.
 constexpr double open_tolerance = 1e-9;
-constexpr int near_radius = 2;  ///< ports that further continuations may have otherwise, where there are more
-constexpr int few_ports = 6;    ///< with so many all modes are tried where nothing else helps, and for further continuations
+constexpr double clearly_violated = 1e-6;  ///< by a guard, against its terms
+constexpr std::size_t most_neighbours =
+    100;                      ///< modes tried for further continuations where there are more, so that an event does not take seconds
+constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
 /// Continuations of two modes differ when a derivative does by this fraction.
 constexpr double alike_tolerance = 1e-9;
 /// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
@@ -326,24 +330,53 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
   return true;
 }
 
+/// Whether a guard is below zero at x already, beyond all doubt: what `accepts` would find with its derivatives, for less.
+bool Selector::is_violated(const Mode& mode, const double* x) {
+  to_mode(system_, mode, x, y_.data());
+  for (int i = 0; i < system_.diodes; ++i) {
+    double value = 0.0, size = 0.0;
+    for (int j = 0; j < mode.ny; ++j) {
+      const double term = mode.guards(i, j) * y_[static_cast<std::size_t>(j)];
+      value += term;
+      size += std::abs(term);
+    }
+    if (value < -clearly_violated * size) return true;
+  }
+  return false;
+}
+
 /// Where no certificate promises uniqueness: the verified modes that continue differently, one of each kind, `chosen` among them. All
-/// modes are tried where there are few, else those near the chosen one.
+/// modes are tried where there are few, else those that have one or two ports otherwise than the chosen one.
 std::vector<const Mode*> Selector::continuations(const double* x, const Mode& chosen) {
   const std::vector<double> copy(x, x + system_.size());
   std::vector<const Mode*> found{&chosen};
   const auto keep_if_new = [&](const IndexSet& set) {
     const Mode& m = mode(set);
-    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || !accepts(m, projected_.data()))
+    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || is_violated(m, projected_.data()) ||
+        !accepts(m, projected_.data()))
       return false;
     if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); }))
       found.push_back(&m);
     return false;
   };
-  IndexSet set = chosen.active;
-  if (system_.diodes <= few_ports)
-    any_set(set, system_.diodes, keep_if_new);
-  else
-    any_near_set(set, 0, system_.diodes, near_radius, keep_if_new);
+  if (system_.diodes <= few_ports) {
+    any_set(chosen.active, system_.diodes, keep_if_new);
+    return found;
+  }
+  const StaticNeighbours neighbours(system_, chosen.active, x, largest_);
+  std::size_t examined = 0;
+  const auto examine = [&](int i, int j) {
+    IndexSet set = chosen.active;
+    set.flip(i);
+    if (j != i) set.flip(j);
+    keep_if_new(set);
+    ++examined;
+  };
+  for (int i = 0; i < system_.diodes; ++i)
+    if (neighbours.may_flip(i)) examine(i, i);
+  for (int i = 0; i < system_.diodes; ++i)
+    for (int j = i + 1; j < system_.diodes && examined < most_neighbours; ++j)
+      if (neighbours.may_flip(i, j)) examine(i, j);
   return found;
 }
 

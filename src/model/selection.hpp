@@ -72,6 +72,7 @@ class Selector {
   bool consistent(const Mode& mode, const double* x, double* projected) const;
   bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
   bool accepts(const Mode& mode, const double* x);
+  bool is_violated(const Mode& mode, const double* x);
   [[nodiscard]] IndexSet with_falling_flipped(IndexSet set) const;
   const Mode* by_repeated_rule(double* x, IndexSet set);
   const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);

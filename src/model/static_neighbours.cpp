@@ -1,0 +1,115 @@
+#include "model/static_neighbours.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pwlsim::model {
+namespace {
+
+/// What decides is far above the rounding of q, against the sum of its terms, and of a state, against the largest so far.
+constexpr double value_tolerance = 1e-9, state_tolerance = 1e-12;
+/// Against the terms of its row an entry of M below it counts as zero, and is not pivoted on.
+constexpr double least_pivot = 1e-9;
+
+}  // namespace
+
+StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active, const double* x, double largest)
+    : role_(static_cast<std::size_t>(system.ports), Role::restricted), row_size_(system.d.cwiseAbs().rowwise().maxCoeff()), m_(system.d) {
+  const auto state = Eigen::Map<const Vector>(x, system.size());
+  q_ = system.c * state;
+  tolerance_ = value_tolerance * (system.c.cwiseAbs() * state.cwiseAbs()) + state_tolerance * largest * system.c.rowwise().norm();
+  for (int i = system.diodes; i < system.ports; ++i) role_[static_cast<std::size_t>(i)] = active.contains(i) ? Role::free : Role::left_out;
+  pivot_on_active(system, active);
+}
+
+bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m_(row, column)) <= least_pivot * row_size_[row]; }
+
+/// One by one where the diagonal allows it, by twos where it does not, and those last that nothing allows: they are open, and whom they reach.
+void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& active) {
+  std::vector<int> left;
+  for (int i = 0; i < system.ports; ++i)
+    if (active.contains(i)) left.push_back(i);
+  const auto take = [&](auto list) {
+    pivot(list);
+    for (const int port : list) std::erase(left, port);
+  };
+  while (!left.empty()) {
+    const auto share = [&](int i) { return is_zero(i, i) ? 0.0 : std::abs(m_(i, i)) / row_size_[i]; };
+    const int best = *std::max_element(left.begin(), left.end(), [&](int i, int j) { return share(i) < share(j); });
+    if (share(best) > 0.0) {
+      take(std::array{best});
+      continue;
+    }
+    std::array<int, 2> pair{-1, -1};
+    for (const int i : left)
+      for (const int j : left)
+        if (i < j && pair[0] < 0 && !is_zero(i, j) && !is_zero(j, i)) pair = {i, j};
+    if (pair[0] < 0) break;
+    take(pair);
+  }
+  for (const int i : left) role_[static_cast<std::size_t>(i)] = Role::open;
+  for (int k = 0; k < system.ports; ++k)
+    if (std::any_of(left.begin(), left.end(), [&](int i) { return !is_zero(k, i) || !is_zero(i, k); }))
+      role_[static_cast<std::size_t>(k)] = Role::open;
+}
+
+void StaticNeighbours::pivot(std::span<const int> ports) {
+  const std::vector<int> p(ports.begin(), ports.end());
+  const Matrix inverse = m_(p, p).inverse();
+  const Matrix rows = -inverse * m_(p, Eigen::all);
+  const Matrix columns = m_(Eigen::all, p);
+  const Vector value = -inverse * q_(p), size = inverse.cwiseAbs() * tolerance_(p);
+  row_size_ = row_size_.cwiseMax((columns.cwiseAbs() * rows.cwiseAbs()).rowwise().maxCoeff());
+  m_ += columns * rows;
+  m_(Eigen::all, p) = columns * inverse;
+  m_(p, Eigen::all) = rows;
+  m_(p, p) = inverse;
+  q_ += columns * value;
+  tolerance_ += columns.cwiseAbs() * size;
+  q_(p) = value;
+  tolerance_(p) = size;
+  row_size_(p) = m_(p, Eigen::all).cwiseAbs().rowwise().maxCoeff();
+}
+
+/// Whether the other ports keep their signs with z at those that are flipped.
+bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z) const {
+  for (int k = 0; k < q_.size(); ++k) {
+    if (role_[static_cast<std::size_t>(k)] != Role::restricted || std::find(flipped.begin(), flipped.end(), k) != flipped.end()) continue;
+    double value = q_[k], size = tolerance_[k];
+    for (std::size_t i = 0; i < flipped.size(); ++i) {
+      const double term = m_(k, flipped[i]) * z[i];
+      value += term;
+      size += value_tolerance * std::abs(term);
+    }
+    if (value < -size) return false;
+  }
+  return true;
+}
+
+bool StaticNeighbours::may_flip(int port) const {
+  if (role_[static_cast<std::size_t>(port)] == Role::open || std::abs(q_[port]) <= tolerance_[port]) return true;
+  if (is_zero(port, port)) return false;
+  const double z = -q_[port] / m_(port, port);
+  return z >= 0.0 && rest_allows(std::array{port}, &z);
+}
+
+bool StaticNeighbours::may_flip(int first, int second) const {
+  const bool first_is_open = role_[static_cast<std::size_t>(first)] == Role::open;
+  const bool second_is_open = role_[static_cast<std::size_t>(second)] == Role::open;
+  if (first_is_open) return second_is_open || may_flip(second);
+  if (second_is_open) return may_flip(first);
+  const auto is_stuck = [&](int i) { return is_zero(i, first) && is_zero(i, second) && std::abs(q_[i]) > tolerance_[i]; };
+  if (is_stuck(first) || is_stuck(second)) return false;
+  const double a = m_(first, first), b = m_(first, second), c = m_(second, first), d = m_(second, second);
+  const double determinant = a * d - b * c;
+  if (std::abs(determinant) <= least_pivot * row_size_[first] * row_size_[second]) return true;
+  const double p = q_[first], q = q_[second];
+  const double z[] = {(b * q - d * p) / determinant, (c * p - a * q) / determinant};
+  const double size[] = {(std::abs(b) * tolerance_[second] + std::abs(d) * tolerance_[first]) / std::abs(determinant),
+                         (std::abs(c) * tolerance_[first] + std::abs(a) * tolerance_[second]) / std::abs(determinant)};
+  return z[0] >= -size[0] && z[1] >= -size[1] && rest_allows(std::array{first, second}, z);
+}
+
+}  // namespace pwlsim::model

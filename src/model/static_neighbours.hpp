@@ -1,0 +1,38 @@
+#pragma once
+/// Which modes that differ from a given one in one or two ports can go on from a state at all, by what holds at the instant itself:
+/// y = C x + D u with 0 ≤ u ⊥ y ≥ 0. It rejects only; what is left must be built and verified.
+///
+/// Principal pivoting (Cottle, Pang, Stone 1992, §2.3) on the ports P of the active set J for which D_PP can be inverted gives w = q + M z: of P
+/// w is u and z is y, of the others w is y and z is u, and in the mode z = 0. What u is at J without P, derivatives settle: these ports, and whom
+/// their u reaches, are left open. A mode with the ports F flipped has w_F = 0: z_F = −M_FF⁻¹ q_F ≥ 0, and q + M_·F z_F ≥ 0.
+
+#include <span>
+#include <vector>
+
+#include "model/index_set.hpp"
+#include "model/system.hpp"
+
+namespace pwlsim::model {
+
+class StaticNeighbours {
+ public:
+  /// x: system.size() entries; `largest`: the largest |x| so far, against whose rounding x is good.
+  StaticNeighbours(const System& system, const IndexSet& active, const double* x, double largest);
+
+  [[nodiscard]] bool may_flip(int port) const;
+  [[nodiscard]] bool may_flip(int first, int second) const;
+
+ private:
+  void pivot_on_active(const System& system, const IndexSet& active);
+  void pivot(std::span<const int> ports);
+  [[nodiscard]] bool is_zero(int row, int column) const;
+  [[nodiscard]] bool rest_allows(std::span<const int> flipped, const double* z) const;
+
+  enum class Role : char { restricted, free, open, left_out };  ///< free: an active switch; left out: an open one
+  std::vector<Role> role_;                                      ///< of a port
+  Vector q_, tolerance_;
+  Vector row_size_;  ///< what the entries of M in a row are sums of, at most
+  linalg::Matrix m_;
+};
+
+}  // namespace pwlsim::model
