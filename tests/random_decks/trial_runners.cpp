@@ -25,7 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 #ifdef PWLSIM_SANITIZED
-constexpr double patience = 15.0;
+constexpr double patience = 30.0;  ///< it takes three times as long
 #else
 constexpr double patience = 12.0;  ///< seconds of the processor: other processes may take their share of the machine
 #endif

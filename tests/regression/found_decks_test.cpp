@@ -126,3 +126,73 @@ TEST_CASE("small steps that break Kirchhoff's laws are given up", "[regression]"
   CHECK(run.answer.outcome == engine::Outcome::no_solution);
   CHECK(run.answer.id == "E-step");
 }
+
+// Fast parts settle within femtoseconds; D7's voltage then is 10⁻¹⁹ V, of either sign, and was asked for anew at each time constant of the run.
+TEST_CASE("a guard of rounding that is negative where no event was found is at rest", "[regression]") {
+  const DeckRun run = run_text(R"(femtoseconds
+.param p1=1.07
+.param p2 =1.98
+.param p3={!(atan2(367m,p2)) + 1}
+V1 b 0 SIN(0 4.97e+03 56.5Meg) Rser=982k
+C2 a 0 1.07e-14
+C3 b 0 1.88e-14
+.model mNMOS4 NMOS( Kp=50u )
+M5 0 a b mNMOS4 W=10u
+.model mD6 D Ron=0.488
+D7 b 0 mD6
+.model mSW8 SW( Ron=0.651 Vser=-687 Vh=2.7 )
+M10 0 a b mNMOS4 m=2
+H12 a 0 C2 -0.188
+.subckt sub4 t0
+R16 t0 0 3.87e+04
+.model mPMOS17 PMOS( Rd=1 W=10u )
+M18 t0 t0 m mPMOS17 AD=1p
+.subckt sub5 t0 params: w=1
+V19 t0 0 PULSE(0 1.76k 25.7n 1.55e-09 0 2.32e-08 0)
+.subckt sub6 t0 t1 t2
+.ends
+.ends
+X1008 m sub5 w={p3/(1.31)}
+.ends
+X1009 a sub4
+.tran 3.18e-09 1.36e-07 1.14e-08 3.18e-09
+)");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  constexpr std::uint64_t many_intervals = 10'000;  // there were 10⁸
+  CHECK(run.answer.statistics.steps < many_intervals);
+}
+
+// The thyristor is fed by what it conducts: each step of more than 10⁻¹³ s has no position, and a run of 0.2 ms took 10⁹ of them.
+TEST_CASE("steps that are short because longer ones have no position are given up", "[regression]") {
+  const DeckRun run = run_text_sparse(R"(no position
+V1 0 a PULSE(0 49.7 0 0 0 0.0214 0) Rser=850
+C2 0 a C=4.05u
+.model mD3 D( )
+G5 0 a a 0 5.6
+D8 b o7 mD3
+X6 a a o7 thyristor ih=10m
+.subckt sub1 t0 t1
+.param p2=2.2
+.param p3 =0.736
+R10 t1 0 R={3.82e+03*p2}
+R11 m t0 10.3k
+.subckt sub5 t0 t1 t2 params: w=1
+C12 t0 t1 C=1.64e-06
+C13 t2 t0 25.8u
+V14 t1 0 SIN(25.8 4.92 84.1 28.1m 18.6 -141 5) Rser=7.62e+03
+.model mCSW17 CSW( Lser=0.824 Vser=-18.5 )
+W18 t2 t1 V14 mCSW17
+.subckt sub6 t0
+.ends
+.ends
+X1009 t1 0 t0 sub5 w={gauss(0.1)+p3}
+.ends
+X1010 o7 o7 sub1
+.tran
++ 1e-5 0.0002 uic
+.probe i(C2)
+)",
+                                      1e-4);
+  CHECK(run.answer.outcome == engine::Outcome::no_solution);
+  CHECK(run.answer.id == "E-step");
+}

@@ -31,9 +31,11 @@ constexpr std::uint64_t intervals_before_parts = 6;
 /// and how finely. A lossless ring that is followed for 10⁵ periods takes some 10⁶.
 constexpr std::uint64_t intervals_before_sampling = 20000;
 constexpr double most_intervals = 1e8;
+constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr double sampled_intervals = 1024.0;
 
 bool has_to_sample(const Segment& s, double end) {
+  if (s.intervals > intervals_of_patience) return true;
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
 
@@ -56,8 +58,9 @@ double Locator::noise_of(const Segment& s, int row) const {
   return (s.part ? parting_noise : 1.0) * std::max(graze_noise, s.mode->noise) * size;
 }
 
-/// Zero at the segment's start to every order that rounding lets through, and not visibly positive since.
+/// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
 bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
+  if (s.tau > 0.0 && g_[i] <= 0.0) return true;
   return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
 }
 

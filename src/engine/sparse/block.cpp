@@ -36,11 +36,19 @@ constexpr std::uint64_t steps_between_looks = 50'000;
 constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
 /// Wrong altogether, or in Kirchhoff's laws, which solutions keep to rounding: then it need not get worse to be given up.
 constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e-6;
+/// So many of them that stand at a cliff: the next longer one is so much worse, as no power of the step makes it, for want of a position. Unless events
+/// come of it.
+constexpr double cliff = 1e6;
+constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
+/// So many passages in a row after which every port stays on its side: with such residuals it should not have stayed there.
+constexpr int most_idle_passages = 2'000;
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
 double longest_step(double period, double reltol) {
   return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
 }
+
+double residual(const Certificate& certificate) { return std::max(certificate.complementarity, certificate.kcl_kvl); }
 
 }  // namespace
 
@@ -99,23 +107,44 @@ bool Block::advance() {
   return step() && look_back();
 }
 
-/// Where no solution continues, steps may get ever shorter from one wrong position to the next: an active network need not have one.
+/// Where no solution continues, steps may get ever shorter from one wrong position to the next, or ports leave their sides and find no others: an active
+/// network need not have one. False: given up.
 bool Block::look_back() {
-  if (steps_ - looked_after_ < steps_between_looks) return true;
-  looked_after_ = steps_;
+  if (steps_ - looked_after_ >= steps_between_looks) {
+    looked_after_ = steps_;
+    const double stretch = point_.time - std::exchange(looked_at_, point_.time);
+    const std::string why = why_nowhere(stretch);
+    if (!why.empty())
+      return give_up(fmt::format("steps get too short before t = {} s ({} of them within {:.3g} s), and {}", point_.time,
+                                 steps_between_looks, stretch, why));
+  }
+  if (idle_passages_ >= most_idle_passages) {
+    idle_passages_ = 0;
+    if (const double worst = residual(certificate_.check()); worst >= hopeless())
+      return give_up(
+          fmt::format("ports leave their sides before t = {} s and find no others ({} times), and violate the circuit's laws by {:.1e}",
+                      point_.time, most_idle_passages, worst));
+  }
+  return true;
+}
+
+/// What is wrong with the last steps, if they took no longer than that and lead nowhere.
+std::string Block::why_nowhere(double stretch) {
   const Certificate certificate = certificate_.check();
-  const double worst = std::max(certificate.complementarity, certificate.kcl_kvl);
-  const double start = std::exchange(looked_at_, point_.time);
+  const double worst = residual(certificate);
   const bool is_worse = worst > std::exchange(worst_before_, worst);
   const bool is_senseless = worst >= senseless_residual || certificate.kcl_kvl >= broken_laws;
-  if (point_.time - start > (is_senseless ? slow_stretch : short_stretch) * request_.stop) return true;
-  if (!is_senseless && (!is_worse || worst < std::max(hopeless_residual, hopeless_tolerances * reltol_))) return true;
-  fail(Outcome::no_solution, "E-step",
-       fmt::format(
-           "steps get too short before t = {} s ({} of them within {:.3g} s), and violate the circuit's laws by {:.1e}: a solution may "
-           "not exist; try --engine exact, which examines it",
-           point_.time, steps_between_looks, point_.time - start, worst),
-       {});
+  const std::uint64_t events = events_ - std::exchange(events_before_, events_);
+  const bool is_blocked = std::exchange(cliffs_, 0) > most_cliffs && events < few_events && !passive_;
+  if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * request_.stop) return "";
+  if (is_senseless || (is_worse && worst >= hopeless())) return fmt::format("violate the circuit's laws by {:.1e}", worst);
+  return is_blocked ? "longer ones find no position, or one from another side" : "";
+}
+
+double Block::hopeless() const { return std::max(hopeless_residual, hopeless_tolerances * reltol_); }
+
+bool Block::give_up(const std::string& what) {
+  fail(Outcome::no_solution, "E-step", what + ": a solution may not exist; try --engine exact, which examines it", {});
   return false;
 }
 
@@ -130,14 +159,17 @@ int Block::step_level() const {
 
 bool Block::step() {
   rejected_ = false;
+  double rejected_error = 0.0;
   while (true) {
     const double h = ladder(step_level());
     stepper_.tr_bdf2(point_, h, scale_, trial_);
     if (trial_.solved == Solved::singular) return fail_step(trial_.solved, trial_.error);
     if (trial_.error > reltol_) {  // or the position contradicts the network further on
+      rejected_error = trial_.error;
       if (!reduce(h, trial_.error)) return fail_step(trial_.solved, trial_.error);
       continue;
     }
+    if (rejected_error > cliff * trial_.error) ++cliffs_;
     if (passive_ && trial_.error > least_improvement * reltol_) {
       const Solved solved = stepper_.improve(h, trial_);
       if (solved != Solved::yes) return fail_step(solved, trial_.error);

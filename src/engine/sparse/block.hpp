@@ -83,6 +83,9 @@ class Block {
   bool reduce(double h, double error);
   bool fail_step(Solved solved, double error);
   bool look_back();
+  std::string why_nowhere(double stretch);
+  [[nodiscard]] double hopeless() const;
+  bool give_up(const std::string& what);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
@@ -148,7 +151,9 @@ class Block {
   int crowd_ = 0;
   int absorb_wait_ = 0, absorb_pause_ = 0;
   double looked_at_ = 0.0, worst_before_ = 0.0;  ///< time and residual at the step number `looked_after_`
-  std::uint64_t looked_after_ = 0;
+  std::uint64_t looked_after_ = 0, events_before_ = 0;
+  std::uint64_t cliffs_ = 0;  ///< steps since then whose error jumped with their length
+  int idle_passages_ = 0;     ///< instants in a row that changed nothing
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };

@@ -16,6 +16,7 @@ constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
 constexpr double dip_share = 0.1;
 constexpr int most_locations = 60;
 constexpr double together = 1e-6;  ///< of a step: what passes at one instant
+constexpr int most_idle_located = 20;  ///< passages in a row that changed nothing: the next need not be met to rounding
 constexpr int most_rounds = 12;    ///< of switches answering switches at one instant
 constexpr double room_share = 1.0 / 16.0;
 /// A state that moves at an instant by more than this part of the tolerance jumps, or there is a motion shorter than the Euler steps: which of the
@@ -89,7 +90,7 @@ std::vector<Block::Crossing> Block::crossings(const Trial& trial, double reach) 
 bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
   const Crossing& first = list.front();
   position_before_ = point_.on;
-  if (first.at > 0.0 && !passive_) {
+  if (first.at > 0.0 && !passive_ && idle_passages_ < most_idle_located) {
     if (!locate(h, first)) return false;
   } else if (first.at > 0.0) {
     accept(trial_, std::min(first.at, reach));
@@ -261,6 +262,7 @@ bool Block::restart() {
     jumps_ += instant.jump ? 1 : 0;
     instant_ = instant;
   }
+  idle_passages_ = instant.happened() ? 0 : idle_passages_ + 1;
   if (time == 0.0) start_projected_ = instant.jump;
   return watch_crowd(time);
 }
