@@ -24,7 +24,8 @@ constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on w
 constexpr std::size_t most_remembered = 6;
 /// A signal moves along an open direction of u when its terms do not cancel there.
 constexpr double open_tolerance = 1e-9;
-constexpr double clearly_violated = 1e-6;  ///< by a guard, against its terms
+/// By a guard, against ‖row‖·‖y‖; and against the mode's own rounding.
+constexpr double clearly_violated = 1e-6, clearly_above_noise = 1e3;
 constexpr std::size_t most_neighbours =
     100;                      ///< modes tried for further continuations where there are more, so that an event does not take seconds
 constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
@@ -330,18 +331,13 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
   return true;
 }
 
-/// Whether a guard is below zero at x already, beyond all doubt: what `accepts` would find with its derivatives, for less.
+/// Whether a guard is below zero at x already, far beyond rounding: what `accepts` would find with its derivatives, for less.
 bool Selector::is_violated(const Mode& mode, const double* x) {
   to_mode(system_, mode, x, y_.data());
-  for (int i = 0; i < system_.diodes; ++i) {
-    double value = 0.0, size = 0.0;
-    for (int j = 0; j < mode.ny; ++j) {
-      const double term = mode.guards(i, j) * y_[static_cast<std::size_t>(j)];
-      value += term;
-      size += std::abs(term);
-    }
-    if (value < -clearly_violated * size) return true;
-  }
+  const double tolerance = std::max(clearly_violated, clearly_above_noise * mode.noise * verifier_.relaxation());
+  const double norm = linalg::norm(y_.data(), mode.ny);
+  for (int i = 0; i < system_.diodes; ++i)
+    if (linalg::row_times(mode.guards, i, y_.data()) < -tolerance * mode.guard_norm[i] * norm) return true;
   return false;
 }
 
@@ -364,19 +360,20 @@ std::vector<const Mode*> Selector::continuations(const double* x, const Mode& ch
     return found;
   }
   const StaticNeighbours neighbours(system_, chosen.active, x, largest_);
-  std::size_t examined = 0;
-  const auto examine = [&](int i, int j) {
+  std::vector<std::pair<int, int>> flips;  // equal: one port
+  for (int i = 0; i < system_.diodes; ++i)
+    for (int j = i; j < system_.diodes; ++j)
+      if (i == j ? neighbours.may_flip(i) : neighbours.may_flip(i, j)) flips.emplace_back(i, j);
+  if (flips.size() > most_neighbours) {
+    std::stable_partition(flips.begin(), flips.end(), [](const auto& flip) { return flip.first == flip.second; });
+    flips.resize(most_neighbours);
+  }
+  for (const auto& [i, j] : flips) {
     IndexSet set = chosen.active;
     set.flip(i);
     if (j != i) set.flip(j);
     keep_if_new(set);
-    ++examined;
-  };
-  for (int i = 0; i < system_.diodes; ++i)
-    if (neighbours.may_flip(i)) examine(i, i);
-  for (int i = 0; i < system_.diodes; ++i)
-    for (int j = i + 1; j < system_.diodes && examined < most_neighbours; ++j)
-      if (neighbours.may_flip(i, j)) examine(i, j);
+  }
   return found;
 }
 

@@ -10,13 +10,13 @@ namespace {
 
 /// What decides is far above the rounding of q, against the sum of its terms, and of a state, against the largest so far.
 constexpr double value_tolerance = 1e-9, state_tolerance = 1e-12;
-/// Against the terms of its row an entry of M below it counts as zero, and is not pivoted on.
+/// Against the terms that it is a sum of an entry of M below it counts as zero, and is not pivoted on.
 constexpr double least_pivot = 1e-9;
 
 }  // namespace
 
 StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active, const double* x, double largest)
-    : role_(static_cast<std::size_t>(system.ports), Role::restricted), row_size_(system.d.cwiseAbs().rowwise().maxCoeff()), m_(system.d) {
+    : role_(static_cast<std::size_t>(system.ports), Role::restricted), m_(system.d), size_(system.d.cwiseAbs()) {
   const auto state = Eigen::Map<const Vector>(x, system.size());
   q_ = system.c * state;
   tolerance_ = value_tolerance * (system.c.cwiseAbs() * state.cwiseAbs()) + state_tolerance * largest * system.c.rowwise().norm();
@@ -24,7 +24,7 @@ StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active,
   pivot_on_active(system, active);
 }
 
-bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m_(row, column)) <= least_pivot * row_size_[row]; }
+bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m_(row, column)) <= least_pivot * size_(row, column); }
 
 /// One by one where the diagonal allows it, by twos where it does not, and those last that nothing allows: they are open, and whom they reach.
 void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& active) {
@@ -36,7 +36,7 @@ void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& act
     for (const int port : list) std::erase(left, port);
   };
   while (!left.empty()) {
-    const auto share = [&](int i) { return is_zero(i, i) ? 0.0 : std::abs(m_(i, i)) / row_size_[i]; };
+    const auto share = [&](int i) { return is_zero(i, i) ? 0.0 : std::abs(m_(i, i)) / m_.row(i).cwiseAbs().maxCoeff(); };
     const int best = *std::max_element(left.begin(), left.end(), [&](int i, int j) { return share(i) < share(j); });
     if (share(best) > 0.0) {
       take(std::array{best});
@@ -49,10 +49,12 @@ void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& act
     if (pair[0] < 0) break;
     take(pair);
   }
-  for (const int i : left) role_[static_cast<std::size_t>(i)] = Role::open;
+  for (const int i : left) role_[static_cast<std::size_t>(i)] = Role::settled_later;
   for (int k = 0; k < system.ports; ++k)
-    if (std::any_of(left.begin(), left.end(), [&](int i) { return !is_zero(k, i) || !is_zero(i, k); }))
-      role_[static_cast<std::size_t>(k)] = Role::open;
+    for (const int i : left) {
+      if (is_zero(k, i) && is_zero(i, k)) continue;
+      role_[static_cast<std::size_t>(k)] = role_[static_cast<std::size_t>(i)] = Role::reached;
+    }
 }
 
 void StaticNeighbours::pivot(std::span<const int> ports) {
@@ -61,7 +63,11 @@ void StaticNeighbours::pivot(std::span<const int> ports) {
   const Matrix rows = -inverse * m_(p, Eigen::all);
   const Matrix columns = m_(Eigen::all, p);
   const Vector value = -inverse * q_(p), size = inverse.cwiseAbs() * tolerance_(p);
-  row_size_ = row_size_.cwiseMax((columns.cwiseAbs() * rows.cwiseAbs()).rowwise().maxCoeff());
+  const Matrix row_sizes = inverse.cwiseAbs() * size_(p, Eigen::all), column_sizes = size_(Eigen::all, p);
+  size_ += column_sizes * row_sizes;
+  size_(Eigen::all, p) = column_sizes * inverse.cwiseAbs();
+  size_(p, Eigen::all) = row_sizes;
+  size_(p, p) = inverse.cwiseAbs();
   m_ += columns * rows;
   m_(Eigen::all, p) = columns * inverse;
   m_(p, Eigen::all) = rows;
@@ -70,18 +76,17 @@ void StaticNeighbours::pivot(std::span<const int> ports) {
   tolerance_ += columns.cwiseAbs() * size;
   q_(p) = value;
   tolerance_(p) = size;
-  row_size_(p) = m_(p, Eigen::all).cwiseAbs().rowwise().maxCoeff();
 }
 
 /// Whether the other ports keep their signs with z at those that are flipped.
-bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z) const {
+bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z, const double* z_tolerance) const {
   for (int k = 0; k < q_.size(); ++k) {
-    if (role_[static_cast<std::size_t>(k)] != Role::restricted || std::find(flipped.begin(), flipped.end(), k) != flipped.end()) continue;
+    if (role(k) != Role::restricted || std::find(flipped.begin(), flipped.end(), k) != flipped.end()) continue;
     double value = q_[k], size = tolerance_[k];
     for (std::size_t i = 0; i < flipped.size(); ++i) {
       const double term = m_(k, flipped[i]) * z[i];
       value += term;
-      size += value_tolerance * std::abs(term);
+      size += value_tolerance * size_(k, flipped[i]) * std::abs(z[i]) + size_(k, flipped[i]) * z_tolerance[i];
     }
     if (value < -size) return false;
   }
@@ -89,27 +94,27 @@ bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z
 }
 
 bool StaticNeighbours::may_flip(int port) const {
-  if (role_[static_cast<std::size_t>(port)] == Role::open || std::abs(q_[port]) <= tolerance_[port]) return true;
+  if (role(port) != Role::restricted || std::abs(q_[port]) <= tolerance_[port]) return true;
   if (is_zero(port, port)) return false;
-  const double z = -q_[port] / m_(port, port);
-  return z >= 0.0 && rest_allows(std::array{port}, &z);
+  const double z = -q_[port] / m_(port, port), z_tolerance = tolerance_[port] / std::abs(m_(port, port));
+  return z >= 0.0 && rest_allows(std::array{port}, &z, &z_tolerance);
 }
 
 bool StaticNeighbours::may_flip(int first, int second) const {
-  const bool first_is_open = role_[static_cast<std::size_t>(first)] == Role::open;
-  const bool second_is_open = role_[static_cast<std::size_t>(second)] == Role::open;
-  if (first_is_open) return second_is_open || may_flip(second);
-  if (second_is_open) return may_flip(first);
+  if (role(first) == Role::settled_later) return may_flip(second);
+  if (role(second) == Role::settled_later) return may_flip(first);
+  if (role(first) != Role::restricted || role(second) != Role::restricted) return true;
   const auto is_stuck = [&](int i) { return is_zero(i, first) && is_zero(i, second) && std::abs(q_[i]) > tolerance_[i]; };
   if (is_stuck(first) || is_stuck(second)) return false;
   const double a = m_(first, first), b = m_(first, second), c = m_(second, first), d = m_(second, second);
   const double determinant = a * d - b * c;
-  if (std::abs(determinant) <= least_pivot * row_size_[first] * row_size_[second]) return true;
+  const double terms = size_(first, first) * size_(second, second) + size_(first, second) * size_(second, first);
+  if (std::abs(determinant) <= least_pivot * terms) return true;
   const double p = q_[first], q = q_[second];
   const double z[] = {(b * q - d * p) / determinant, (c * p - a * q) / determinant};
   const double size[] = {(std::abs(b) * tolerance_[second] + std::abs(d) * tolerance_[first]) / std::abs(determinant),
                          (std::abs(c) * tolerance_[first] + std::abs(a) * tolerance_[second]) / std::abs(determinant)};
-  return z[0] >= -size[0] && z[1] >= -size[1] && rest_allows(std::array{first, second}, z);
+  return z[0] >= -size[0] && z[1] >= -size[1] && rest_allows(std::array{first, second}, z, size);
 }
 
 }  // namespace pwlsim::model

@@ -23,16 +23,19 @@ class StaticNeighbours {
   [[nodiscard]] bool may_flip(int first, int second) const;
 
  private:
+  /// restricted: 0 ≤ w ⊥ z ≥ 0. Switches: closed is free, open is left out. Of J without P: those that reach nothing, and those that do, with all they
+  /// reach.
+  enum class Role : char { restricted, free, left_out, settled_later, reached };
+
   void pivot_on_active(const System& system, const IndexSet& active);
   void pivot(std::span<const int> ports);
   [[nodiscard]] bool is_zero(int row, int column) const;
-  [[nodiscard]] bool rest_allows(std::span<const int> flipped, const double* z) const;
+  [[nodiscard]] bool rest_allows(std::span<const int> flipped, const double* z, const double* z_tolerance) const;
+  [[nodiscard]] Role role(int port) const { return role_[static_cast<std::size_t>(port)]; }
 
-  enum class Role : char { restricted, free, open, left_out };  ///< free: an active switch; left out: an open one
-  std::vector<Role> role_;                                      ///< of a port
+  std::vector<Role> role_;
   Vector q_, tolerance_;
-  Vector row_size_;  ///< what the entries of M in a row are sums of, at most
-  linalg::Matrix m_;
+  linalg::Matrix m_, size_;  ///< size_: sums of the magnitudes that the entries of M are sums of
 };
 
 }  // namespace pwlsim::model
