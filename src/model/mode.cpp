@@ -48,6 +48,9 @@ constexpr double row_noise = 1e-15;
 constexpr double fastest_rate = 1e150;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
 constexpr double growth_tolerance = 1e-10;
+/// Balancing: what its largest scale is (2 to that), and below which part of it the growth must come.
+constexpr int most_balancing_rounds = 12;
+constexpr double largest_scale = 30.0, worthwhile_balance = 0.5;
 
 /// Entries of c, and of c and ζ, with which what a guard reads is kept apart: a ring takes two of them, and the guard another.
 constexpr int fewest_read_apart = 3, most_read_apart = 64;
@@ -75,14 +78,46 @@ Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
   return r;
 }
 
+/// Scales s of the states, powers of two, with which S⁻¹A₁S has rows and columns of like size (Osborne 1960; Parlett & Reinsch 1969), so that an
+/// amplifier's gain does not make the norms of all states useless as bounds; A₁ becomes S⁻¹A₁S. Empty where that grows no slower.
+Vector balance(Matrix& a1) {
+  const Eigen::Index n = a1.rows();
+  Matrix m = a1;
+  Vector scale = Vector::Ones(n);
+  bool changed = true;
+  for (int round = 0; round < most_balancing_rounds && changed; ++round) {
+    changed = false;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double own = std::abs(m(i, i));
+      const double row = std::sqrt(std::max(0.0, m.row(i).squaredNorm() - own * own));
+      const double column = std::sqrt(std::max(0.0, m.col(i).squaredNorm() - own * own));
+      const double wanted = row > 0.0 && column > 0.0 ? std::sqrt(row / column) : 1.0;
+      const double exponent = std::round(std::log2(wanted));
+      if (exponent == 0.0 || !(std::abs(std::log2(scale[i]) + exponent) <= largest_scale)) continue;
+      const double factor = std::exp2(exponent);
+      scale[i] *= factor;
+      m.row(i) /= factor;
+      m.col(i) *= factor;
+      changed = true;
+    }
+  }
+  if (!(linalg::logarithmic_norm(m) < worthwhile_balance * linalg::logarithmic_norm(a1))) return {};
+  a1 = m;
+  return scale;
+}
+
 /// The flow y' = A y and what bounds it.
 void set_flow(const System& system, Mode& m, Matrix a) {
-  const Matrix a1 = a.topLeftCorner(m.n1, m.n1);
+  Matrix a1 = a.topLeftCorner(m.n1, m.n1);
   const double own_rate = linalg::norm_bound(a1);
   const double rate = std::max(own_rate, system.exosystem->fastest());
   if (!system.passive) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
     if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
+    if (m.growth > 0.0 && m.n1 > 1) {
+      m.scale = balance(a1);
+      m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a1));
+    }
   }
   m.piecewise_linear = m.n1 == 0 && !system.exosystem->has_curved();
   m.absolute_a = a.cwiseAbs();
@@ -149,7 +184,12 @@ void finish_rows(const System& system, Mode& m) {
   const Matrix slope = m.guards * m.flow.a();
   for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
   m.absolute_guards = m.guards.cwiseAbs();
+  const bool scaled = m.scale.size() > 0;
   m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
+  if (scaled) {
+    m.scaled_guard_c_norm = (m.guards.leftCols(m.n1) * m.scale.asDiagonal()).rowwise().norm();
+    m.scaled_input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
+  }
   find_reads(m);
   m.guard_block_norm.resize(count, static_cast<Eigen::Index>(blocks.size()));
   m.input_block_norm.resize(static_cast<Eigen::Index>(blocks.size()));
@@ -159,7 +199,9 @@ void finish_rows(const System& system, Mode& m) {
     const int first = m.n1 + blocks[b].first;
     const auto column = static_cast<Eigen::Index>(b);
     m.guard_block_norm.col(column) = m.guards.middleCols(first, width).rowwise().norm();
-    m.input_block_norm[column] = m.flow.a().block(0, first, m.n1, width).norm();
+    const auto inputs = m.flow.a().block(0, first, m.n1, width);
+    m.input_block_norm[column] = inputs.norm();
+    if (scaled) m.scaled_input_block_norm[column] = (m.scale.cwiseInverse().asDiagonal() * inputs).norm();
   }
 }
 

@@ -40,6 +40,8 @@ struct Mode {
   Matrix absolute_a;               ///< |A|
   double norm_a = 0.0;             ///< Frobenius norm of A, for scaling derivatives
   double growth = 0.0;             ///< max(0, μ(A₁)): logarithmic norm of the c part
+  Vector scale;                    ///< diagonal of S (n1), powers of two, of another norm ‖S⁻¹c‖ that grows more slowly; empty: there is none
+  double scaled_growth = 0.0;      ///< max(0, μ(S⁻¹A₁S))
   double noise = 0.0;              ///< relative rounding level of guard values in this mode
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
@@ -53,6 +55,7 @@ struct Mode {
   std::vector<char> guard_constant;  ///< no derivative: cannot fire within a segment
   std::vector<int> guard_twin;       ///< first row with the same values: it speaks for this one
   Vector input_block_norm;           ///< ‖E₁ restricted to a block‖
+  Vector scaled_guard_c_norm, scaled_input_block_norm;  ///< of row·S and S⁻¹E₁; empty without `scale`
   Matrix outputs;                    ///< signals in y
 
   mutable std::uint64_t visits = 0;

@@ -137,6 +137,8 @@ class Deck:
         name, kind, nodes = words[0], words[0][0].upper(), [w.lower() for w in words[1:3]]
         if kind in "RCL":
             initial = [number(w[3:]) for w in words[4:] if w.lower().startswith("ic=")]
+            if len(words) > 4 + len(initial):
+                raise ValueError(f"unknown parameter in {card}")
             self.elements.append(Element(kind, name, nodes, number(words[3]), (initial or [mpf(0)])[0]))
         elif kind == "K":
             inductors, k = words[1:-1], number(words[-1])

@@ -48,6 +48,19 @@ double norm_of(const double* x, int n, std::uint64_t bits) {
   return std::sqrt(sum);
 }
 
+/// The same of S⁻¹x.
+double scaled_norm_of(const model::Vector& scale, const double* x, std::uint64_t bits) {
+  double sum = 0.0;
+  for (int i = 0; i < scale.size(); ++i) {
+    if (bits != 0 && ((bits >> static_cast<unsigned>(i)) & 1U) == 0) continue;
+    const double value = x[i] / scale[i];
+    sum += value * value;
+  }
+  return std::sqrt(sum);
+}
+
+double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::min(rate * h, 500.0)) : 1.0; }
+
 }  // namespace
 
 /// What rounding leaves of a guard at the interval's start: from the terms of its own sum, and from a share of the state's norm.
@@ -84,27 +97,33 @@ Locator::Bound Locator::bound_of(const Segment& s, int order, const double* deri
   const auto& blocks = s.system->exosystem->blocks();
   Bound b;
   block_bound_.resize(blocks.size());
-  double inputs = 0.0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const double value = blocks[i].derivative_bound(s.y.data() + m.n1, order, h);
     block_bound_[i] = value;
     b.sources |= value != 0.0;
-    inputs += value * m.input_block_norm[static_cast<Eigen::Index>(i)];
+    b.inputs += h * value * m.input_block_norm[static_cast<Eigen::Index>(i)];
+    if (m.scale.size() > 0) b.scaled_inputs += h * value * m.scaled_input_block_norm[static_cast<Eigen::Index>(i)];
   }
   b.derivative = derivative;
-  b.growth = m.growth > 0.0 ? std::exp(std::min(m.growth * h, 500.0)) : 1.0;
-  b.inputs = h * inputs;
-  b.state = b.growth * (linalg::norm(derivative, m.n1) + b.inputs);
+  b.growth = growth_over(m.growth, h);
+  b.scaled_growth = growth_over(m.scaled_growth, h);
+  bound_state(m, b);
   return b;
+}
+
+void Locator::bound_state(const Mode& m, Bound& b) {
+  b.state = b.growth * (norm_of(b.derivative, m.n1, b.reads) + b.inputs);
+  if (m.scale.size() > 0) b.scaled_state = b.scaled_growth * (scaled_norm_of(m.scale, b.derivative, b.reads) + b.scaled_inputs);
 }
 
 double Locator::bound_at(const Segment& s, Bound& b, int row) const {
   const Mode& m = *s.mode;
   if (!m.guard_reads.empty() && m.guard_reads[static_cast<std::size_t>(row)] != b.reads) {
     b.reads = m.guard_reads[static_cast<std::size_t>(row)];
-    b.state = b.growth * (norm_of(b.derivative, m.n1, b.reads) + b.inputs);
+    bound_state(m, b);
   }
   double value = m.guard_c_norm[row] * b.state;
+  if (m.scale.size() > 0) value = std::min(value, m.scaled_guard_c_norm[row] * b.scaled_state);
   if (b.sources)
     for (std::size_t i = 0; i < block_bound_.size(); ++i) value += m.guard_block_norm(row, static_cast<Eigen::Index>(i)) * block_bound_[i];
   return value;

@@ -67,10 +67,12 @@ class Locator {
   struct Bound {
     const double* derivative = nullptr;  ///< at the interval's start
     double growth = 1.0, inputs = 0.0;
-    std::uint64_t reads = 0;  ///< entries of c that `state` is of (Mode::guard_reads)
-    double state = 0.0;       ///< times ‖row_c‖
-    bool sources = false;     ///< block_bound_ holds something
+    double scaled_growth = 1.0, scaled_inputs = 0.0;  ///< in the balanced norm, where the mode has one
+    std::uint64_t reads = 0;                          ///< entries of c that `state` is of (Mode::guard_reads)
+    double state = 0.0, scaled_state = 0.0;           ///< times ‖row_c‖, ‖row_c S‖
+    bool sources = false;                             ///< block_bound_ holds something
   };
+  static void bound_state(const model::Mode& mode, Bound& bound);
   Bound bound_of(const Segment& segment, int order, const double* derivative, double h);
   [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row) const;
   void bound_second(const Segment& segment, double h);
