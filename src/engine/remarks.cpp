@@ -16,6 +16,15 @@ Remark projected_start() {
           "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"};
 }
 
+Answer with_cure(Answer failure) {
+  if (failure.id == no_operating_point) failure.message += "; try uic with initial values";
+  return failure;
+}
+
+Remark starts_without_operating_point(const std::string& why) {
+  return {"W-no-operating-point", why + "; the run starts as with uic: from the values of ic= and .ic, and from zero elsewhere"};
+}
+
 void ModeText::add(const std::string& name, bool is_on) {
   if (sides_.empty() || sides_.back().name != name) sides_.push_back({name, false});
   sides_.back().is_on |= is_on;

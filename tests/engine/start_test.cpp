@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/sparse/sparse.hpp"
 #include "support/circuit.hpp"
 
 using namespace pwlsim;
@@ -199,7 +200,38 @@ TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
   const Run run = simulate(c.network(), {1.0, 1, false});
   CHECK(run.answer.id == "E-no-operating-point");
   CHECK(run.answer.elements == std::vector<std::string>{"SW1"});
-  CHECK(run.answer.message == "no DC operating point: SW1 finds no rest; try uic with initial values");
+  CHECK(run.answer.message ==
+        "no DC operating point: SW1 finds no rest; and as with uic the switches SW1 find no rest at t = 0 s: each position undoes its own "
+        "condition; try a hysteresis Vh");
+}
+
+// 2 A into 0.5 F have no rest: v = v(0) + 4 t, from the 3 V that the capacitor is said to hold.
+TEST_CASE("without an operating point a run starts as with uic", "[unit]") {
+  Circuit c;
+  c.i("0", "a", model::Dc{2.0});
+  c.c("a", "0", 0.5, 3.0);
+  c.save_v("a");
+  const Run run = simulate(c.network(), {2.0, 4, false});
+  CHECK(run.answer.outcome == engine::Outcome::completed);
+  CHECK(has_remark(run.answer, "W-no-operating-point"));
+  CHECK_FALSE(has_remark(run.answer, "W-start-projected"));
+  for (const auto& row : run.rows) CHECK(row[1] == Approx(3.0 + 4.0 * row[0]).margin(tight));
+
+  Diagnostics diagnostics;
+  const auto model = engine::prepare(c.network(), diagnostics);
+  REQUIRE(model);
+  CHECK(engine::operating_point(*model).answer.id == "E-no-operating-point");
+
+  Run stepped;
+  engine::Request request;
+  request.stop = 2.0;
+  request.grid = {[](std::uint64_t k) { return static_cast<double>(k); }, 3};
+  const auto large = engine::sparse::prepare(c.network(), diagnostics);
+  REQUIRE(large);
+  CHECK(has_remark(engine::sparse::run(*large, request, 1e-6, stepped), "W-no-operating-point"));
+  REQUIRE(stepped.rows.size() == 3);
+  for (const auto& row : stepped.rows) CHECK(row[1] == Approx(3.0 + 4.0 * row[0]).epsilon(1e-6));
+  CHECK(engine::sparse::operating_point(*large).answer.id == "E-no-operating-point");
 }
 
 TEST_CASE("what no signal depends on is left out where it always has a solution", "[unit]") {

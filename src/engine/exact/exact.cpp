@@ -2,19 +2,14 @@
 
 #include "engine/exact/start.hpp"
 #include "engine/exact/transient.hpp"
+#include "engine/from_start.hpp"
 
 namespace pwlsim::engine {
 
 Answer run(const ExactModel& model, const Request& request, RowSink& sink) {
-  const auto clock = std::chrono::steady_clock::now();
-  Start start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
-  if (start.answer.outcome != Outcome::completed) return start.answer;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
-  Transient transient(model, request, sink);
-  Answer answer = transient.run(start);
-  answer.statistics.seconds_simulate += seconds;
-  answer.remarks.insert(answer.remarks.begin(), start.answer.remarks.begin(), start.answer.remarks.end());
-  return answer;
+  return run_from_start(
+      request, [&](bool uic) { return uic ? start_from_initial_values(model) : start_from_operating_point(model); },
+      [&](const Request& begun, const Start& start) { return Transient(model, begun, sink).run(start); });
 }
 
 OperatingPoint operating_point(const ExactModel& model) {
@@ -26,7 +21,7 @@ OperatingPoint operating_point(const ExactModel& model) {
     for (std::size_t k = 0; k < s.outputs.size(); ++k) result.values[static_cast<std::size_t>(s.output_signal[k])] += start.signals[i][k];
   }
   start.answer.remarks.insert(start.answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
-  result.answer = std::move(start.answer);
+  result.answer = with_cure(std::move(start.answer));
   return result;
 }
 

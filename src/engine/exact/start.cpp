@@ -7,6 +7,7 @@
 #include <map>
 
 #include "engine/exact/static_solution.hpp"
+#include "engine/remarks.hpp"
 #include "model/conditions.hpp"
 
 namespace pwlsim::engine {
@@ -59,10 +60,10 @@ class OperatingPointSolver {
       if (!flip_switches(round < simultaneous_rounds)) return true;
     }
     answer.outcome = Outcome::no_solution;
-    answer.id = "E-no-operating-point";
+    answer.id = no_operating_point;
     for (std::size_t i = 0; i < names_.size(); ++i)
       if (restless_[i] != 0) answer.elements.push_back(names_[i]);
-    answer.message = fmt::format("no DC operating point: {} {} no rest; try uic with initial values", fmt::join(answer.elements, ", "),
+    answer.message = fmt::format("no DC operating point: {} {} no rest", fmt::join(answer.elements, ", "),
                                  answer.elements.size() == 1 ? "finds" : "find");
     return false;
   }
@@ -81,11 +82,10 @@ class OperatingPointSolver {
       solutions_[i] = solve_static(s, zeta_before_start(s), active_switches(s, on));
       if (solutions_[i].status == StaticSolution::Status::solved) continue;
       answer.outcome = Outcome::no_solution;
-      answer.id = "E-no-operating-point";
-      answer.message = fmt::format(
-          "no DC operating point in the part with {}: with its inductors short and its capacitors open no solution exists; "
-          "try uic with initial values",
-          island_elements(s));
+      answer.id = no_operating_point;
+      answer.message =
+          fmt::format("no DC operating point in the part with {}: with its inductors short and its capacitors open no solution exists",
+                      island_elements(s));
       return false;
     }
     return true;

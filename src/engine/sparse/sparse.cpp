@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/from_start.hpp"
 #include "engine/left_out.hpp"
 #include "engine/sparse/transient.hpp"
 #include "model/islands.hpp"
@@ -24,6 +25,28 @@ class SparseModel {
   std::size_t signals = 0;
   std::vector<Remark> remarks;
 };
+
+namespace {
+
+struct Starts {
+  Answer answer;  ///< of the first part that has none
+  std::vector<Start> parts;
+};
+
+Starts starts_of(const SparseModel& model, bool uic) {
+  Starts starts;
+  for (const auto& part : model.parts) {
+    starts.parts.push_back(uic ? start_from_initial_values(part->island.network, part->descriptor)
+                               : start_from_operating_point(part->island.network, part->descriptor));
+    if (starts.parts.back().answer.outcome == Outcome::completed) continue;
+    starts.answer = starts.parts.back().answer;
+    starts.parts.clear();
+    break;
+  }
+  return starts;
+}
+
+}  // namespace
 
 std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
   auto result = std::make_shared<SparseModel>();
@@ -53,7 +76,11 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
 }
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  Answer answer = Transient(model.parts, model.signals, request, reltol, sink).run();
+  Answer answer = run_from_start(
+      request, [&](bool uic) { return starts_of(model, uic); },
+      [&](const Request& begun, const Starts& starts) {
+        return Transient(model.parts, model.signals, begun, reltol, sink).run(starts.parts);
+      });
   answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return answer;
 }
@@ -61,17 +88,12 @@ Answer run(const SparseModel& model, const Request& request, double reltol, RowS
 OperatingPoint operating_point(const SparseModel& model) {
   OperatingPoint result;
   result.values.resize(model.signals, 0.0);
+  const Starts starts = starts_of(model, false);
+  for (std::size_t k = 0; k < starts.parts.size(); ++k)
+    for (std::size_t i = 0; i < starts.parts[k].signals.size(); ++i)
+      result.values[static_cast<std::size_t>(model.parts[k]->island.signal_number[i])] += starts.parts[k].signals[i];
+  result.answer = with_cure(starts.answer);
   result.answer.remarks = model.remarks;
-  for (const auto& part : model.parts) {
-    const Start start = start_from_operating_point(part->island.network, part->descriptor);
-    if (start.answer.outcome != Outcome::completed) {
-      result.answer = start.answer;
-      result.answer.remarks = model.remarks;
-      return result;
-    }
-    for (std::size_t i = 0; i < start.signals.size(); ++i)
-      result.values[static_cast<std::size_t>(part->island.signal_number[i])] += start.signals[i];
-  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/log_mean.hpp"
+#include "engine/remarks.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
 #include "model/conditions.hpp"
@@ -135,8 +136,8 @@ Start start_from_operating_point(const Network& network, const Descriptor& descr
   RestFinder point(forced, system);
   if (!point.run()) {
     start.answer.outcome = Outcome::no_solution;
-    start.answer.id = "E-no-operating-point";
-    start.answer.message = fmt::format("no DC operating point: {}; try uic with initial values", point.problem);
+    start.answer.id = no_operating_point;
+    start.answer.message = "no DC operating point: " + point.problem;
     return start;
   }
   start.on = point.on;

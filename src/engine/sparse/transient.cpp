@@ -73,13 +73,11 @@ std::string Transient::mode_text() const {
   return text.str();
 }
 
-bool Transient::begin() {
+bool Transient::begin(const std::vector<Start>& starts) {
   bool projected = false;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
-    const Start start = request_.use_initial_conditions ? start_from_initial_values(track.part.island.network, track.part.descriptor)
-                                                        : start_from_operating_point(track.part.island.network, track.part.descriptor);
-    if (start.answer.outcome != Outcome::completed) return fail(start.answer);
+    const Start& start = starts[i];
     if (!track.block.begin(start)) return fail(track.block.failure());
     note_before_start(track, start);
     projected |= track.block.start_projected() && request_.use_initial_conditions;
@@ -111,9 +109,9 @@ bool Transient::advance_least() {
   return true;
 }
 
-Answer Transient::run() {
+Answer Transient::run(const std::vector<Start>& starts) {
   const auto clock = Clock::now();
-  bool going = begin();
+  bool going = begin(starts);
   for (int count = 0; going && !order_.empty(); ++count) {
     going = advance_least();
     if (going && count % steps_between_checks == 0) {

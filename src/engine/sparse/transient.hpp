@@ -16,7 +16,8 @@ class Transient {
   /// `signals`: of the whole network. Parts and request must outlive it.
   Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
             RowSink& sink);
-  Answer run();
+  /// One start a part.
+  Answer run(const std::vector<Start>& starts);
 
  private:
   struct Track {
@@ -31,7 +32,7 @@ class Transient {
   [[nodiscard]] auto is_later() const {
     return [this](std::size_t a, std::size_t b) { return tracks_[a]->block.time() > tracks_[b]->block.time(); };
   }
-  bool begin();
+  bool begin(const std::vector<Start>& starts);
   bool advance_least();
   void row(double time, double* values);
   bool fail(const Answer& failure);
