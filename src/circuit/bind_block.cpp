@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
-#include "circuit/foreign_device.hpp"
 #include "elements/block.hpp"
 
 namespace pwlsim::circuit {
@@ -25,7 +24,7 @@ class BlockBinding {
   BlockBinding(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
       : binder_(binder), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
 
-  bool bind() { return !is_foreign() && port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
+  bool bind() { return port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
 
  private:
   Reporter& reporter() { return binder_.reporter(); }
@@ -33,17 +32,6 @@ class BlockBinding {
   bool fail(std::string id, SourceSpan span, std::string_view what) {
     reporter().error(std::move(id), span, fmt::format("{}; usage: {}", what, instance_.kind->usage));
     return false;
-  }
-
-  bool is_foreign() {
-    if (cursor_.positional_left() <= foreign_device_nodes || !cursor_.at(ItemKind::word, foreign_device_nodes)) return false;
-    std::vector<std::string> nodes;
-    for (std::size_t k = 0; k < foreign_device_nodes; ++k) nodes.push_back(cursor_.peek(k)->text);
-    const Item& type = *cursor_.peek(foreign_device_nodes);
-    reporter().error("E-not-supported", type.span,
-                     fmt::format("{} is LTspice's own device {}, which is not supported; try {}", card_.name, type.text,
-                                 instead_of_device(type.text, nodes)));
-    return true;
   }
 
   bool missing(std::string_view what) { return fail("E-missing-node", card_.span, fmt::format("{} needs {}", card_.name, what)); }

@@ -11,7 +11,7 @@ struct ExpansionLimits {
   double depth = 100;     ///< subcircuits within one another
 };
 
-/// Whether it is an X card.
+/// Whether it is an X card, or one that was made to be a call.
 [[nodiscard]] bool is_call(const netlist::Card& card);
 /// The subcircuit an X card calls: its last word.
 [[nodiscard]] const netlist::Item* called_subcircuit(const netlist::Card& card);

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "base/source.hpp"
@@ -48,7 +49,8 @@ class Circuit {
   std::string title;
   std::vector<elements::Instance> instances;
   std::vector<elements::Model> models;
-  std::vector<SaveRequest> saves;  ///< none: all
+  std::vector<SaveRequest> saves;          ///< none: all
+  std::unordered_set<std::string> hidden;  ///< full names, without case, of what became a subcircuit that the deck did not write
   Measurements measurements;
   std::vector<SaveRequest> probes;   ///< signals that measurements read
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble

@@ -1,6 +1,7 @@
 #pragma once
 /// The cards of a deck sorted by the subcircuit definition they stand in, before anything is evaluated.
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -48,6 +49,7 @@ struct Definitions {
   std::vector<std::unique_ptr<Definition>> all;  ///< all[0] is the deck itself
   std::unordered_set<std::string> global_nodes;  ///< keys
   std::vector<const netlist::Card*> options, transients, operating_points, saves, measurements, fourier_analyses, sweeps, raw_systems;
+  std::deque<netlist::Card> made;  ///< in place of cards of the deck
   bool misplaced_analysis = false;  ///< an analysis card stands where it cannot: its absence elsewhere is no further error
 };
 

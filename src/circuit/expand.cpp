@@ -66,6 +66,7 @@ std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& na
 void Expander::enter(Place& place, const Card& card, const Item& name, const Definition& called) {
   Scope scope(called, &place.scope.enclosing(*called.parent), session_);
   Place inner{scope, place.prefix + card.name + ".", {}};
+  if (card.calls) circuit_.hidden.insert(without_case(place.prefix + card.name));
   connect(place, card, name, inner);
   give_parameters(place, card, name, scope);
   scope.evaluate_all();

@@ -4,6 +4,7 @@
 #include "circuit/commands.hpp"
 #include "circuit/definitions.hpp"
 #include "circuit/expand.hpp"
+#include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
 #include "circuit/shipped.hpp"
 
@@ -15,6 +16,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   circuit.title = deck.title;
   circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
   Definitions definitions = read_definitions(deck, reporter);
+  replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);

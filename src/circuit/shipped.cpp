@@ -7,26 +7,33 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
+#include "circuit/logic_device.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim::circuit {
 namespace {
 
-const ShippedSubcircuit* find_shipped(std::string_view name) {
+/// "" where there is none.
+std::string text_of(std::string_view name) {
   const auto all = shipped_subcircuits();
   const auto found = std::find_if(all.begin(), all.end(), [&](const ShippedSubcircuit& s) { return same_name(s.name, name); });
-  return found == all.end() ? nullptr : &*found;
+  return found == all.end() ? logic_subcircuit(name) : std::string(found->text);
 }
 
+struct Called {
+  std::string name, text;
+};
+
 /// Those that some card calls from where nothing of that name is seen, each once.
-std::vector<const ShippedSubcircuit*> called_from(const Definitions& definitions) {
-  std::vector<const ShippedSubcircuit*> list;
+std::vector<Called> called_from(const Definitions& definitions) {
+  std::vector<Called> list;
   for (const auto& definition : definitions.all) {
     for (const netlist::Card* card : definition->elements) {
       const netlist::Item* name = is_call(*card) ? called_subcircuit(*card) : nullptr;
-      const ShippedSubcircuit* shipped = name != nullptr ? find_shipped(name->text) : nullptr;
-      if (shipped == nullptr || find_subcircuit(*definition, name->text) != nullptr) continue;
-      if (std::find(list.begin(), list.end(), shipped) == list.end()) list.push_back(shipped);
+      if (name == nullptr || find_subcircuit(*definition, name->text) != nullptr) continue;
+      const auto is_same = [&](const Called& called) { return same_name(called.name, name->text); };
+      if (std::any_of(list.begin(), list.end(), is_same)) continue;
+      if (std::string text = text_of(name->text); !text.empty()) list.push_back({without_case(name->text), std::move(text)});
     }
   }
   return list;
@@ -37,10 +44,10 @@ std::vector<const ShippedSubcircuit*> called_from(const Definitions& definitions
 std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
   std::vector<netlist::Deck> decks;
   Definition& top = *definitions.all.front();
-  for (const ShippedSubcircuit* shipped : called_from(definitions)) {
+  for (const Called& called : called_from(definitions)) {
     Diagnostics scratch;
-    const std::string name = fmt::format("pwlsim's {}.sub", shipped->name);
-    decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, shipped->text), sources, scratch));
+    const std::string name = fmt::format("pwlsim's {}.sub", called.name);
+    decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, called.text), sources, scratch));
     reporter.forward(scratch);
     reporter.leave_out_notes_of(decks.back().title_span.file);
     Definitions own = read_definitions(decks.back(), reporter);

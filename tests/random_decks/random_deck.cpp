@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 #include "random_decks/deck_cards.hpp"
 #include "random_decks/deck_mistakes.hpp"
@@ -12,12 +13,13 @@ namespace {
 
 class Maker {
  public:
-  explicit Maker(std::uint64_t seed) : random_(seed) { deck_.lines.push_back(fmt::format("random deck {}", seed)); }
+  explicit Maker(std::uint64_t seed) : random_(seed), gate_random_(~seed) { deck_.lines.push_back(fmt::format("random deck {}", seed)); }
 
   RandomDeck run() {
     circuit();
     commands();
     deck_.lines.insert(deck_.lines.end(), scope_.lines.begin(), scope_.lines.end());
+    if (gate_random_.chance(0.15)) gates();
     deck_.lines.emplace_back(".end");
     if (random_.chance(0.2))
       for (int count = random_.whole(1, 3); count > 0; --count) make_mistake(deck_.lines, random_);
@@ -50,6 +52,39 @@ class Maker {
     if (random_.chance(0.05)) cards_.include(scope_, deck_.files);
   }
 
+  /// LTspice's A devices, each of which may drive others and a switch. Their numbers are apart, so that the decks without them are what they were.
+  void gates() {
+    struct Type {
+      std::string name;
+      std::vector<std::size_t> inputs;
+    };
+    static const std::vector<Type> types{{"BUF", {0}},       {"INV", {0}},        {"AND", {0, 1, 2, 3, 4}}, {"OR", {0, 1, 4}},
+                                         {"XOR", {0, 1, 2}}, {"SCHMITT", {0, 1}}, {"SRFLOP", {0, 1}},       {"DFLOP", {0, 2, 3, 4}},
+                                         {"DFLOP", {0, 2}}};
+    std::vector<std::string> nodes = scope_.nodes;
+    const auto number = [&](double low, double high) { return fmt::format("{:.3g}", gate_random_.between(low, high)); };
+    for (int k = gate_random_.whole(1, 4); k > 0; --k) {
+      const Type& type = gate_random_.one_of(types);
+      const std::string common = gate_random_.chance(0.9) ? scope_.nodes.front() : gate_random_.one_of(scope_.nodes);
+      std::vector<std::string> terminals(8, common);
+      for (const std::size_t input : type.inputs)
+        if (gate_random_.chance(0.85)) terminals[input] = gate_random_.one_of(nodes);
+      for (const std::size_t out : {5U, 6U})
+        if (gate_random_.chance(0.7)) nodes.push_back(terminals[out] = fmt::format("gate{}{}", k, out));
+      std::string card = fmt::format("Agate{} {} {}", k, fmt::join(terminals, " "), type.name);
+      if (gate_random_.chance(0.3)) card += " Vhigh=" + number(1.0, 10.0);
+      if (gate_random_.chance(0.2)) card += " Vlow=" + number(-5.0, 1.0);
+      if (gate_random_.chance(0.2)) card += " Ref=" + number(-1.0, 2.0);
+      if (gate_random_.chance(0.2)) card += fmt::format(" Td={:.3g}", std::pow(10.0, gate_random_.between(-9.0, -3.0)));
+      if (type.name == "SCHMITT" && gate_random_.chance(0.7)) card += fmt::format(" Vt={} Vh={}", number(-2.0, 2.0), number(0.0, 1.0));
+      deck_.lines.push_back(std::move(card));
+    }
+    if (gate_random_.chance(0.5)) return;
+    const std::string p = gate_random_.one_of(scope_.nodes), n = gate_random_.one_of(scope_.nodes), gate = gate_random_.one_of(nodes);
+    deck_.lines.push_back(fmt::format("Sgate {} {} {} 0 mgate", p, n, gate));
+    deck_.lines.push_back(fmt::format(".model mgate SW(Ron={} Vt=0.4 Vh={})", number(0.0, 10.0), number(0.0, 0.3)));
+  }
+
   void command_line() {
     static const std::vector<std::vector<std::string>> runs{{"--events"},
                                                             {"--engine", "sparse"},
@@ -76,7 +111,7 @@ class Maker {
     }
   }
 
-  Random random_;
+  Random random_, gate_random_;
   DeckValues values_{random_};
   DeckFormulas formulas_{random_, values_};
   DeckElements elements_{random_, values_, formulas_};

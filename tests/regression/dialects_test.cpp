@@ -86,8 +86,8 @@ TEST_CASE("ngspice: a deck that a control block runs", "[regression]") {
   check(run, "@d1[id]", 1e-13, [&](double t) { return out(t) / 100.0; });
 }
 
-// The truth tables of the gates: the card that the message gives in their place is run with every combination of inputs.
-TEST_CASE("what the message gives in place of a gate of LTspice is that gate", "[regression]") {
+// The truth tables.
+TEST_CASE("LTspice: each gate with every combination of its inputs", "[regression]") {
   struct Gate {
     std::string card;
     bool (*value)(bool a, bool b, bool c);
@@ -97,35 +97,131 @@ TEST_CASE("what the message gives in place of a gate of LTspice is that gate", "
                              Gate{"A1 a b c 0 0 0 y 0 OR", [](bool a, bool b, bool c) { return a || b || c; }},
                              Gate{"A1 0 b c 0 0 y 0 0 OR", [](bool, bool b, bool c) { return !(b || c); }},
                              Gate{"A1 a c 0 0 0 0 y 0 XOR", [](bool a, bool, bool c) { return a != c; }},
+                             Gate{"A1 a b c 0 0 0 y 0 XOR", [](bool a, bool b, bool c) { return a + b + c == 1; }},
                              Gate{"A1 b 0 0 0 0 0 y 0 BUF", [](bool, bool b, bool) { return b; }},
+                             Gate{"A1 b 0 0 0 0 y 0 0 BUF", [](bool, bool b, bool) { return !b; }},
                              Gate{"A1 b 0 0 0 0 0 y 0 INV", [](bool, bool b, bool) { return !b; }},
-                             Gate{"A1 b 0 0 0 0 y 0 0 INV", [](bool, bool b, bool) { return b; }});
+                             Gate{"A1 b 0 0 0 0 y 0 0 INV", [](bool, bool b, bool) { return !b; }},
+                             Gate{"A1 b 0 0 0 0 0 y 0 SCHMITT Vt=0.9", [](bool, bool b, bool) { return b; }},
+                             Gate{"A1 b c 0 0 0 0 y 0 SCHMITT", [](bool, bool b, bool c) { return b && !c; }});
   INFO(gate.card);
   for (int inputs = 0; inputs < 8; ++inputs) {
     const bool a = (inputs & 1) != 0, b = (inputs & 2) != 0, c = (inputs & 4) != 0;
     const std::string sources = fmt::format("t\nVa a 0 {:d}\nVb b 0 {:d}\nVc c 0 {:d}\n.tran 1 1\n", a, b, c);
-    const std::string told = run_text(sources + gate.card + "\n").messages;
-    const std::size_t at = told.find("B1 y 0 V={");
-    REQUIRE(at != std::string::npos);
-    const DeckRun run = run_text(sources + told.substr(at, told.find('\n', at) - at) + "\n.save v(y)\n");
-    REQUIRE(run.messages.empty());
-    CHECK(run.rows.back()[1] == (gate.value(a, b, c) ? 1.0 : 0.0));
+    for (const DeckRun& run :
+         {run_text(sources + gate.card + "\n.save v(y)\n"), run_text_sparse(sources + gate.card + "\n.save v(y)\n", 1e-6)}) {
+      INFO(run.messages << run.answer.message);
+      REQUIRE(run.rows.size() == 2);
+      CHECK(run.rows.back()[1] == (gate.value(a, b, c) ? 1.0 : 0.0));
+    }
   }
 }
 
-// Set at 1 s, held from 1.5 s, reset at 2 s, held from 2.5 s.
-TEST_CASE("what the message gives in place of LTspice's SR flip-flop remembers", "[regression]") {
-  const std::string sources = "t\nVs s 0 PULSE(0 1 1 0 0 0.5 9)\nVr r 0 PULSE(0 1 2 0 0 0.5 9)\nVh high 0 1\nRq q 0 1k\n.tran 0.25 3\n";
-  const std::string told = run_text(sources + "A1 s r 0 0 0 0 q 0 SRFLOP\n").messages;
-  const std::size_t at = told.find("S1 high q s r latch"), model = told.find(".model latch"), end = told.find(')', model);
-  REQUIRE(at != std::string::npos);
-  REQUIRE(end != std::string::npos);
-  const DeckRun run = run_text(sources + "S1 high q s r latch\n" + told.substr(model, end + 1 - model) + "\n.save v(q)\n");
-  REQUIRE(run.messages.empty());
-  for (const auto& row : run.rows) {
-    INFO("t = " << row[0]);
-    CHECK(row[1] == Approx(row[0] >= 1.0 && row[0] < 2.0 ? 1.0 : 0.0).margin(1e-15));
+// A 3 V ramp over 3 s against a common at 10 V: above the middle of the levels, 1 V, from 2 s on.
+TEST_CASE("LTspice: a gate's levels, its threshold between them, and its common", "[regression]") {
+  const std::string deck =
+      "t\nVc c 0 10\nVr r c PWL(0 -1 3 2)\nA1 r 0 c c c n q c AND Vhigh=5 Vlow=-3\nA2 r c c c c c l c BUF Ref=0.5 Vhigh={2*2}\n.tran 0.3 "
+      "3\n"
+      ".save v(q,c) v(n,c) v(l,c)\n";
+  // The node 0 is no common here: an input at -10 V, which is low.
+  const DeckRun run = run_text(deck);
+  INFO(run.messages);
+  REQUIRE(run.rows.size() == 11);
+  check(run, "v(q,c)", 1e-12, [](double) { return -3.0; });
+  check(run, "v(n,c)", 1e-12, [](double) { return 5.0; });
+  check(run, "v(l,c)", 1e-12, [](double t) { return t >= 1.5 ? 4.0 : 0.0; });
+}
+
+// Set at 1 s, held from 1.5 s, reset at 2 s, held from 2.5 s; at 4 s both inputs rise, and reset wins.
+TEST_CASE("LTspice: the SR flip-flop remembers", "[regression]") {
+  const std::string deck =
+      "t\nVs s 0 PULSE(0 1 1 0 0 0.5 3)\nVr r 0 PULSE(0 1 2 0 0 0.5 2)\nA1 s r 0 0 0 n q 0 SRFLOP\n.tran 0.25 4.75\n.save v(q) v(n)\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages);
+    REQUIRE(run.rows.size() == 20);
+    check(run, "v(q)", 1e-12, [](double t) { return t >= 1.0 && t < 2.0 ? 1.0 : 0.0; });
+    check(run, "v(n)", 1e-12, [](double t) { return t >= 1.0 && t < 2.0 ? 0.0 : 1.0; });
   }
+}
+
+// The clock rises at 1, 3, 5, 7 s. D is high from 0.5 to 3 s, where it falls with the clock: the high before is taken. Preset from 6 to 6.5 s, clear from 8.5 to 8.75 s.
+TEST_CASE("LTspice: the D flip-flop takes what is there before the edge", "[regression]") {
+  const std::string deck =
+      "t\nVd d 0 PULSE(0 1 0.5 0 0 2.5)\nVk k 0 PULSE(0 1 1 0 0 1 2)\nVp p 0 PULSE(0 1 6 0 0 0.5)\nVc c 0 PULSE(0 1 8.5 0 0 0.25)\n"
+      "A1 d 0 k p c 0 q 0 DFLOP\nA2 half 0 k 0 0 half by2 0 DFLOP\n.tran 0.125 9\n.save v(q) v(by2)\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages);
+    REQUIRE(run.rows.size() == 73);
+    check(run, "v(q)", 1e-12, [](double t) { return (t >= 1.0 && t < 5.0) || (t >= 6.0 && t < 7.0) ? 1.0 : 0.0; });
+    check(run, "v(by2)", 1e-12, [](double t) { return std::fmod(t, 4.0) >= 1.0 && std::fmod(t, 4.0) < 3.0 ? 1.0 : 0.0; });
+  }
+}
+
+// Both edges come Td later; a pulse of less than that does not come.
+TEST_CASE("LTspice: a gate's delay", "[regression]") {
+  const std::string deck =
+      "t\nVa a 0 PWL(0 0 1 0 1 1 3 1 3 0 4 0 4 1 4.25 1 4.25 0)\nA1 a 0 0 0 0 0 y 0 BUF Td=0.5\n.tran 0.1 6\n.save v(y)\n"
+      ".meas up WHEN v(y)=0.5 RISE=LAST\n.meas down WHEN v(y)=0.5 FALL=LAST\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages);
+    REQUIRE(run.rows.size() == 61);
+    const auto is_edge = [](double t) { return std::abs(t - 1.5) < 1e-6 || std::abs(t - 3.5) < 1e-6; };
+    for (const auto& row : run.rows)
+      if (!is_edge(row[0])) CHECK(row[1] == Approx(row[0] > 1.5 && row[0] < 3.5 ? 1.0 : 0.0).margin(1e-9));
+  }
+}
+
+TEST_CASE("LTspice: what lies within a gate is saved when it is asked for", "[regression]") {
+  const std::string deck = "t\nV1 a 0 5\nA1 a 0 0 0 0 0 y 0 BUF Vhigh=5\n.tran 1 1\n";
+  CHECK(run_text(deck).signals == std::vector<std::string>{"v(a)", "v(y)", "i(V1)"});
+  CHECK(run_text(deck + ".save v(A1.y)\n").rows.back()[1] == 1.0);
+}
+
+// 1 ohm beyond 1 V up to 4 A, 1 ohm beyond -5 V down to -2 A, and 1 kohm; two of them in parallel.
+TEST_CASE("LTspice: a diode's limits of current", "[regression]") {
+  const std::string deck =
+      "t\nV1 a 0 PWL(0 -10 20 10)\nD1 a 0 DL m=2\n.model DL D(Ron=1 Vfwd=1 Ilimit=4 Vrev=5 Rrev=1 Revilimit=2 Roff=1k)\n.tran 0.25 "
+      "20\n.save i(D1)\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages);
+    REQUIRE(run.rows.size() == 81);
+    // Ron and Rrev are those of the whole characteristic, whose slopes hold 1/Roff: contacts of 1/(1 - 1/1000) ohm.
+    check(run, "i(D1)", 1e-9, [](double t) {
+      const double v = t - 10.0, contact = 1.0 - 1e-3;
+      return 2.0 * (v / 1e3 + std::clamp(contact * (v - 1.0), 0.0, 4.0) - std::clamp(contact * (-v - 5.0), 0.0, 2.0));
+    });
+  }
+}
+
+// Between a third and two thirds of 10 V: up through 6 kohm, down through 4 kohm towards the divider of 2 kohm and the contact's 10 ohm.
+TEST_CASE("LTspice: a timer of its own comparators and flip-flop", "[regression]") {
+  const DeckRun run = deck("ltspice_555.net");
+  const double up = 6e3 * 100e-9, low = 10.0 * 10.0 / 2010.0, down = (4e3 + 2e3 * 10.0 / 2010.0) * 100e-9;
+  const double first = up * std::log(3.0), fall = down * std::log((20.0 / 3.0 - low) / (10.0 / 3.0 - low)), rise = up * std::log(2.0);
+  // The contacts' 1 Gohm takes 2e-6 of the current, which adds up to 2e-7 s.
+  check(run, "V(cap)", 3e-4, [&](double t) {
+    if (t < first) return 10.0 * (1.0 - std::exp(-t / up));
+    t = std::fmod(t - first, fall + rise);
+    if (t < fall) return low + (20.0 / 3.0 - low) * std::exp(-t / down);
+    return 10.0 - 20.0 / 3.0 * std::exp(-(t - fall) / up);
+  });
+}
+
+// Each period of 10 us the clock closes the switch 0.2 us late; at 3 A the comparator opens it, 0.2 us late as well. 0.8 A/us up, 0.4 A/us down.
+TEST_CASE("LTspice: a converter in current mode, with its flip-flop and a delay", "[regression]") {
+  const DeckRun run = deck("ltspice_current_mode.net");
+  check(run, "I(L1)", 1e-7, [](double t) {
+    double begin = 1.2, valley = 0.0, peak = 0.0, open = 0.0;
+    const double at = 1e6 * t;
+    while (at >= begin) {
+      open = begin + (3.0 - valley) / 0.8 + 0.2;
+      if (at <= open) return valley + 0.8 * (at - begin);
+      peak = valley + 0.8 * (open - begin);
+      begin += 10.0;
+      valley = peak - 0.4 * (begin - open);
+    }
+    return open > 0.0 ? peak - 0.4 * (at - open) : 0.0;
+  });
 }
 
 // LTspice writes .ic for nodes that sources hold. v(c) falls from 5 V by 1 Ω and 1 F towards the source's 2 V.

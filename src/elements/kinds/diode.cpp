@@ -22,8 +22,8 @@ constexpr Parameter model_parameters[] = {
     {"N", "", 1.0, Range::positive, false, "Emission coefficient; read for the tangent at i0."},
     {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0."},
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage; becomes Vrev."},
-    {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current.", Use::refused},
-    {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current.", Use::refused},
+    {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current; that through Roff comes on top."},
+    {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current."},
     ignored("Epsilon", "Width of the rounded corner at Vfwd."),
     ignored("Revepsilon", "Width of the rounded corner at -Vrev."),
     ignored("IBV", "Current at breakdown."),
@@ -77,7 +77,7 @@ constexpr Parameter model_parameters[] = {
     part_type,
 };
 
-constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev"};
+constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev", "Ilimit", "Revilimit"};
 constexpr std::string_view exponential_names[] = {"IS", "N", "RS", "BV"};
 
 /// v = RS·i + N·Vt·ln(i/IS) by its tangent at i0.
@@ -134,9 +134,24 @@ constexpr Parameter parameters[] = {
     temperature_difference,
 };
 
-void add_contact(Emission& emission, std::string_view part, const NodePair& ends, double resistance, double drop, double sign) {
-  if (std::isinf(resistance) || std::isinf(drop)) return;
-  const int index = emission.builder().add(model::Diode{emission.label(part), ends.p, ends.n, resistance, drop});
+/// Conducts with that slope beyond the drop, up to the limit.
+struct Branch {
+  std::string_view name;
+  double resistance = 0.0, drop = 0.0, limit = infinite;
+  [[nodiscard]] bool conducts() const { return !std::isinf(resistance) && !std::isinf(drop); }
+};
+
+/// A limit is a current source with an ideal diode across it, which takes what the source has too much.
+void add_branch(Emission& emission, const Branch& branch, const NodePair& ends, double sign) {
+  if (!branch.conducts()) return;
+  NodePair contact = ends;
+  if (!std::isinf(branch.limit)) {
+    contact.n = emission.inner_node(fmt::format("{}limit", branch.name));
+    const model::Label label = emission.label(fmt::format("{}limit", branch.name));
+    emission.builder().add(model::Injection{label, contact.n, ends.n, {{Quantity::one, 0, branch.limit}}});
+    emission.builder().add(model::Diode{label, ends.n, contact.n, 0.0, 0.0});
+  }
+  const int index = emission.builder().add(model::Diode{emission.label(branch.name), contact.p, contact.n, branch.resistance, branch.drop});
   emission.result().current.push_back({Quantity::diode_current, index, sign});
 }
 
@@ -145,14 +160,33 @@ void emit(Emission& emission) {
   const double m = emission.value("m");
   const double off = v.get("Roff");
   const NodePair ends{emission.p(), emission.n()};
-  add_contact(emission, {}, ends, contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), 1.0);
-  add_contact(emission, "reverse", {ends.n, ends.p}, contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), -1.0);
+  add_branch(emission, {"", contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), m * v.get("Ilimit")}, ends, 1.0);
+  add_branch(emission, {"reverse", contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), m * v.get("Revilimit")}, {ends.n, ends.p},
+             -1.0);
   add_leakage(emission, off / m, ends);
+}
+
+void write_branch(Twin& twin, const Branch& branch, const TwinEnds& ends) {
+  if (!branch.conducts()) return;
+  if (std::isinf(branch.limit)) return twin.diode(branch.name, ends, {branch.resistance, infinite, branch.drop, 0.0, infinite});
+  const std::string part = fmt::format("{}limit", branch.name);
+  const std::string inner = twin.inner(part);
+  twin.diode(branch.name, {ends.p, inner}, {branch.resistance, infinite, branch.drop, 0.0, infinite});
+  twin.behaviour(part, {inner, ends.n}, true, fmt::format("{}", branch.limit));
+  twin.diode(part, {ends.n, inner}, {0.0, infinite, 0.0, 0.0, infinite});
 }
 
 void smooth_twin(Twin& twin) {
   const Values& v = twin.model().values;
   const double m = twin.value("m");
+  if (!std::isinf(v.get("Ilimit")) || !std::isinf(v.get("Revilimit"))) {
+    const double off = v.get("Roff");
+    const TwinEnds ends = twin.ends();
+    write_branch(twin, {"", contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), m * v.get("Ilimit")}, ends);
+    write_branch(twin, {"reverse", contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), m * v.get("Revilimit")}, {ends.n, ends.p});
+    if (!std::isinf(off)) twin.resistor("Roff", ends, off / m);
+    return;
+  }
   twin.diode({}, twin.ends(), {v.get("Ron") / m, v.get("Roff") / m, v.get("Vfwd"), v.get("Rrev") / m, v.get("Vrev")});
 }
 

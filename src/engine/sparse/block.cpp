@@ -42,6 +42,9 @@ constexpr double cliff = 1e6;
 constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
 /// Without events, in an active network: what is left would take a million times that many steps.
 constexpr double hopeless_stretch = 1e-6;
+/// Nearly every second one leads to a passage after which every port stays on its side, between so many looks in a row.
+constexpr std::uint64_t many_idle = steps_between_looks * 2 / 5;
+constexpr int most_idle_looks = 2;
 /// So many passages in a row after which every port stays on its side: with such residuals it should not have stayed there.
 constexpr int most_idle_passages = 2'000;
 
@@ -137,11 +140,15 @@ std::string Block::why_nowhere(double stretch) {
   const bool is_worse = worst > std::exchange(worst_before_, worst);
   const bool is_senseless = worst >= senseless_residual || certificate.kcl_kvl >= broken_laws;
   const std::uint64_t events = events_ - std::exchange(events_before_, events_);
+  const std::uint64_t idle = std::exchange(idle_between_looks_, 0);
+  idle_looks_ = idle > many_idle ? idle_looks_ + 1 : 0;
   const bool is_quiet = events < few_events && !passive_;
   const bool is_blocked = std::exchange(cliffs_, 0) > most_cliffs && is_quiet;
   if (is_quiet && stretch <= hopeless_stretch * request_.stop)
     return fmt::format("what is left would take {:.0e} of them",
                        static_cast<double>(steps_between_looks) * (request_.stop - point_.time) / stretch);
+  if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= slow_stretch * request_.stop)
+    return fmt::format("at {} of them ports leave their sides and find no others", idle);
   if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * request_.stop) return "";
   if (is_senseless || (is_worse && worst >= hopeless())) return fmt::format("violate the circuit's laws by {:.1e}", worst);
   return is_blocked ? "longer ones find no position, or one from another side" : "";

@@ -263,6 +263,7 @@ bool Block::restart() {
     instant_ = instant;
   }
   idle_passages_ = instant.happened() ? 0 : idle_passages_ + 1;
+  if (!instant.happened()) ++idle_between_looks_;
   if (time == 0.0) start_projected_ = instant.jump;
   return watch_crowd(time);
 }

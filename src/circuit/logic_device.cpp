@@ -1,0 +1,324 @@
+#include "circuit/logic_device.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+
+/// Places of the terminals, from 0.
+constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
+constexpr std::string_view name_begin = "ltspice.", with_delay = "td";
+
+enum class Logic { buffer, inverter, conjunction, disjunction, one_of_two, schmitt, set_reset, delay };
+
+struct DeviceType {
+  std::string_view name;
+  Logic logic = Logic::buffer;
+  std::string_view inputs;  ///< places that may be used, from 1
+  std::size_t least = 1;    ///< inputs that it needs
+  std::size_t most = input_places;
+};
+constexpr DeviceType types[] = {
+    {"buf", Logic::buffer, "12345", 1, 1}, {"inv", Logic::inverter, "12345", 1, 1}, {"and", Logic::conjunction, "12345"},
+    {"or", Logic::disjunction, "12345"},   {"xor", Logic::one_of_two, "12345"},     {"schmitt", Logic::schmitt, "12"},
+    {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::delay, "1345"},
+};
+constexpr std::string_view level_parameters[] = {"vhigh", "vlow", "ref", "td"}, trip_parameters[] = {"vt", "vh"};
+constexpr std::string_view ignored_parameters[] = {"trise", "tfall", "tau",    "cout",   "rout", "rhigh",
+                                                   "rlow",  "ic",    "tripdt", "tripdv", "temp"};
+
+bool is_one_of(std::span<const std::string_view> list, std::string_view name) {
+  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
+}
+
+const DeviceType* find_type(std::string_view name) {
+  const auto* found = std::find_if(std::begin(types), std::end(types), [&](const DeviceType& type) { return same_name(type.name, name); });
+  return found == std::end(types) ? nullptr : found;
+}
+
+bool is_ground(std::string_view node) { return node == "0" || same_name(node, "gnd"); }
+
+/// A device's type and the terminals it uses, written as the name of its subcircuit: "ltspice.and.12.7", "ltspice.dflop.13.67.td".
+struct Device {
+  const DeviceType* type = nullptr;
+  std::string used;     ///< inputs, as digits from 1
+  std::string outputs;  ///< "6" and "7"
+  bool is_late = false;
+
+  [[nodiscard]] std::string name() const {
+    return fmt::format("{}{}.{}.{}{}", name_begin, type->name, used, outputs, is_late ? fmt::format(".{}", with_delay) : "");
+  }
+  [[nodiscard]] bool uses(char input) const { return used.find(input) != std::string::npos; }
+};
+
+Device device_named(std::string_view name) {
+  Device device;
+  if (!name.starts_with(name_begin)) return device;
+  std::vector<std::string_view> parts;
+  for (name.remove_prefix(name_begin.size()); !name.empty();) {
+    const std::size_t end = std::min(name.find('.'), name.size());
+    parts.push_back(name.substr(0, end));
+    name.remove_prefix(std::min(end + 1, name.size()));
+  }
+  if (parts.size() < 3) return device;
+  device.type = find_type(parts[0]);
+  device.used = parts[1];
+  device.outputs = parts[2];
+  device.is_late = parts.size() > 3 && parts[3] == with_delay;
+  return device;
+}
+
+/// The cards of a device's subcircuit. Its logic is in bits of 0 and 1 V against the common: node y holds the answer.
+class Writer {
+ public:
+  explicit Writer(const Device& device) : device_(device) {}
+
+  std::string write() {
+    head();
+    if (device_.type->logic == Logic::schmitt) {
+      closes("y", "one", device_.uses('1') ? "i1" : "com", device_.uses('2') ? "i2" : "com", "trip");
+    } else if (device_.type->logic == Logic::set_reset) {
+      bits(device_.used);
+      latch("y", sum({{"1", 1}, {"2", -2}}));
+    } else if (device_.type->logic == Logic::delay) {
+      flip_flop();
+    } else {
+      gate();
+    }
+    const std::string bit = device_.is_late ? late() : "y";
+    levels(bit);
+    return text_ + ".ends\n";
+  }
+
+ private:
+  struct Part {
+    std::string input;
+    int weight = 1;
+  };
+
+  template <class... Arguments>
+  void card(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    text_ += fmt::format(format, std::forward<Arguments>(arguments)...) + "\n";
+  }
+
+  void head() {
+    std::string ports;
+    for (const char input : device_.used) ports += fmt::format(" i{}", input);
+    for (const char out : device_.outputs) ports += fmt::format(" o{}", out);
+    card(".subckt {}{} com params: vhigh=1 vlow=0 ref={{(vhigh+vlow)/2}} vt={{(vhigh+vlow)/2}} vh=0 td=0", device_.name(), ports);
+    card("Vone one com 1");
+    card(".model high SW(Vt={{ref}})");
+    card(".model low SW(Vt={{-ref}})");
+    card(".model trip SW(Vt={{vt}} Vh={{vh}})");
+    card(".model sum SW(Vt=0)");
+    card(".model latch SW(Vt=0 Vh=0.5)");
+  }
+
+  /// `node` is what `from` is while the switch is closed, else 0.
+  void closes(std::string_view node, std::string_view from, std::string_view p, std::string_view n, std::string_view model) {
+    card("S{0} {1} {0} {2} {3} {4}", node, from, p, n, model);
+    card("R{0} {0} com 1", node);
+  }
+
+  void bits(const std::string& of) {
+    for (const char input : of) closes(fmt::format("b{}", input), "one", fmt::format("i{}", input), "com", "high");
+  }
+
+  /// Of the bits that are used.
+  [[nodiscard]] std::string sum(std::initializer_list<Part> parts) const {
+    std::string text;
+    for (const Part& part : parts)
+      if (device_.uses(part.input[0])) text += fmt::format("{:+}*v(b{},com)", part.weight, part.input);
+    return text;
+  }
+
+  void latch(std::string_view node, std::string_view set) {
+    card("B{0} c{0} com V=0{1}", node, set);
+    closes(node, "one", fmt::format("c{}", node), "com", "latch");
+  }
+
+  void gate() {
+    const auto count = static_cast<double>(device_.used.size());
+    if (device_.used.size() == 1) {
+      const std::string input = fmt::format("i{}", device_.used[0]);
+      return closes("y", "one", input, "com", "high");
+    }
+    bits(device_.used);
+    std::string all;
+    for (const char input : device_.used) all += fmt::format("+v(b{},com)", input);
+    card("Bs s com V=0{}{:+}", all, device_.type->logic == Logic::conjunction ? 0.5 - count : -0.5);
+    if (device_.type->logic != Logic::one_of_two) return closes("y", "one", "s", "com", "sum");
+    closes("x", "one", "s", "com", "sum");
+    card("Bt t com V=v(s,com)-1");
+    closes("y", "x", "com", "t", "sum");
+  }
+
+  /// A master that follows D while the clock is low, and a slave that follows it while the clock is high; preset and clear act on both.
+  void flip_flop() {
+    std::string without_clock = device_.used;
+    std::erase(without_clock, '3');
+    bits(without_clock);
+    const std::string force = sum({{"4", 4}, {"5", -8}});
+    const std::string_view clock = device_.uses('3') ? "i3" : "com";
+    card("Bd d com V={}-1", device_.uses('1') ? "2*v(b1,com)" : "0");
+    closes("dm", "d", "com", clock, "low");
+    latch("m", "+v(dm,com)" + force);
+    card("Bk k com V=2*v(m,com)-1");
+    closes("ks", "k", clock, "com", "high");
+    latch("y", "+v(ks,com)" + force);
+  }
+
+  /// A capacitor takes the delay to charge from 0 to 1 V, and back; what is shorter does not reach the other end.
+  std::string late() {
+    card("Bc com r I=2*v(y,com)-1");
+    card("Cr r com {{td}}");
+    card("Dr r one clamp");
+    card("Dc com r clamp");
+    card(".model clamp D");
+    card(".model end SW(Vt=0.5 Vh={{0.5-1e-9}})");
+    closes("l", "one", "r", "com", "end");
+    return "l";
+  }
+
+  void levels(std::string_view bit) {
+    for (const char out : device_.outputs) {
+      const bool inverts = device_.type->logic == Logic::inverter || out == '6';
+      if (inverts)
+        card("Bo{0} o{0} com V={{vhigh}}+{{vlow-vhigh}}*v({1},com)", out, bit);
+      else
+        card("Bo{0} o{0} com V={{vlow}}+{{vhigh-vlow}}*v({1},com)", out, bit);
+    }
+  }
+
+  const Device& device_;
+  std::string text_;
+};
+
+class Replacement {
+ public:
+  Replacement(const Card& card, Reporter& reporter) : card_(card), reporter_(reporter) {}
+
+  /// Eight words for nodes, and one for the type.
+  [[nodiscard]] bool applies() const {
+    if (lower_letter(card_.name.front()) != 'a' || card_.damaged || card_.items.size() <= device_nodes) return false;
+    return std::all_of(card_.items.begin(), card_.items.begin() + device_nodes + 1,
+                       [](const Item& item) { return item.kind == ItemKind::word && item.text.front() != '%'; });
+  }
+
+  /// False after an error.
+  bool make(Card& call) {
+    const Item& type = card_.items[device_nodes];
+    call = card_;
+    device_.type = find_type(type.text);
+    if (device_.type == nullptr) {
+      reporter_.error(
+          "E-not-supported", type.span,
+          fmt::format("{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT SRFLOP DFLOP, "
+                      "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
+                      card_.name, type.text));
+      return false;
+    }
+    call.items.clear();
+    call.calls = true;
+    if (!terminals(call) || !parameters(call)) return false;
+    Item name = type;
+    name.text = device_.name();
+    call.items.insert(call.items.begin() + static_cast<std::ptrdiff_t>(nodes_), std::move(name));
+    if (reporter_.first_time("LTspice's logic"))
+      reporter_.note(
+          "N-idealised", type.span,
+          "LTspice's gates and flip-flops are idealised: levels Vlow and Vhigh without resistance or edges, an input is high above Ref, "
+          "a delay Td swallows shorter pulses, and a flip-flop starts with Q low");
+    return true;
+  }
+
+ private:
+  /// Unused ones are tied to the common.
+  [[nodiscard]] bool is_used(std::size_t place) const {
+    const std::string& node = card_.items[place].text;
+    const std::string& ground = card_.items[common].text;
+    return !same_name(node, ground) && !(is_ground(node) && is_ground(ground));
+  }
+
+  bool fail(const std::string& what) {
+    reporter_.error("E-not-supported", card_.items[device_nodes].span, fmt::format("{} {}", card_.name, what));
+    return false;
+  }
+
+  bool terminals(Card& call) {
+    for (std::size_t k = 0; k < common; ++k) {
+      if (!is_used(k)) continue;
+      const char digit = static_cast<char>('1' + k);
+      if (k < input_places && device_.type->inputs.find(digit) == std::string_view::npos)
+        return fail(fmt::format("uses input {} of LTspice's {}, which has no meaning known here; try the common there", digit,
+                                card_.items[device_nodes].text));
+      (k < input_places ? device_.used : device_.outputs) += digit;
+      call.items.push_back(card_.items[k]);
+    }
+    call.items.push_back(card_.items[common]);
+    nodes_ = call.items.size();
+    if (device_.used.size() < device_.type->least || device_.used.size() > device_.type->most)
+      return fail(fmt::format("gives {} inputs to LTspice's {}; inputs at the common do not count", device_.used.size(),
+                              card_.items[device_nodes].text));
+    if (device_.type->logic == Logic::inverter && device_.outputs.size() > 1)
+      return fail("uses both outputs of LTspice's INV; try BUF, whose first output is the complement");
+    return true;
+  }
+
+  bool parameters(Card& call) {
+    for (std::size_t k = device_nodes + 1; k < card_.items.size(); ++k) {
+      const Item& item = card_.items[k];
+      const bool is_trip = device_.type->logic == Logic::schmitt && is_one_of(trip_parameters, item.text);
+      if (item.kind == ItemKind::assignment && (is_trip || is_one_of(level_parameters, item.text))) {
+        device_.is_late |= same_name(item.text, "td");
+        call.items.push_back(item);
+      } else if (item.kind == ItemKind::assignment && is_one_of(ignored_parameters, item.text)) {
+        reporter_.warning("W-ignored-parameter", item.span, fmt::format("{}= of LTspice's gates is ignored", item.text));
+      } else {
+        reporter_.error("E-unknown-parameter", item.span,
+                        fmt::format("LTspice's {} takes Vhigh= Vlow= Ref= Td={}, not '{}'", card_.items[device_nodes].text,
+                                    device_.type->logic == Logic::schmitt ? " Vt= Vh=" : "", reporter_.text(item.span)));
+        return false;
+      }
+    }
+    return true;
+  }
+
+  const Card& card_;
+  Reporter& reporter_;
+  Device device_;
+  std::size_t nodes_ = 0;
+};
+
+}  // namespace
+
+void replace_logic_devices(Definitions& definitions, Reporter& reporter) {
+  for (const auto& definition : definitions.all)
+    for (const Card*& card : definition->elements) {
+      Replacement replacement(*card, reporter);
+      if (!replacement.applies()) continue;
+      Card call;
+      if (!replacement.make(call)) {
+        call = *card;
+        call.damaged = true;  // it has been told what is wrong with it
+      }
+      card = &definitions.made.emplace_back(std::move(call));
+    }
+}
+
+std::string logic_subcircuit(std::string_view name) {
+  const Device device = device_named(name);
+  return device.type == nullptr ? "" : Writer(device).write();
+}
+
+}  // namespace pwlsim::circuit
