@@ -37,4 +37,14 @@ class IndexSet {
   std::vector<std::uint64_t> more_;
 };
 
+/// Goes through all sets of the first `ports` ports, the others as they are in `set`, until accept(set) is true.
+template <class Accept>
+bool any_set(IndexSet set, int ports, const Accept& accept) {
+  for (unsigned bits = 0; bits < (1U << static_cast<unsigned>(ports)); ++bits) {
+    for (int i = 0; i < ports; ++i) set.set(i, ((bits >> static_cast<unsigned>(i)) & 1U) != 0);
+    if (accept(set)) return true;
+  }
+  return false;
+}
+
 }  // namespace pwlsim::model

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "linalg/balance.hpp"
 #include "linalg/constraint_basis.hpp"
 #include "linalg/elimination.hpp"
 #include "model/subspaces.hpp"
@@ -48,9 +49,6 @@ constexpr double row_noise = 1e-15;
 constexpr double fastest_rate = 1e150;
 /// A logarithmic norm below this fraction of ‖A‖ is rounding.
 constexpr double growth_tolerance = 1e-10;
-/// Balancing: what its largest scale is (2 to that), and below which part of it the growth must come.
-constexpr int most_balancing_rounds = 12;
-constexpr double largest_scale = 30.0, worthwhile_balance = 0.5;
 
 /// Entries of c, and of c and ζ, with which what a guard reads is kept apart: a ring takes two of them, and the guard another.
 constexpr int fewest_read_apart = 3, most_read_apart = 64;
@@ -78,34 +76,6 @@ Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
   return r;
 }
 
-/// Scales s of the states, powers of two, with which S⁻¹A₁S has rows and columns of like size (Osborne 1960; Parlett & Reinsch 1969), so that an
-/// amplifier's gain does not make the norms of all states useless as bounds; A₁ becomes S⁻¹A₁S. Empty where that grows no slower.
-Vector balance(Matrix& a1) {
-  const Eigen::Index n = a1.rows();
-  Matrix m = a1;
-  Vector scale = Vector::Ones(n);
-  bool changed = true;
-  for (int round = 0; round < most_balancing_rounds && changed; ++round) {
-    changed = false;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double own = std::abs(m(i, i));
-      const double row = std::sqrt(std::max(0.0, m.row(i).squaredNorm() - own * own));
-      const double column = std::sqrt(std::max(0.0, m.col(i).squaredNorm() - own * own));
-      const double wanted = row > 0.0 && column > 0.0 ? std::sqrt(row / column) : 1.0;
-      const double exponent = std::round(std::log2(wanted));
-      if (exponent == 0.0 || !(std::abs(std::log2(scale[i]) + exponent) <= largest_scale)) continue;
-      const double factor = std::exp2(exponent);
-      scale[i] *= factor;
-      m.row(i) /= factor;
-      m.col(i) *= factor;
-      changed = true;
-    }
-  }
-  if (!(linalg::logarithmic_norm(m) < worthwhile_balance * linalg::logarithmic_norm(a1))) return {};
-  a1 = m;
-  return scale;
-}
-
 /// The flow y' = A y and what bounds it.
 void set_flow(const System& system, Mode& m, Matrix a) {
   Matrix a1 = a.topLeftCorner(m.n1, m.n1);
@@ -115,7 +85,7 @@ void set_flow(const System& system, Mode& m, Matrix a) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
     if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
     if (m.growth > 0.0 && m.n1 > 1) {
-      m.scale = balance(a1);
+      m.scale = linalg::balance(a1);
       m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a1));
     }
   }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "model/static_neighbours.hpp"
-
 namespace pwlsim::model {
 
 namespace {
@@ -22,29 +20,8 @@ constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 constexpr double relaxations[] = {1.0, 1e2, 1e4};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr std::size_t most_remembered = 6;
-/// A signal moves along an open direction of u when its terms do not cancel there.
-constexpr double open_tolerance = 1e-9;
-/// By a guard, against ‖row‖·‖y‖; and against the mode's own rounding.
-constexpr double clearly_violated = 1e-6, clearly_above_noise = 1e3;
-constexpr std::size_t most_neighbours =
-    100;                      ///< modes tried for further continuations where there are more, so that an event does not take seconds
-constexpr int few_ports = 6;  ///< with so many all modes are tried where nothing else helps, and for further continuations
-/// Continuations of two modes differ when a derivative does by this fraction.
-constexpr double alike_tolerance = 1e-9;
-/// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
-constexpr double derivative_noise = 1e-15;
 
-/// Goes through all sets of the first `ports` ports, the others as they are in `set`, until accept(set) is true.
-template <class Accept>
-bool any_set(IndexSet set, int ports, const Accept& accept) {
-  for (unsigned bits = 0; bits < (1U << static_cast<unsigned>(ports)); ++bits) {
-    for (int i = 0; i < ports; ++i) set.set(i, ((bits >> static_cast<unsigned>(i)) & 1U) != 0);
-    if (accept(set)) return true;
-  }
-  return false;
-}
-
-/// The same through the sets that differ from `set` in one to `radius` of the ports first … ports − 1.
+/// Goes through the sets that differ from `set` in one to `radius` of the ports first … ports − 1.
 template <class Accept>
 bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept& accept) {
   if (radius == 0) return false;
@@ -81,47 +58,6 @@ const Mode& Selector::mode(const IndexSet& set) {
 
 void Selector::mark_visited(const Mode& mode) {
   if (mode.visits++ == 0) ++visited_;
-}
-
-/// Ports that are zero on both sides may stand on either: where many are active a part may float, where few are a current may circulate.
-Matrix Selector::open_directions(const Mode& mode) const {
-  IndexSet most = mode.active, fewest = mode.active;
-  for (int i = 0; i < system_.diodes; ++i)
-    if (mode.guard_norm[i] == 0.0) {
-      most.set(i, true);
-      fewest.set(i, false);
-    }
-  Matrix directions = mode.free_inputs.cols() > 0 ? mode.free_inputs : Matrix(system_.ports, 0);
-  for (const IndexSet& set : {most, fewest}) {
-    if (set == mode.active) continue;
-    const Matrix found = build_mode(system_, set)->free_inputs;
-    if (found.cols() == 0) continue;
-    Matrix both(system_.ports, directions.cols() + found.cols());
-    both << directions, found;
-    directions = std::move(both);
-  }
-  return directions;
-}
-
-std::vector<std::size_t> Selector::open_outputs() const {
-  std::vector<char> open(system_.outputs.size(), 0);
-  const bool any_reads_ports =
-      std::any_of(system_.outputs.begin(), system_.outputs.end(), [](const OutputRow& row) { return !row.input.isZero(0.0); });
-  if (!any_reads_ports) return {};
-  for (const auto& [set, known] : known_) {
-    if (!known.mode || known.mode->visits == 0) continue;
-    const Matrix directions = open_directions(*known.mode);
-    if (directions.cols() == 0) continue;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const Vector moved = directions.transpose() * system_.outputs[i].input;
-      const Vector size = directions.cwiseAbs().transpose() * system_.outputs[i].input.cwiseAbs();
-      if (((moved.cwiseAbs() - open_tolerance * size).array() > 0.0).any()) open[i] = 1;
-    }
-  }
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < open.size(); ++i)
-    if (open[i] != 0) numbers.push_back(i);
-  return numbers;
 }
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
@@ -293,97 +229,6 @@ const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int 
     return found != nullptr;
   });
   return found;
-}
-
-/// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
-/// differs (the split between parallel diodes, the potential of a floating part).
-bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {
-  Vector za(system_.size()), zb(system_.size()), moved(system_.size());
-  Vector ua(system_.ports), ub(system_.ports), ya(system_.ports), dy(system_.ports);
-  // In the coordinates of each mode, so that rounding does not leave its subspace, where it could grow.
-  Vector ca(a.ny), cb(b.ny);
-  to_mode(system_, a, x, ca.data());
-  to_mode(system_, b, x, cb.data());
-  double size = linalg::norm(x, system_.size());
-  double rounding = derivative_noise * size;
-  const double largest_row = std::sqrt(std::max(
-      {a.k.rowwise().squaredNorm().maxCoeff(), b.k.rowwise().squaredNorm().maxCoeff(), system_.c.rowwise().squaredNorm().maxCoeff()}));
-  const double growth = std::max({1.0, a.norm_a / rational_.rate(), b.norm_a / rational_.rate()});
-  for (int j = 0; j <= system_.size(); ++j, rounding *= growth) {
-    from_mode(system_, a, ca.data(), za.data());
-    from_mode(system_, b, cb.data(), zb.data());
-    size = std::max({size * 1e-3, za.norm(), zb.norm()});
-    if ((za - zb).norm() > alike_tolerance * size + rounding) return false;
-    linalg::multiply(a.k, za.data(), ua.data());
-    linalg::multiply(b.k, zb.data(), ub.data());
-    linalg::multiply(system_.c, za.data(), ya.data());
-    const double port_size = std::max({ua.cwiseAbs().maxCoeff(), ub.cwiseAbs().maxCoeff(), ya.cwiseAbs().maxCoeff()});
-    moved = za - zb;
-    linalg::multiply(system_.c, moved.data(), dy.data());
-    const Vector du = ua - ub;
-    linalg::multiply(system_.d, du.data(), ya.data());
-    dy += ya;
-    for (int i = 0; i < system_.ports; ++i)
-      if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size + rounding * largest_row) return false;
-    ca = a.flow.a() * ca / rational_.rate();
-    cb = b.flow.a() * cb / rational_.rate();
-  }
-  return true;
-}
-
-/// Whether a guard is below zero at x already, far beyond rounding: what `accepts` would find with its derivatives, for less.
-bool Selector::is_violated(const Mode& mode, const double* x) {
-  to_mode(system_, mode, x, y_.data());
-  const double tolerance = std::max(clearly_violated, clearly_above_noise * mode.noise * verifier_.relaxation());
-  const double norm = linalg::norm(y_.data(), mode.ny);
-  for (int i = 0; i < system_.diodes; ++i)
-    if (linalg::row_times(mode.guards, i, y_.data()) < -tolerance * mode.guard_norm[i] * norm) return true;
-  return false;
-}
-
-/// Where no certificate promises uniqueness: the verified modes that continue differently, one of each kind, `chosen` among them. All
-/// modes are tried where there are few, else those that have one or two ports otherwise than the chosen one.
-std::vector<const Mode*> Selector::continuations(const double* x, const Mode& chosen) {
-  const std::vector<double> copy(x, x + system_.size());
-  std::vector<const Mode*> found{&chosen};
-  const auto keep_if_new = [&](const IndexSet& set) {
-    const Mode& m = mode(set);
-    if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || is_violated(m, projected_.data()) ||
-        !accepts(m, projected_.data()))
-      return false;
-    if (std::none_of(found.begin(), found.end(), [&](const Mode* other) { return continues_alike(*other, m, copy.data()); }))
-      found.push_back(&m);
-    return false;
-  };
-  if (system_.diodes <= few_ports) {
-    any_set(chosen.active, system_.diodes, keep_if_new);
-    return found;
-  }
-  const StaticNeighbours neighbours(system_, chosen.active, x, largest_);
-  std::vector<std::pair<int, int>> flips;  // equal: one port
-  for (int i = 0; i < system_.diodes; ++i)
-    for (int j = i; j < system_.diodes; ++j)
-      if (i == j ? neighbours.may_flip(i) : neighbours.may_flip(i, j)) flips.emplace_back(i, j);
-  if (flips.size() > most_neighbours) {
-    std::stable_partition(flips.begin(), flips.end(), [](const auto& flip) { return flip.first == flip.second; });
-    flips.resize(most_neighbours);
-  }
-  for (const auto& [i, j] : flips) {
-    IndexSet set = chosen.active;
-    set.flip(i);
-    if (j != i) set.flip(j);
-    keep_if_new(set);
-  }
-  return found;
-}
-
-/// Of several: the first has u = 0 in the earliest port in which they differ.
-const Mode* Selector::first_of(const std::vector<const Mode*>& modes) const {
-  return *std::min_element(modes.begin(), modes.end(), [&](const Mode* a, const Mode* b) {
-    for (int i = 0; i < system_.diodes; ++i)
-      if (a->active.contains(i) != b->active.contains(i)) return b->active.contains(i);
-    return false;
-  });
 }
 
 /// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then

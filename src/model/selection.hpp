@@ -40,6 +40,9 @@ struct Selected {
   const Details* details = nullptr;  ///< after jumps and with `several`; valid until the next selection
 };
 
+/// With so many ports all modes are tried where nothing else helps, and for further continuations.
+inline constexpr int few_ports = 6;
+
 class Selector {
  public:
   Selector(const System& system, Several several);

@@ -16,37 +16,38 @@ constexpr double least_pivot = 1e-9;
 }  // namespace
 
 StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active, const double* x, double largest)
-    : role_(static_cast<std::size_t>(system.ports), Role::restricted), m_(system.d), size_(system.d.cwiseAbs()) {
+    : role_(static_cast<std::size_t>(system.ports), Role::restricted),
+      tableau_(system.d, system.c * Eigen::Map<const Vector>(x, system.size())),
+      size_(system.d.cwiseAbs()) {
   const auto state = Eigen::Map<const Vector>(x, system.size());
-  q_ = system.c * state;
   tolerance_ = value_tolerance * (system.c.cwiseAbs() * state.cwiseAbs()) + state_tolerance * largest * system.c.rowwise().norm();
-  for (int i = system.diodes; i < system.ports; ++i) role_[static_cast<std::size_t>(i)] = active.contains(i) ? Role::free : Role::left_out;
+  for (int i = system.diodes; i < system.ports; ++i) role_[static_cast<std::size_t>(i)] = Role::stays;
   pivot_on_active(system, active);
 }
 
-bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m_(row, column)) <= least_pivot * size_(row, column); }
+bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m()(row, column)) <= least_pivot * size_(row, column); }
 
 /// One by one where the diagonal allows it, by twos where it does not, and those last that nothing allows: they are open, and whom they reach.
 void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& active) {
   std::vector<int> left;
   for (int i = 0; i < system.ports; ++i)
     if (active.contains(i)) left.push_back(i);
-  const auto take = [&](auto list) {
+  const auto take = [&](const std::vector<int>& list) {
     pivot(list);
     for (const int port : list) std::erase(left, port);
   };
   while (!left.empty()) {
-    const auto share = [&](int i) { return is_zero(i, i) ? 0.0 : std::abs(m_(i, i)) / m_.row(i).cwiseAbs().maxCoeff(); };
+    const auto share = [&](int i) { return is_zero(i, i) ? 0.0 : std::abs(m()(i, i)) / m().row(i).cwiseAbs().maxCoeff(); };
     const int best = *std::max_element(left.begin(), left.end(), [&](int i, int j) { return share(i) < share(j); });
     if (share(best) > 0.0) {
-      take(std::array{best});
+      take({best});
       continue;
     }
-    std::array<int, 2> pair{-1, -1};
+    std::vector<int> pair;
     for (const int i : left)
       for (const int j : left)
-        if (i < j && pair[0] < 0 && !is_zero(i, j) && !is_zero(j, i)) pair = {i, j};
-    if (pair[0] < 0) break;
+        if (i < j && pair.empty() && !is_zero(i, j) && !is_zero(j, i)) pair = {i, j};
+    if (pair.empty()) break;
     take(pair);
   }
   for (const int i : left) role_[static_cast<std::size_t>(i)] = Role::settled_later;
@@ -57,34 +58,27 @@ void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& act
     }
 }
 
-void StaticNeighbours::pivot(std::span<const int> ports) {
-  const std::vector<int> p(ports.begin(), ports.end());
-  const Matrix inverse = m_(p, p).inverse();
-  const Matrix rows = -inverse * m_(p, Eigen::all);
-  const Matrix columns = m_(Eigen::all, p);
-  const Vector value = -inverse * q_(p), size = inverse.cwiseAbs() * tolerance_(p);
-  const Matrix row_sizes = inverse.cwiseAbs() * size_(p, Eigen::all), column_sizes = size_(Eigen::all, p);
-  size_ += column_sizes * row_sizes;
-  size_(Eigen::all, p) = column_sizes * inverse.cwiseAbs();
-  size_(p, Eigen::all) = row_sizes;
-  size_(p, p) = inverse.cwiseAbs();
-  m_ += columns * rows;
-  m_(Eigen::all, p) = columns * inverse;
-  m_(p, Eigen::all) = rows;
-  m_(p, p) = inverse;
-  q_ += columns * value;
-  tolerance_ += columns.cwiseAbs() * size;
-  q_(p) = value;
-  tolerance_(p) = size;
+/// The sizes go through the same sums as the tableau's entries, all of one sign.
+void StaticNeighbours::pivot(const std::vector<int>& ports) {
+  const Matrix inverse = Matrix(m()(ports, ports)).inverse().cwiseAbs();
+  const Vector value = inverse * tolerance_(ports);
+  const Matrix rows = inverse * size_(ports, Eigen::all), columns = size_(Eigen::all, ports);
+  tolerance_ += m()(Eigen::all, ports).cwiseAbs() * value;
+  tolerance_(ports) = value;
+  size_ += columns * rows;
+  size_(Eigen::all, ports) = columns * inverse;
+  size_(ports, Eigen::all) = rows;
+  size_(ports, ports) = inverse;
+  tableau_.exchange(ports);
 }
 
 /// Whether the other ports keep their signs with z at those that are flipped.
 bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z, const double* z_tolerance) const {
-  for (int k = 0; k < q_.size(); ++k) {
+  for (int k = 0; k < q().size(); ++k) {
     if (role(k) != Role::restricted || std::find(flipped.begin(), flipped.end(), k) != flipped.end()) continue;
-    double value = q_[k], size = tolerance_[k];
+    double value = q()[k], size = tolerance_[k];
     for (std::size_t i = 0; i < flipped.size(); ++i) {
-      const double term = m_(k, flipped[i]) * z[i];
+      const double term = m()(k, flipped[i]) * z[i];
       value += term;
       size += value_tolerance * size_(k, flipped[i]) * std::abs(z[i]) + size_(k, flipped[i]) * z_tolerance[i];
     }
@@ -94,9 +88,9 @@ bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z
 }
 
 bool StaticNeighbours::may_flip(int port) const {
-  if (role(port) != Role::restricted || std::abs(q_[port]) <= tolerance_[port]) return true;
+  if (role(port) != Role::restricted || std::abs(q()[port]) <= tolerance_[port]) return true;
   if (is_zero(port, port)) return false;
-  const double z = -q_[port] / m_(port, port), z_tolerance = tolerance_[port] / std::abs(m_(port, port));
+  const double z = -q()[port] / m()(port, port), z_tolerance = tolerance_[port] / std::abs(m()(port, port));
   return z >= 0.0 && rest_allows(std::array{port}, &z, &z_tolerance);
 }
 
@@ -104,14 +98,14 @@ bool StaticNeighbours::may_flip(int first, int second) const {
   if (role(first) == Role::settled_later) return may_flip(second);
   if (role(second) == Role::settled_later) return may_flip(first);
   if (role(first) != Role::restricted || role(second) != Role::restricted) return true;
-  const auto is_stuck = [&](int i) { return is_zero(i, first) && is_zero(i, second) && std::abs(q_[i]) > tolerance_[i]; };
+  const auto is_stuck = [&](int i) { return is_zero(i, first) && is_zero(i, second) && std::abs(q()[i]) > tolerance_[i]; };
   if (is_stuck(first) || is_stuck(second)) return false;
-  const double a = m_(first, first), b = m_(first, second), c = m_(second, first), d = m_(second, second);
+  const double a = m()(first, first), b = m()(first, second), c = m()(second, first), d = m()(second, second);
   const double determinant = a * d - b * c;
   const double terms = size_(first, first) * size_(second, second) + size_(first, second) * size_(second, first);
   if (std::abs(determinant) <= least_pivot * terms) return true;
-  const double p = q_[first], q = q_[second];
-  const double z[] = {(b * q - d * p) / determinant, (c * p - a * q) / determinant};
+  const double q1 = q()[first], q2 = q()[second];
+  const double z[] = {(b * q2 - d * q1) / determinant, (c * q1 - a * q2) / determinant};
   const double size[] = {(std::abs(b) * tolerance_[second] + std::abs(d) * tolerance_[first]) / std::abs(determinant),
                          (std::abs(c) * tolerance_[first] + std::abs(a) * tolerance_[second]) / std::abs(determinant)};
   return z[0] >= -size[0] && z[1] >= -size[1] && rest_allows(std::array{first, second}, z, size);

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "lcp/principal_pivoting.hpp"
 #include "model/index_set.hpp"
 #include "model/system.hpp"
 
@@ -23,19 +24,22 @@ class StaticNeighbours {
   [[nodiscard]] bool may_flip(int first, int second) const;
 
  private:
-  /// restricted: 0 ≤ w ⊥ z ≥ 0. Switches: closed is free, open is left out. Of J without P: those that reach nothing, and those that do, with all they
-  /// reach.
-  enum class Role : char { restricted, free, left_out, settled_later, reached };
+  /// restricted: 0 ≤ w ⊥ z ≥ 0; switches stay as they are. Of J without P: those that reach nothing, and those that do, with all they reach.
+  enum class Role : char { restricted, stays, settled_later, reached };
 
   void pivot_on_active(const System& system, const IndexSet& active);
-  void pivot(std::span<const int> ports);
+  void pivot(const std::vector<int>& ports);
   [[nodiscard]] bool is_zero(int row, int column) const;
   [[nodiscard]] bool rest_allows(std::span<const int> flipped, const double* z, const double* z_tolerance) const;
   [[nodiscard]] Role role(int port) const { return role_[static_cast<std::size_t>(port)]; }
 
+  [[nodiscard]] const Vector& q() const { return tableau_.q(); }
+  [[nodiscard]] const linalg::Matrix& m() const { return tableau_.m(); }
+
   std::vector<Role> role_;
-  Vector q_, tolerance_;
-  linalg::Matrix m_, size_;  ///< size_: sums of the magnitudes that the entries of M are sums of
+  lcp::PrincipalTableau tableau_;
+  Vector tolerance_;     ///< rounding of q
+  linalg::Matrix size_;  ///< sums of the magnitudes that the entries of M are sums of
 };
 
 }  // namespace pwlsim::model

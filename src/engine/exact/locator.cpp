@@ -39,21 +39,13 @@ bool has_to_sample(const Segment& s, double end) {
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
 
-/// Of the entries of x whose bits are set; 0: of all.
-double norm_of(const double* x, int n, std::uint64_t bits) {
-  if (bits == 0) return linalg::norm(x, n);
+/// Of the entries of x whose bits are set, 0: of all; `entry(i)`: x_i, or what a scale makes of it.
+template <class Entry>
+double norm_of(int n, std::uint64_t bits, Entry entry) {
   double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    if (((bits >> static_cast<unsigned>(i)) & 1U) != 0) sum += x[i] * x[i];
-  return std::sqrt(sum);
-}
-
-/// The same of S⁻¹x.
-double scaled_norm_of(const model::Vector& scale, const double* x, std::uint64_t bits) {
-  double sum = 0.0;
-  for (int i = 0; i < scale.size(); ++i) {
+  for (int i = 0; i < n; ++i) {
     if (bits != 0 && ((bits >> static_cast<unsigned>(i)) & 1U) == 0) continue;
-    const double value = x[i] / scale[i];
+    const double value = entry(i);
     sum += value * value;
   }
   return std::sqrt(sum);
@@ -112,8 +104,9 @@ Locator::Bound Locator::bound_of(const Segment& s, int order, const double* deri
 }
 
 void Locator::bound_state(const Mode& m, Bound& b) {
-  b.state = b.growth * (norm_of(b.derivative, m.n1, b.reads) + b.inputs);
-  if (m.scale.size() > 0) b.scaled_state = b.scaled_growth * (scaled_norm_of(m.scale, b.derivative, b.reads) + b.scaled_inputs);
+  b.state = b.growth * (norm_of(m.n1, b.reads, [&](int i) { return b.derivative[i]; }) + b.inputs);
+  if (m.scale.size() == 0) return;
+  b.scaled_state = b.scaled_growth * (norm_of(m.n1, b.reads, [&](int i) { return b.derivative[i] / m.scale[i]; }) + b.scaled_inputs);
 }
 
 double Locator::bound_at(const Segment& s, Bound& b, int row) const {
