@@ -33,6 +33,8 @@ constexpr auto between_looks = std::chrono::milliseconds(50);
 constexpr std::size_t most_failures_told = 20;
 constexpr const char* cannot_write = "E-cannot-write";
 
+std::string other_runs(std::size_t count) { return fmt::format("{} other run{}", count, count == 1 ? "" : "s"); }
+
 class Sweep {
  public:
   Sweep(const SweepTask& task, Messages& messages, analysis::RunReport& report, analysis::SweptRuns& runs)
@@ -193,7 +195,7 @@ class Sweep {
       const auto& remarks = records_[place.first].remarks;
       const auto remark =
           std::find_if(remarks.begin(), remarks.end(), [&wanted = id](const engine::Remark& other) { return other.id == wanted; });
-      const std::string others = place.second > 1 ? fmt::format(" (and likewise in {} other runs)", place.second - 1) : "";
+      const std::string others = place.second > 1 ? fmt::format(" (and likewise in {})", other_runs(place.second - 1)) : "";
       messages_.report(analysis::message_of({id, fmt::format("run with {}: {}{}", name(place.first), remark->text, others)}));
     }
   }
@@ -274,7 +276,7 @@ class Sweep {
       const auto others = std::count_if(first + 1, records_.end(), has_text);
       const std::string run = name(static_cast<std::size_t>(first - records_.begin()));
       Diagnostic warning = warning_of(first->measurements.list[k], fmt::format(" in the run with {}", run));
-      if (others > 0) warning.text += fmt::format(" (and in {} other runs)", others);
+      if (others > 0) warning.text += fmt::format(" (and in {})", other_runs(static_cast<std::size_t>(others)));
       messages_.report(warning, task_.sources);
     }
   }

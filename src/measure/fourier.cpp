@@ -132,8 +132,10 @@ FourierResult FourierMeter::finish(double reached) const {
 
 std::string fourier_text(const FourierResult& result) {
   if (!result.failure.empty()) return fmt::format("Fourier analysis for {}: failed\n", result.column);
-  std::string text = fmt::format("Fourier analysis for {}:\n  No. Harmonics: {}, THD: {:.6g} %, THD of all harmonics: {:.6g} %\n\n",
-                                 result.column, result.harmonics.size(), 100.0 * result.listed_distortion, 100.0 * result.total_distortion);
+  const std::string all =
+      std::isinf(result.total_distortion) ? "infinite (there are impulses)" : fmt::format("{:.6g} %", 100.0 * result.total_distortion);
+  std::string text = fmt::format("Fourier analysis for {}:\n  No. Harmonics: {}, THD: {:.6g} %, THD of all harmonics: {}\n\n", result.column,
+                                 result.harmonics.size(), 100.0 * result.listed_distortion, all);
   text += "Harmonic Frequency     Magnitude        Phase       Norm. Mag        Norm. Phase\n";
   text += "-------- ---------     ---------        -----       ---------        -----------\n";
   const Harmonic first = result.harmonics.size() > 1 ? result.harmonics[1] : Harmonic{};

@@ -199,7 +199,7 @@ TEST_CASE("impulses that measurements of a sweep leave out are told once each, a
   CHECK_THAT(told.err,
              Contains("c.net:10:7: warning[W-impulse-left-out]: measurement lost leaves out in the run with C=1 the impulse at t = 1 s: "
                       "v(in,b)*i(S1) has no integral over it; try a small resistance") &&
-                 Contains("(and in 1 other runs)\n") && !Contains("measurement given"));
+                 Contains("(and in 1 other run)\n") && !Contains("measurement given"));
   const Json json = read_json(run_in(scratch, {"c.net", "--json"}).out);
   CHECK(json["runs"][0]["measurements"][1]["left_out"].kind == Json::Kind::null);
   CHECK(json["runs"][1]["measurements"][0]["left_out"].kind == Json::Kind::null);
