@@ -152,10 +152,19 @@ std::string details(const RunReport& report) {
                      time(t.flatten), time(t.model), time(t.simulate), time(t.write), time(t.certificate), time(t.total));
 }
 
-std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all) {
+std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all, const circuit::HiddenParts& hidden) {
   constexpr std::size_t most_told = 20;
+  const auto is_hidden = [&](const engine::Jump& jump) {
+    return !jump.states.empty() && std::all_of(jump.states.begin(), jump.states.end(), [&](const engine::Jump::State& state) {
+      const std::size_t begin = state.name.find('(') + 1;
+      return hidden.hold(std::string_view(state.name).substr(begin, state.name.find(')') - begin));
+    });
+  };
   std::vector<std::string> texts;
-  for (std::size_t i = 0; i < jumps.size() && i < most_told; ++i) texts.push_back(jump_text(jumps[i]));
+  for (const engine::Jump& jump : jumps) {
+    if (texts.size() == most_told) break;
+    is_hidden(jump) ? void(--all) : texts.push_back(jump_text(jump));
+  }
   if (all > texts.size())
     texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - texts.size()));
   return texts;

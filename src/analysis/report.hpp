@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/idealisation.hpp"
+#include "circuit/circuit.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::analysis {
@@ -48,7 +49,9 @@ void write_certificate(JsonWriter& json, const engine::Certificate& certificate)
 [[nodiscard]] std::string details(const RunReport& report);
 
 /// A sentence a jump: "t = 0 s: D1 passes 2 C; v(C1) 3 V to 1 V, …; stored energy 4.5 J to 1.5 J". The first twenty; then how many more of `all`.
-[[nodiscard]] std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all);
+/// Those within hidden parts are left out.
+[[nodiscard]] std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all,
+                                                  const circuit::HiddenParts& hidden = {});
 
 /// `name = value`, one a line.
 [[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values);

@@ -391,7 +391,7 @@ void Binder::element(Place& place, const Card& card) {
     card.damaged ? binding.bind_damaged() : binding.bind();
   }
   const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
-  if (instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;
+  if (card.damaged || instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;
   circuit_.instances.push_back(std::move(instance));
 }
 

@@ -7,6 +7,11 @@
 
 namespace pwlsim::circuit {
 
+bool HiddenParts::hold(std::string_view name) const {
+  const std::size_t end = name.rfind('.');
+  return end != std::string_view::npos && !names.empty() && names.contains(without_case(name.substr(0, end)));
+}
+
 bool is_ground_name(std::string_view name) { return name == "0" || same_name(name, "gnd"); }
 
 model::NodeIndex Circuit::node(std::string_view name, SourceSpan where) {

@@ -44,13 +44,21 @@ struct InitialCondition {
   SourceSpan span;
 };
 
+/// Elements of the deck that became subcircuits it did not write.
+struct HiddenParts {
+  std::unordered_set<std::string> names;  ///< full, without case
+
+  /// Whether the node or element of that full name lies within one.
+  [[nodiscard]] bool hold(std::string_view name) const;
+};
+
 class Circuit {
  public:
   std::string title;
   std::vector<elements::Instance> instances;
   std::vector<elements::Model> models;
-  std::vector<SaveRequest> saves;          ///< none: all
-  std::unordered_set<std::string> hidden;  ///< full names, without case, of what became a subcircuit that the deck did not write
+  std::vector<SaveRequest> saves;  ///< none: all
+  HiddenParts hidden;
   Measurements measurements;
   std::vector<SaveRequest> probes;   ///< signals that measurements read
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble

@@ -23,6 +23,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
   if (options.measure) compiled.measurements = circuit.measurements;
   compiled.measured_signals = circuit.measured_signals;
+  compiled.hidden = circuit.hidden;
   if (options.keep_circuit) compiled.circuit = std::move(circuit);
   return compiled;
 }

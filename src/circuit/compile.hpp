@@ -28,6 +28,7 @@ struct Compiled {
   std::optional<Circuit> circuit;  ///< where it was to be kept
   Measurements measurements{};
   std::size_t measured_signals = 0;
+  HiddenParts hidden{};
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
 };

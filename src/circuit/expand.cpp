@@ -5,6 +5,7 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
+#include "circuit/logic_device.hpp"
 #include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
@@ -66,7 +67,7 @@ std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& na
 void Expander::enter(Place& place, const Card& card, const Item& name, const Definition& called) {
   Scope scope(called, &place.scope.enclosing(*called.parent), session_);
   Place inner{scope, place.prefix + card.name + ".", {}};
-  if (card.calls) circuit_.hidden.insert(without_case(place.prefix + card.name));
+  if (card.calls) circuit_.hidden.names.insert(without_case(place.prefix + card.name));
   connect(place, card, name, inner);
   give_parameters(place, card, name, scope);
   scope.evaluate_all();
@@ -93,19 +94,22 @@ void Expander::give_parameters(Place& place, const Card& card, const Item& name,
   for (std::size_t k = first; k < card.items.size(); ++k) {
     const Item& item = card.items[k];
     if (item.kind == ItemKind::assignment) {
-      give(place, item, inner);
+      give(place, card, item, inner);
     } else if (!same_name(item.text, "params:")) {
       reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), call_usage));
     }
   }
 }
 
-void Expander::give(Place& place, const Item& assignment, Scope& inner) {
+void Expander::give(Place& place, const Card& card, const Item& assignment, Scope& inner) {
   if (assignment.items.empty()) {
     reporter().error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
     return;
   }
-  const std::optional<Number> number = place.scope.number(assignment.items[0], true);
+  const std::optional<Number> number = place.scope.number(assignment.items[0], !card.calls);
+  if (card.calls && number && number->value < 0.0 && must_not_be_negative(assignment.text))
+    reporter().error("E-range", assignment.span,
+                     fmt::format("{} of {} must not be negative, not {}", assignment.text, card.name, number->value));
   if (inner.give(assignment.text, number ? number->value : 0.0)) return;
   reporter().error("E-unknown-parameter", assignment.text_span,
                    fmt::format("the subcircuit {} has no parameter '{}'{}", inner.definition().name, assignment.text,

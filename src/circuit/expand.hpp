@@ -19,7 +19,7 @@ class Expander {
   void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
   void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
-  void give(Place& place, const netlist::Item& assignment, Scope& inner);
+  void give(Place& place, const netlist::Card& card, const netlist::Item& assignment, Scope& inner);
   void condition(Place& place, const netlist::Item& item);
   [[nodiscard]] std::string full_node_name(const Place& place, const std::string& name) const;
   [[nodiscard]] Reporter& reporter() { return session_.reporter; }

@@ -17,7 +17,7 @@ using ItemKind = Item::Kind;
 
 /// Places of the terminals, from 0.
 constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
-constexpr std::string_view name_begin = "ltspice.", with_delay = "td";
+constexpr std::string_view name_begin = "ltspice.", with_delay = "td", no_outputs = "none";
 
 enum class Logic { buffer, inverter, conjunction, disjunction, one_of_two, schmitt, set_reset, delay };
 
@@ -56,25 +56,29 @@ struct Device {
   bool is_late = false;
 
   [[nodiscard]] std::string name() const {
-    return fmt::format("{}{}.{}.{}{}", name_begin, type->name, used, outputs, is_late ? fmt::format(".{}", with_delay) : "");
+    return fmt::format("{}{}.{}.{}{}", name_begin, type->name, used, outputs.empty() ? no_outputs : outputs,
+                       is_late ? fmt::format(".{}", with_delay) : "");
   }
   [[nodiscard]] bool uses(char input) const { return used.find(input) != std::string::npos; }
 };
 
+/// Of that name; without a type where the name is none that Device::name writes.
 Device device_named(std::string_view name) {
-  Device device;
-  if (!name.starts_with(name_begin)) return device;
   std::vector<std::string_view> parts;
-  for (name.remove_prefix(name_begin.size()); !name.empty();) {
-    const std::size_t end = std::min(name.find('.'), name.size());
-    parts.push_back(name.substr(0, end));
-    name.remove_prefix(std::min(end + 1, name.size()));
+  for (std::string_view rest = name.starts_with(name_begin) ? name.substr(name_begin.size()) : ""; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('.'), rest.size());
+    parts.push_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
   }
+  Device device;
   if (parts.size() < 3) return device;
+  for (const char digit : {'1', '2', '3', '4', '5'})
+    if (parts[1].find(digit) != std::string_view::npos) device.used += digit;
+  for (const char digit : {'6', '7'})
+    if (parts[2].find(digit) != std::string_view::npos) device.outputs += digit;
+  device.is_late = parts.size() > 3;
   device.type = find_type(parts[0]);
-  device.used = parts[1];
-  device.outputs = parts[2];
-  device.is_late = parts.size() > 3 && parts[3] == with_delay;
+  if (device.type != nullptr && !same_name(device.name(), name)) device.type = nullptr;
   return device;
 }
 
@@ -86,7 +90,7 @@ class Writer {
   std::string write() {
     head();
     if (device_.type->logic == Logic::schmitt) {
-      closes("y", "one", device_.uses('1') ? "i1" : "com", device_.uses('2') ? "i2" : "com", "trip");
+      closes("y", "_one", device_.uses('1') ? "i1" : "com", device_.uses('2') ? "i2" : "com", "trip");
     } else if (device_.type->logic == Logic::set_reset) {
       bits(device_.used);
       latch("y", sum({{"1", 1}, {"2", -2}}));
@@ -95,7 +99,7 @@ class Writer {
     } else {
       gate();
     }
-    const std::string bit = device_.is_late ? late() : "y";
+    const std::string bit = device_.is_late ? late() : "_y";
     levels(bit);
     return text_ + ".ends\n";
   }
@@ -116,7 +120,7 @@ class Writer {
     for (const char input : device_.used) ports += fmt::format(" i{}", input);
     for (const char out : device_.outputs) ports += fmt::format(" o{}", out);
     card(".subckt {}{} com params: vhigh=1 vlow=0 ref={{(vhigh+vlow)/2}} vt={{(vhigh+vlow)/2}} vh=0 td=0", device_.name(), ports);
-    card("Vone one com 1");
+    card("Vone _one com 1");
     card(".model high SW(Vt={{ref}})");
     card(".model low SW(Vt={{-ref}})");
     card(".model trip SW(Vt={{vt}} Vh={{vh}})");
@@ -124,43 +128,43 @@ class Writer {
     card(".model latch SW(Vt=0 Vh=0.5)");
   }
 
-  /// `node` is what `from` is while the switch is closed, else 0.
+  /// Node _`node` is what `from` is while the switch is closed, else 0. Nodes begin with _, so that no .global is one of them.
   void closes(std::string_view node, std::string_view from, std::string_view p, std::string_view n, std::string_view model) {
-    card("S{0} {1} {0} {2} {3} {4}", node, from, p, n, model);
-    card("R{0} {0} com 1", node);
+    card("S{0} {1} _{0} {2} {3} {4}", node, from, p, n, model);
+    card("R{0} _{0} com 1", node);
   }
 
   void bits(const std::string& of) {
-    for (const char input : of) closes(fmt::format("b{}", input), "one", fmt::format("i{}", input), "com", "high");
+    for (const char input : of) closes(fmt::format("b{}", input), "_one", fmt::format("i{}", input), "com", "high");
   }
 
   /// Of the bits that are used.
   [[nodiscard]] std::string sum(std::initializer_list<Part> parts) const {
     std::string text;
     for (const Part& part : parts)
-      if (device_.uses(part.input[0])) text += fmt::format("{:+}*v(b{},com)", part.weight, part.input);
+      if (device_.uses(part.input[0])) text += fmt::format("{:+}*v(_b{},com)", part.weight, part.input);
     return text;
   }
 
   void latch(std::string_view node, std::string_view set) {
-    card("B{0} c{0} com V=0{1}", node, set);
-    closes(node, "one", fmt::format("c{}", node), "com", "latch");
+    card("B{0} _c{0} com V=0{1}", node, set);
+    closes(node, "_one", fmt::format("_c{}", node), "com", "latch");
   }
 
   void gate() {
     const auto count = static_cast<double>(device_.used.size());
     if (device_.used.size() == 1) {
       const std::string input = fmt::format("i{}", device_.used[0]);
-      return closes("y", "one", input, "com", "high");
+      return closes("y", "_one", input, "com", "high");
     }
     bits(device_.used);
     std::string all;
-    for (const char input : device_.used) all += fmt::format("+v(b{},com)", input);
-    card("Bs s com V=0{}{:+}", all, device_.type->logic == Logic::conjunction ? 0.5 - count : -0.5);
-    if (device_.type->logic != Logic::one_of_two) return closes("y", "one", "s", "com", "sum");
-    closes("x", "one", "s", "com", "sum");
-    card("Bt t com V=v(s,com)-1");
-    closes("y", "x", "com", "t", "sum");
+    for (const char input : device_.used) all += fmt::format("+v(_b{},com)", input);
+    card("Bs _s com V=0{}{:+}", all, device_.type->logic == Logic::conjunction ? 0.5 - count : -0.5);
+    if (device_.type->logic != Logic::one_of_two) return closes("y", "_one", "_s", "com", "sum");
+    closes("x", "_one", "_s", "com", "sum");
+    card("Bt _t com V=v(_s,com)-1");
+    closes("y", "_x", "com", "_t", "sum");
   }
 
   /// A master that follows D while the clock is low, and a slave that follows it while the clock is high; preset and clear act on both.
@@ -170,24 +174,45 @@ class Writer {
     bits(without_clock);
     const std::string force = sum({{"4", 4}, {"5", -8}});
     const std::string_view clock = device_.uses('3') ? "i3" : "com";
-    card("Bd d com V={}-1", device_.uses('1') ? "2*v(b1,com)" : "0");
-    closes("dm", "d", "com", clock, "low");
-    latch("m", "+v(dm,com)" + force);
-    card("Bk k com V=2*v(m,com)-1");
-    closes("ks", "k", clock, "com", "high");
-    latch("y", "+v(ks,com)" + force);
+    card("Bd _d com V={}-1", device_.uses('1') ? "2*v(_b1,com)" : "0");
+    closes("dm", "_d", "com", clock, "low");
+    latch("m", "+v(_dm,com)" + force);
+    card("Bk _k com V=2*v(_m,com)-1");
+    closes("ks", "_k", clock, "com", "high");
+    latch("y", "+v(_ks,com)" + force);
   }
 
-  /// A capacitor takes the delay to charge from 0 to 1 V, and back; what is shorter does not reach the other end.
+  /// Bit p follows y one round later, so that between them an edge shows; each of its two directions starts a timer of its own, and bit e changes when
+  /// that ends. While neither runs, e is what p was: of two edges of one direction within the delay the second is lost, but not what came of it.
   std::string late() {
-    card("Bc com r I=2*v(y,com)-1");
-    card("Cr r com {{td}}");
-    card("Dr r one clamp");
-    card("Dc com r clamp");
+    card(".model half SW(Vt=0.5)");
+    card(".model below SW(Vt=-0.5)");
+    card(".model over SW(Vt=1)");
     card(".model clamp D");
-    card(".model end SW(Vt=0.5 Vh={{0.5-1e-9}})");
-    closes("l", "one", "r", "com", "end");
-    return "l";
+    card("Vtwo _two com 2");
+    latch("p", "+2*v(_y,com)-1");
+    timer("rise", "_y", "_p");
+    timer("fall", "_p", "_y");
+    card("Bidle _idle com V=0.5-v(_rise,com)-v(_fall,com)-v(_riseedge,com)-v(_falledge,com)");
+    latch("q", "+2*v(_p,com)-1");
+    card("Bpast _past com V=2*v(_q,com)-1");
+    closes("now", "_past", "_idle", "com", "sum");
+    latch("e", "+v(_riseend,com)-v(_fallend,com)+v(_now,com)");
+    return "_e";
+  }
+
+  /// The bit of that name runs from an edge on, until 1 A has charged the capacitor to 1 V; then the bit of its end is there for an instant. Else, and at
+  /// that instant, the capacitor is shorted. An edge at the end starts anew.
+  void timer(const std::string& name, std::string_view p, std::string_view n) {
+    const std::string edge = name + "edge", end = name.substr(0, 4) + "end", time = name + "time";
+    closes(edge, "_one", p, n, "half");
+    closes(end, "_one", "_" + time, "com", "over");
+    latch(name, fmt::format("+3*v(_{},com)-2*v(_{},com)", edge, end));
+    card("Bs{0} _s{0} com V=v(_{0},com)-2*v(_{1},com)", name, end);
+    card("I{0} com _{0} 1", time);
+    card("C{0} _{0} com {{td}}", time);
+    card("S{0} _{0} com com _s{1} below", time, name);
+    card("D{0} _{0} _two clamp", time);
   }
 
   void levels(std::string_view bit) {
@@ -210,9 +235,24 @@ class Replacement {
 
   /// Eight words for nodes, and one for the type.
   [[nodiscard]] bool applies() const {
-    if (lower_letter(card_.name.front()) != 'a' || card_.damaged || card_.items.size() <= device_nodes) return false;
+    if (!is_possible() || card_.items.size() <= device_nodes) return false;
     return std::all_of(card_.items.begin(), card_.items.begin() + device_nodes + 1,
                        [](const Item& item) { return item.kind == ItemKind::word && item.text.front() != '%'; });
+  }
+
+  /// With too few nodes; then it has been told.
+  bool lacks_nodes() {
+    constexpr std::size_t most_of_blocks = 4;  ///< words of an XSPICE block before its model
+    for (std::size_t k = most_of_blocks; is_possible() && k < std::min(device_nodes, card_.items.size()); ++k) {
+      const Item& item = card_.items[k];
+      if (item.kind != ItemKind::word || find_type(item.text) == nullptr) continue;
+      if (k + 1 < card_.items.size() && card_.items[k + 1].kind == ItemKind::word) continue;
+      reporter_.error("E-missing-node", item.span,
+                      fmt::format("{} gives {} nodes before {}; LTspice's devices have {}: five inputs, complement, output, common",
+                                  card_.name, k, item.text, device_nodes));
+      return true;
+    }
+    return false;
   }
 
   /// False after an error.
@@ -223,9 +263,10 @@ class Replacement {
     if (device_.type == nullptr) {
       reporter_.error(
           "E-not-supported", type.span,
-          fmt::format("{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT SRFLOP DFLOP, "
-                      "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
-                      card_.name, type.text));
+          fmt::format(
+              "{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT DIFFSCHMITT SRFLOP DFLOP, "
+              "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
+              card_.name, type.text));
       return false;
     }
     call.items.clear();
@@ -238,11 +279,13 @@ class Replacement {
       reporter_.note(
           "N-idealised", type.span,
           "LTspice's gates and flip-flops are idealised: levels Vlow and Vhigh without resistance or edges, an input is high above Ref, "
-          "a delay Td swallows shorter pulses, and a flip-flop starts with Q low");
+          "and a flip-flop starts with Q low");
     return true;
   }
 
  private:
+  [[nodiscard]] bool is_possible() const { return lower_letter(card_.name.front()) == 'a' && !card_.damaged; }
+
   /// Unused ones are tied to the common.
   [[nodiscard]] bool is_used(std::size_t place) const {
     const std::string& node = card_.items[place].text;
@@ -278,6 +321,12 @@ class Replacement {
   bool parameters(Card& call) {
     for (std::size_t k = device_nodes + 1; k < card_.items.size(); ++k) {
       const Item& item = card_.items[k];
+      const auto is_same = [&](const Item& other) { return other.kind == item.kind && same_name(other.text, item.text); };
+      if (item.kind == ItemKind::assignment &&
+          std::any_of(card_.items.begin() + device_nodes, card_.items.begin() + static_cast<std::ptrdiff_t>(k), is_same)) {
+        reporter_.error("E-duplicate-parameter", item.span, fmt::format("{} of {} is given twice", item.text, card_.name));
+        return false;
+      }
       const bool is_trip = device_.type->logic == Logic::schmitt && is_one_of(trip_parameters, item.text);
       if (item.kind == ItemKind::assignment && (is_trip || is_one_of(level_parameters, item.text))) {
         device_.is_late |= same_name(item.text, "td");
@@ -306,15 +355,18 @@ void replace_logic_devices(Definitions& definitions, Reporter& reporter) {
   for (const auto& definition : definitions.all)
     for (const Card*& card : definition->elements) {
       Replacement replacement(*card, reporter);
-      if (!replacement.applies()) continue;
+      const bool lacks_nodes = replacement.lacks_nodes();
+      if (!lacks_nodes && !replacement.applies()) continue;
       Card call;
-      if (!replacement.make(call)) {
+      if (lacks_nodes || !replacement.make(call)) {
         call = *card;
         call.damaged = true;  // it has been told what is wrong with it
       }
       card = &definitions.made.emplace_back(std::move(call));
     }
 }
+
+bool must_not_be_negative(std::string_view parameter) { return same_name(parameter, "td") || same_name(parameter, "vh"); }
 
 std::string logic_subcircuit(std::string_view name) {
   const Device device = device_named(name);

@@ -17,4 +17,7 @@ void replace_logic_devices(Definitions& definitions, Reporter& reporter);
 /// The subcircuit that such a call names, as text of a deck; "" for other names.
 [[nodiscard]] std::string logic_subcircuit(std::string_view name);
 
+/// Of the parameters of such a call.
+[[nodiscard]] bool must_not_be_negative(std::string_view parameter);
+
 }  // namespace pwlsim::circuit

@@ -57,21 +57,15 @@ class SignalList {
 
   void add_all() {
     for (std::size_t k = 0; k < circuit_.nodes().size(); ++k) {
-      if (is_hidden(circuit_.nodes()[k].name)) continue;
+      if (circuit_.hidden.hold(circuit_.nodes()[k].name)) continue;
       add({fmt::format("v({})", circuit_.nodes()[k].name), static_cast<model::NodeIndex>(k), model::ground, -1, ' ', 0});
     }
     for (std::size_t k = 0; k < circuit_.instances.size(); ++k) {
       const elements::Instance& instance = circuit_.instances[k];
       if (instance.raw_system != nullptr) add_all_of(instance, static_cast<int>(k));
-      if (instance.kind == nullptr || !instance.kind->saved_by_default || is_hidden(instance.name)) continue;
+      if (instance.kind == nullptr || !instance.kind->saved_by_default || circuit_.hidden.hold(instance.name)) continue;
       add({fmt::format("i({})", instance.name), model::ground, model::ground, static_cast<int>(k), ' ', 0});
     }
-  }
-
-  /// Whether it lies within what the deck wrote as one element.
-  [[nodiscard]] bool is_hidden(const std::string& name) const {
-    const std::size_t end = name.rfind('.');
-    return end != std::string::npos && !circuit_.hidden.empty() && circuit_.hidden.contains(without_case(name.substr(0, end)));
   }
 
   void add_all_of(const elements::Instance& instance, int element) {

@@ -152,7 +152,7 @@ void Session::take_remarks(const engine::Answer& answer) {
   report_.statistics = answer.statistics;
   report_.jumps = answer.jumps;
   if (options_.events)
-    for (const std::string& text : analysis::jump_texts(answer.jumps, answer.statistics.jumps))
+    for (const std::string& text : analysis::jump_texts(answer.jumps, answer.statistics.jumps, compiled_->hidden))
       messages_.report({Severity::note, "N-jump", {}, text});
   report_.certificate = answer.certificate;
   report_.seconds.simulate = answer.statistics.seconds_simulate;

@@ -3,38 +3,60 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include "engine/remarks.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {
 
-/// From the DC operating point, or with uic from initial values. Where there is no operating point the run starts as with uic and says so; where it
-/// cannot go on from there either, the missing operating point is its error.
-/// `start_at(bool uic)`: a start with its Answer `answer`; `run_from(request, start)`: the run.
-template <class StartAt, class RunFrom>
-Answer run_from_start(const Request& wanted, StartAt start_at, RunFrom run_from) {
-  const auto clock = std::chrono::steady_clock::now();
-  Request request = wanted;
-  auto start = start_at(request.use_initial_conditions);
-  Answer missing;
-  if (!request.use_initial_conditions && start.answer.id == no_operating_point) {
-    missing = start.answer;
-    request.use_initial_conditions = true;
-    start = start_at(true);
-    start.answer.remarks.insert(start.answer.remarks.begin(), starts_without_operating_point(missing.message));
+/// What has no DC operating point, in words: "in the part with node a …", "S1 finds no rest".
+struct MissingRest {
+  std::vector<std::string> parts, elements;
+  [[nodiscard]] bool empty() const { return parts.empty(); }
+  /// A long list is cut.
+  [[nodiscard]] std::string text() const {
+    constexpr std::size_t most_parts = 3;
+    std::string text =
+        fmt::format("no DC operating point: {}",
+                    fmt::join(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(std::min(parts.size(), most_parts)), "; "));
+    if (parts.size() > most_parts) text += fmt::format("; in {} other parts", parts.size() - most_parts);
+    return text;
   }
+};
+
+/// From the DC operating point, or with uic from initial values. Where a part has no operating point the run says so; where it cannot go on from there
+/// either, that is part of its error. `start`: with its Answer `answer` and `missing`; `run_from(start)`: the run.
+template <class Start, class RunFrom>
+Answer run_from_start(const Request& request, std::chrono::steady_clock::time_point began, const Start& start, RunFrom run_from) {
+  constexpr double at_start = 1e-9;  ///< of the run
   if (start.answer.outcome != Outcome::completed) return start.answer;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
-  Answer answer = run_from(request, start);
-  if (!missing.id.empty() && answer.outcome == Outcome::no_solution && answer.time <= 0.0) {
-    answer.id = missing.id;
-    answer.message = fmt::format("{}; and as with uic {}", missing.message, answer.message);
-    return answer;
-  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  Answer answer = run_from(start);
   answer.statistics.seconds_simulate += seconds;
   answer.remarks.insert(answer.remarks.begin(), start.answer.remarks.begin(), start.answer.remarks.end());
+  if (start.missing.empty()) return answer;
+  if (answer.outcome == Outcome::no_solution && answer.time <= at_start * request.stop) {
+    answer.id = no_operating_point;
+    answer.message = fmt::format("{}; and without one {}", start.missing.text(), answer.message);
+  } else {
+    answer.remarks.insert(answer.remarks.begin(), starts_without_operating_point(start.missing.text()));
+  }
+  return answer;
+}
+
+/// The operating point that `start` lacks, as the failure of an analysis that asks for it.
+template <class Start>
+Answer answer_of_operating_point(const Start& start) {
+  Answer answer = start.answer;
+  if (start.missing.empty()) return answer;
+  answer.outcome = Outcome::no_solution;
+  answer.id = no_operating_point;
+  answer.message = start.missing.text() + "; try uic with initial values";
+  answer.elements = start.missing.elements;
   return answer;
 }
 

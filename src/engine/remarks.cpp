@@ -16,13 +16,8 @@ Remark projected_start() {
           "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"};
 }
 
-Answer with_cure(Answer failure) {
-  if (failure.id == no_operating_point) failure.message += "; try uic with initial values";
-  return failure;
-}
-
-Remark starts_without_operating_point(const std::string& why) {
-  return {"W-no-operating-point", why + "; the run starts as with uic: from the values of ic= and .ic, and from zero elsewhere"};
+Remark starts_without_operating_point(const std::string& what) {
+  return {"W-no-operating-point", what + ". It starts from the values of .ic, and from zero elsewhere; try uic, where ic= counts too"};
 }
 
 void ModeText::add(const std::string& name, bool is_on) {

@@ -14,12 +14,9 @@ namespace pwlsim::engine {
 /// W-start-projected: of the whole circuit.
 [[nodiscard]] Remark projected_start();
 
-/// Of a start that found none, whose message says why without a cure.
 inline constexpr const char* no_operating_point = "E-no-operating-point";
-/// The failure of an operating point as an answer, with the cure.
-[[nodiscard]] Answer with_cure(Answer failure);
-/// W-no-operating-point: `why` is the failure's message.
-[[nodiscard]] Remark starts_without_operating_point(const std::string& why);
+/// W-no-operating-point: `what` has none.
+[[nodiscard]] Remark starts_without_operating_point(const std::string& what);
 
 /// Sides of ports for Answer::mode. Ports of one element stand side by side; it is on where one of them is.
 class ModeText {

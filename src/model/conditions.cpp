@@ -94,6 +94,19 @@ Network with_held_conditions(Network network) {
   return network;
 }
 
+Network without_initial_values(Network network) {
+  for (auto& c : network.capacitors) {
+    if (c.starts_there) continue;
+    c.has_initial = false;
+    c.initial_voltage = 0.0;
+  }
+  for (auto& l : network.inductors) {
+    l.has_initial = false;
+    l.initial_current = 0.0;
+  }
+  return network;
+}
+
 Network with_initial_values(Network network) {
   std::map<NodeIndex, double> voltage;
   for (const auto& c : network.node_conditions) voltage[c.node] = c.voltage;

@@ -9,6 +9,9 @@ namespace pwlsim::model {
 /// its current has no voltage of its own to offer (v = 0 is given up for i = value). The nodes in between are new.
 [[nodiscard]] Network with_held_conditions(Network network);
 
+/// Without what `ic=` says: without uic it does not count. What always starts at its values keeps them.
+[[nodiscard]] Network without_initial_values(Network network);
+
 /// The network with initial values, from `.ic`, for the capacitors and inductors that have none of their own.
 [[nodiscard]] Network with_initial_values(Network network);
 

@@ -201,21 +201,28 @@ TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
   CHECK(run.answer.id == "E-no-operating-point");
   CHECK(run.answer.elements == std::vector<std::string>{"SW1"});
   CHECK(run.answer.message ==
-        "no DC operating point: SW1 finds no rest; and as with uic the switches SW1 find no rest at t = 0 s: each position undoes its own "
+        "no DC operating point: SW1 finds no rest; and without one the switches SW1 find no rest at t = 0 s: each position undoes its own "
         "condition; try a hysteresis Vh");
 }
 
-// 2 A into 0.5 F have no rest: v = v(0) + 4 t, from the 3 V that the capacitor is said to hold.
-TEST_CASE("without an operating point a run starts as with uic", "[unit]") {
+// 2 A into 0.5 F have no rest: v = 4 t, from zero, since without uic ic= does not count. The other part has its own: 5 V behind 1 ohm.
+TEST_CASE("a part without an operating point starts from zero, another from its own", "[unit]") {
   Circuit c;
   c.i("0", "a", model::Dc{2.0});
   c.c("a", "0", 0.5, 3.0);
+  c.v("in", "0", model::Dc{5.0});
+  c.r("in", "b", 1.0);
+  c.c("b", "0", 2.0, 1.0);
   c.save_v("a");
+  c.save_v("b");
   const Run run = simulate(c.network(), {2.0, 4, false});
   CHECK(run.answer.outcome == engine::Outcome::completed);
   CHECK(has_remark(run.answer, "W-no-operating-point"));
   CHECK_FALSE(has_remark(run.answer, "W-start-projected"));
-  for (const auto& row : run.rows) CHECK(row[1] == Approx(3.0 + 4.0 * row[0]).margin(tight));
+  for (const auto& row : run.rows) {
+    CHECK(row[1] == Approx(4.0 * row[0]).margin(tight));
+    CHECK(row[2] == Approx(5.0).margin(tight));
+  }
 
   Diagnostics diagnostics;
   const auto model = engine::prepare(c.network(), diagnostics);
@@ -230,7 +237,10 @@ TEST_CASE("without an operating point a run starts as with uic", "[unit]") {
   REQUIRE(large);
   CHECK(has_remark(engine::sparse::run(*large, request, 1e-6, stepped), "W-no-operating-point"));
   REQUIRE(stepped.rows.size() == 3);
-  for (const auto& row : stepped.rows) CHECK(row[1] == Approx(3.0 + 4.0 * row[0]).epsilon(1e-6));
+  for (const auto& row : stepped.rows) {
+    CHECK(row[1] == Approx(4.0 * row[0]).margin(1e-6));
+    CHECK(row[2] == Approx(5.0).margin(1e-6));
+  }
   CHECK(engine::sparse::operating_point(*large).answer.id == "E-no-operating-point");
 }
 

@@ -77,7 +77,7 @@ constexpr Parameter model_parameters[] = {
     part_type,
 };
 
-constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev", "Ilimit", "Revilimit"};
+constexpr std::string_view ideal_names[] = {"Ron", "Roff", "Vfwd", "Vrev", "Rrev"};
 constexpr std::string_view exponential_names[] = {"IS", "N", "RS", "BV"};
 
 /// v = RS·i + N·Vt·ln(i/IS) by its tangent at i0.

@@ -7,21 +7,21 @@
 namespace pwlsim::engine {
 
 Answer run(const ExactModel& model, const Request& request, RowSink& sink) {
-  return run_from_start(
-      request, [&](bool uic) { return uic ? start_from_initial_values(model) : start_from_operating_point(model); },
-      [&](const Request& begun, const Start& start) { return Transient(model, begun, sink).run(start); });
+  const auto began = std::chrono::steady_clock::now();
+  const Start start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
+  return run_from_start(request, began, start, [&](const Start& from) { return Transient(model, request, sink).run(from); });
 }
 
 OperatingPoint operating_point(const ExactModel& model) {
-  Start start = start_from_operating_point(model);
+  const Start start = start_from_operating_point(model);
   OperatingPoint result;
   result.values.assign(model.signal_names.size(), 0.0);
   for (std::size_t i = 0; i < start.signals.size(); ++i) {
     const model::System& s = model.islands[i].extraction.system;
     for (std::size_t k = 0; k < s.outputs.size(); ++k) result.values[static_cast<std::size_t>(s.output_signal[k])] += start.signals[i][k];
   }
-  start.answer.remarks.insert(start.answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
-  result.answer = with_cure(std::move(start.answer));
+  result.answer = answer_of_operating_point(start);
+  result.answer.remarks.insert(result.answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return result;
 }
 

@@ -39,56 +39,79 @@ std::vector<char> active_switches(const model::System& s, const std::vector<char
   return active;
 }
 
-using Given = std::map<std::size_t, StaticSolution>;
+/// Where an island without an operating point starts: at its `.ic` values, and zero elsewhere.
+StaticSolution start_without_rest(const IslandModel& island, std::vector<Remark>& remarks);
 
 class OperatingPointSolver {
  public:
-  /// `given`: islands whose state at the start is not theirs to find.
-  OperatingPointSolver(const std::vector<const model::System*>& systems, const std::vector<SwitchInfo>& switches, Given given)
-      : systems_(systems), given_(std::move(given)), solutions_(systems.size()) {
-    for (const auto& s : switches) {
-      on.push_back(s.initially_on);
-      names_.push_back(s.name);
-    }
-    restless_.resize(names_.size());
+  /// `systems`: those of the islands, or with their `.ic` values held.
+  OperatingPointSolver(const ExactModel& model, std::vector<const model::System*> systems)
+      : model_(model), systems_(std::move(systems)), given_(systems_.size(), 0), solutions_(systems_.size()) {
+    for (const auto& s : model.switches) on.push_back(s.initially_on);
+    restless_.resize(on.size());
+    frozen_.resize(on.size());
   }
 
-  bool run(Answer& answer) {
-    for (int round = 0; round < most_rounds; ++round) {
-      if (round == simultaneous_rounds) std::fill(restless_.begin(), restless_.end(), 0);
-      if (!solve_all(answer)) return false;
-      if (!flip_switches(round < simultaneous_rounds)) return true;
-    }
-    answer.outcome = Outcome::no_solution;
-    answer.id = no_operating_point;
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (restless_[i] != 0) answer.elements.push_back(names_[i]);
-    answer.message = fmt::format("no DC operating point: {} {} no rest", fmt::join(answer.elements, ", "),
-                                 answer.elements.size() == 1 ? "finds" : "find");
-    return false;
+  /// An island whose state at the start is not its to find.
+  void give(std::size_t island, StaticSolution solution) {
+    solutions_[island] = std::move(solution);
+    given_[island] = 1;
+  }
+
+  /// Islands without a rest, and those that hold or drive switches without one, start otherwise; `missing` says which.
+  void run(MissingRest& missing, std::vector<Remark>& remarks) {
+    while (!settles(missing, remarks)) give_up_restless(missing, remarks);
   }
 
   [[nodiscard]] const StaticSolution& solution(std::size_t i) const { return solutions_[i]; }
+  /// Its own, or with its `.ic` values held.
+  [[nodiscard]] const model::System& system(std::size_t i) const { return *systems_[i]; }
   std::vector<char> on;
 
  private:
-  bool solve_all(Answer& answer) {
+  bool settles(MissingRest& missing, std::vector<Remark>& remarks) {
+    for (int round = 0; round < most_rounds; ++round) {
+      if (round == simultaneous_rounds) std::fill(restless_.begin(), restless_.end(), 0);
+      solve_all(missing, remarks);
+      if (!flip_switches(round < simultaneous_rounds)) return true;
+    }
+    return false;
+  }
+
+  void solve_all(MissingRest& missing, std::vector<Remark>& remarks) {
     for (std::size_t i = 0; i < systems_.size(); ++i) {
+      if (given_[i] != 0) continue;
       const model::System& s = *systems_[i];
-      if (const auto it = given_.find(i); it != given_.end()) {
-        solutions_[i] = it->second;
-        continue;
-      }
       solutions_[i] = solve_static(s, zeta_before_start(s), active_switches(s, on));
       if (solutions_[i].status == StaticSolution::Status::solved) continue;
-      answer.outcome = Outcome::no_solution;
-      answer.id = no_operating_point;
-      answer.message =
-          fmt::format("no DC operating point in the part with {}: with its inductors short and its capacitors open no solution exists",
-                      island_elements(s));
-      return false;
+      missing.parts.push_back(
+          fmt::format("in the part with {}, with its inductors short and its capacitors open, no solution exists", island_elements(s)));
+      start_from_values(i, remarks);
     }
-    return true;
+  }
+
+  void start_from_values(std::size_t i, std::vector<Remark>& remarks) {
+    systems_[i] = &model_.islands[i].extraction.system;
+    give(i, start_without_rest(model_.islands[i], remarks));
+  }
+
+  /// Restless switches stand where they do at the start of a run with uic.
+  void give_up_restless(MissingRest& missing, std::vector<Remark>& remarks) {
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < on.size(); ++k) {
+      if (restless_[k] == 0) continue;
+      names.push_back(model_.switches[k].name);
+      frozen_[k] = 1;
+      on[k] = model_.switches[k].initially_on;
+      for (std::size_t i = 0; i < systems_.size(); ++i) {
+        const auto& controls = systems_[i]->controls;
+        const bool drives = std::any_of(controls.begin(), controls.end(),
+                                        [&](const model::Control& control) { return static_cast<std::size_t>(control.driven) == k; });
+        if (given_[i] == 0 && (drives || model_.switches[k].island == static_cast<int>(i))) start_from_values(i, remarks);
+      }
+    }
+    missing.parts.push_back(fmt::format("{} {} no rest", fmt::join(names, ", "), names.size() == 1 ? "finds" : "find"));
+    missing.elements.insert(missing.elements.end(), names.begin(), names.end());
   }
 
   /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
@@ -96,24 +119,26 @@ class OperatingPointSolver {
     bool flipped = false;
     for (std::size_t i = 0; i < systems_.size(); ++i)
       for (const auto& control : systems_[i]->controls) {
+        const auto k = static_cast<std::size_t>(control.driven);
+        if (frozen_[k] != 0) continue;
         const double value = control.value.state.dot(solutions_[i].x) + control.value.input.dot(solutions_[i].u);
-        char& is_on = on[static_cast<std::size_t>(control.driven)];
         // On the threshold itself nothing moves: it is a value at rest.
-        const bool flip = is_on != 0 ? value < control.off_level : value > control.on_level;
+        const bool flip = on[k] != 0 ? value < control.off_level : value > control.on_level;
         if (!flip) continue;
-        is_on = is_on == 0;
-        restless_[static_cast<std::size_t>(control.driven)] = 1;
+        on[k] = on[k] == 0;
+        restless_[k] = 1;
         flipped = true;
         if (!together) return true;
       }
     return flipped;
   }
 
+  const ExactModel& model_;
   std::vector<const model::System*> systems_;
-  Given given_;
+  std::vector<char> given_;
   std::vector<StaticSolution> solutions_;
-  std::vector<std::string> names_;
   std::vector<char> restless_;  ///< switches that have changed sides since they do so one by one
+  std::vector<char> frozen_;    ///< and those that are no longer asked
 };
 
 bool has_conditions(const model::Island& island) {
@@ -164,14 +189,14 @@ bool contradicts(const model::Network& network, const Vector& given, const Vecto
   return false;
 }
 
-/// Without the part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow.
-Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& remarks) {
+/// Without the part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow. `values`: the island with those meant.
+Vector projected_initial_state(const IslandModel& island, const model::Island& values, std::vector<Remark>& remarks) {
   const model::Descriptor& d = island.extraction.descriptor;
   const model::System& s = island.extraction.system;
-  const Vector full = model::initial_state(with_initial_values(island.island));
+  const Vector full = model::initial_state(with_initial_values(values));
   Vector x(s.size());
   x << d.reduce * full, zeta_before_start(s);
-  if (contradicts(island.island.network, full, d.store_state * x))
+  if (contradicts(values.network, full, d.store_state * x))
     remarks.push_back(
         {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
                                           "as any jump, conserving charge and flux",
@@ -179,20 +204,24 @@ Vector projected_initial_state(const IslandModel& island, std::vector<Remark>& r
   return x.head(s.n);
 }
 
-/// Islands of states that start where they are told to, with uic or without: no input acts before the start.
-Given given_starts(const ExactModel& model) {
-  Given given;
-  for (std::size_t i = 0; i < model.islands.size(); ++i) {
-    const auto& capacitors = model.islands[i].island.network.capacitors;
-    if (!std::any_of(capacitors.begin(), capacitors.end(), [](const model::Capacitor& c) { return c.starts_there; })) continue;
-    const model::System& s = model.islands[i].extraction.system;
-    StaticSolution solution;
-    solution.x.resize(s.size());
-    solution.x << model.islands[i].extraction.descriptor.reduce * model::initial_state(model.islands[i].island), zeta_before_start(s);
-    solution.u = Vector::Zero(s.ports);
-    given.emplace(i, std::move(solution));
-  }
-  return given;
+StaticSolution at_state(const model::System& s, const Vector& xi) {
+  StaticSolution solution;
+  solution.x.resize(s.size());
+  solution.x << xi, zeta_before_start(s);
+  solution.u = Vector::Zero(s.ports);
+  return solution;
+}
+
+StaticSolution start_without_rest(const IslandModel& island, std::vector<Remark>& remarks) {
+  model::Island values = island.island;
+  values.network = model::without_initial_values(std::move(values.network));
+  return at_state(island.extraction.system, projected_initial_state(island, values, remarks));
+}
+
+/// A raw system, which starts where it is told to, with uic or without: no input acts before the start.
+bool starts_where_told(const IslandModel& island) {
+  const auto& capacitors = island.island.network.capacitors;
+  return std::any_of(capacitors.begin(), capacitors.end(), [](const model::Capacitor& c) { return c.starts_there; });
 }
 
 }  // namespace
@@ -216,8 +245,13 @@ Start start_from_operating_point(const ExactModel& model) {
     forced.emplace(i, std::move(*extraction));
     systems.back() = &forced.at(i).system;
   }
-  OperatingPointSolver solver(systems, model.switches, given_starts(model));
-  if (!solver.run(start.answer)) return start;
+  OperatingPointSolver solver(model, std::move(systems));
+  for (std::size_t i = 0; i < model.islands.size(); ++i) {
+    const IslandModel& island = model.islands[i];
+    if (starts_where_told(island))
+      solver.give(i, at_state(island.extraction.system, island.extraction.descriptor.reduce * model::initial_state(island.island)));
+  }
+  solver.run(start.missing, start.answer.remarks);
   start.on = solver.on;
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
     const StaticSolution& solution = solver.solution(i);
@@ -227,14 +261,14 @@ Start start_from_operating_point(const ExactModel& model) {
           {"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
                                           "floating capacitor); the run starts from the one of least energy",
                                           island_elements(s))});
-    if (const auto it = forced.find(i); it != forced.end()) {
+    if (const auto it = forced.find(i); it != forced.end() && &it->second.system == &solver.system(i)) {
       start.xi.push_back(energy_from(model.islands[i], it->second.system, solution));
     } else {
       start.xi.push_back(solution.x.head(s.n));
     }
     std::vector<double>& values = start.signals.emplace_back();
     for (std::size_t k = 0; k < s.outputs.size(); ++k) {
-      const model::OutputRow& row = systems[i]->outputs[k];
+      const model::OutputRow& row = solver.system(i).outputs[k];
       values.push_back(row.state.dot(solution.x) + row.input.dot(solution.u));
     }
   }
@@ -244,8 +278,8 @@ Start start_from_operating_point(const ExactModel& model) {
 Start start_from_initial_values(const ExactModel& model) {
   Start start;
   for (const auto& s : model.switches) start.on.push_back(s.initially_on);
-  for (const auto& island : model.islands) start.xi.push_back(projected_initial_state(island, start.answer.remarks));
-  for (const auto& island : model.left_out) projected_initial_state(island, start.answer.remarks);
+  for (const auto& island : model.islands) start.xi.push_back(projected_initial_state(island, island.island, start.answer.remarks));
+  for (const auto& island : model.left_out) projected_initial_state(island, island.island, start.answer.remarks);
   return start;
 }
 

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "engine/from_start.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {
 
 struct Start {
   Answer answer;                             ///< outcome and remarks
+  MissingRest missing;                       ///< operating point only: parts that have none start from `.ic` values, and zero elsewhere
   std::vector<linalg::Vector> xi;            ///< energy coordinates of each island
   std::vector<char> on;                      ///< switches
   std::vector<std::vector<double>> signals;  ///< operating point only: each island's share of its signals

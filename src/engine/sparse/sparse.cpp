@@ -29,7 +29,8 @@ class SparseModel {
 namespace {
 
 struct Starts {
-  Answer answer;  ///< of the first part that has none
+  Answer answer;  ///< of the first part that cannot start
+  MissingRest missing;
   std::vector<Start> parts;
 };
 
@@ -38,6 +39,8 @@ Starts starts_of(const SparseModel& model, bool uic) {
   for (const auto& part : model.parts) {
     starts.parts.push_back(uic ? start_from_initial_values(part->island.network, part->descriptor)
                                : start_from_operating_point(part->island.network, part->descriptor));
+    const auto& missing = starts.parts.back().missing.parts;
+    starts.missing.parts.insert(starts.missing.parts.end(), missing.begin(), missing.end());
     if (starts.parts.back().answer.outcome == Outcome::completed) continue;
     starts.answer = starts.parts.back().answer;
     starts.parts.clear();
@@ -76,11 +79,11 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
 }
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  Answer answer = run_from_start(
-      request, [&](bool uic) { return starts_of(model, uic); },
-      [&](const Request& begun, const Starts& starts) {
-        return Transient(model.parts, model.signals, begun, reltol, sink).run(starts.parts);
-      });
+  const auto began = std::chrono::steady_clock::now();
+  const Starts starts = starts_of(model, request.use_initial_conditions);
+  Answer answer = run_from_start(request, began, starts, [&](const Starts& from) {
+    return Transient(model.parts, model.signals, request, reltol, sink).run(from.parts);
+  });
   answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return answer;
 }
@@ -92,7 +95,7 @@ OperatingPoint operating_point(const SparseModel& model) {
   for (std::size_t k = 0; k < starts.parts.size(); ++k)
     for (std::size_t i = 0; i < starts.parts[k].signals.size(); ++i)
       result.values[static_cast<std::size_t>(model.parts[k]->island.signal_number[i])] += starts.parts[k].signals[i];
-  result.answer = with_cure(starts.answer);
+  result.answer = answer_of_operating_point(starts);
   result.answer.remarks = model.remarks;
   return result;
 }

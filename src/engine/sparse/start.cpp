@@ -54,6 +54,7 @@ class RestFinder {
   Position on;
   std::vector<double> z;
   std::string problem;
+  bool is_singular = false;
   [[nodiscard]] const std::vector<double>& w() const { return w_; }
 
  private:
@@ -67,19 +68,20 @@ class RestFinder {
         before = z;
         descriptor_.rates(before.data(), w_.data(), right.data());
         const Solved solved = ports_.solve({1.0 / (size * time), before, right, w_}, on, moved, z);
-        if (solved == Solved::singular) {
+        is_singular = solved == Solved::singular;
+        if (is_singular) {
           const int unknown = factors_.singular_unknown();
           problem =
               unknown >= 0 ? fmt::format("the equations leave {} open", descriptor_.unknown_name(unknown)) : "the equations are singular";
           return false;
         }
         if (solved != Solved::yes) {
-          problem = "no position of the diodes satisfies it";
+          problem = "no position of the diodes satisfies the circuit";
           return false;
         }
         if (step > 0 && rests(before)) return true;
       }
-    problem = "with its inductors short and its capacitors open it has no rest";
+    problem = "nothing comes to rest with inductors short and capacitors open";
     return false;
   }
 
@@ -135,9 +137,15 @@ Start start_from_operating_point(const Network& network, const Descriptor& descr
   const Descriptor system(forced);
   RestFinder point(forced, system);
   if (!point.run()) {
-    start.answer.outcome = Outcome::no_solution;
-    start.answer.id = no_operating_point;
-    start.answer.message = "no DC operating point: " + point.problem;
+    if (point.is_singular && forced.branches.size() + forced.injections.size() > network.branches.size() + network.injections.size()) {
+      start.answer.outcome = Outcome::no_solution;
+      start.answer.id = "E-ic-contradiction";
+      start.answer.message = fmt::format(".ic forces voltages or currents that contradict sources or each other: {}", point.problem);
+      return start;
+    }
+    start = start_from_initial_values(model::without_initial_values(network), descriptor);
+    start.missing.parts.push_back(fmt::format("in the part with {} {}", descriptor.unknown_name(0), point.problem));
+    start.signals.assign(network.signals.size(), 0.0);
     return start;
   }
   start.on = point.on;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/from_start.hpp"
 #include "engine/run.hpp"
 #include "engine/sparse/controls.hpp"
 
@@ -14,13 +15,14 @@ struct Start {
   std::vector<double> states;  ///< in the order of Descriptor::states, in volts
   Position on;
   std::vector<double> signals;  ///< operating point only
+  MissingRest missing;          ///< operating point only: where it has none it starts from `.ic` values, and zero elsewhere
 };
 
 /// `ic=` and `.ic` values, zero elsewhere.
 [[nodiscard]] Start start_from_initial_values(const model::Network& network, const Descriptor& descriptor);
 
 /// Sources at their value just before t = 0, complementarity satisfied, `.ic` values forced: implicit Euler steps of ever larger size from
-/// empty stores, until nothing changes. What has no rest (a loop without resistance, a floating capacitor) stays as empty as it can be.
+/// empty stores, until nothing changes. What is not determined (a loop without resistance, a floating capacitor) stays as empty as it can be.
 [[nodiscard]] Start start_from_operating_point(const model::Network& network, const Descriptor& descriptor);
 
 }  // namespace pwlsim::engine::sparse

@@ -78,7 +78,10 @@ bool Transient::begin(const std::vector<Start>& starts) {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
     const Start& start = starts[i];
-    if (!track.block.begin(start)) return fail(track.block.failure());
+    if (!track.block.begin(start)) {
+      order_.clear();  // others are a little beyond 0 already
+      return fail(track.block.failure());
+    }
     note_before_start(track, start);
     projected |= track.block.start_projected() && request_.use_initial_conditions;
     order_.push_back(i);
