@@ -3,7 +3,6 @@
 /// common; what is not used is tied to the common. Each becomes the call of a subcircuit of ideal switches that is written for the terminals it
 /// uses (LTspice's help, "A. Special Functions").
 
-#include <string>
 #include <string_view>
 
 #include "circuit/definitions.hpp"
@@ -13,9 +12,6 @@ namespace pwlsim::circuit {
 
 /// Puts calls in place of the A devices that are known by their type. Others are errors: their cards stay.
 void replace_logic_devices(Definitions& definitions, Reporter& reporter);
-
-/// The subcircuit that such a call names, as text of a deck; "" for other names.
-[[nodiscard]] std::string logic_subcircuit(std::string_view name);
 
 /// Of the parameters of such a call.
 [[nodiscard]] bool must_not_be_negative(std::string_view parameter);

@@ -7,7 +7,7 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
-#include "circuit/logic_device.hpp"
+#include "circuit/logic_subcircuit.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim::circuit {

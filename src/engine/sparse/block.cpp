@@ -45,6 +45,7 @@ constexpr double hopeless_stretch = 1e-6;
 /// Nearly every second one leads to a passage after which every port stays on its side, between so many looks in a row.
 constexpr std::uint64_t many_idle = steps_between_looks * 2 / 5;
 constexpr int most_idle_looks = 2;
+constexpr double idle_stretch = 0.05;
 /// So many passages in a row after which every port stays on its side: with such residuals it should not have stayed there.
 constexpr int most_idle_passages = 2'000;
 
@@ -147,7 +148,7 @@ std::string Block::why_nowhere(double stretch) {
   if (is_quiet && stretch <= hopeless_stretch * request_.stop)
     return fmt::format("what is left would take {:.0e} of them",
                        static_cast<double>(steps_between_looks) * (request_.stop - point_.time) / stretch);
-  if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= slow_stretch * request_.stop)
+  if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= idle_stretch * request_.stop)
     return fmt::format("at {} of them ports leave their sides and find no others", idle);
   if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * request_.stop) return "";
   if (is_senseless || (is_worse && worst >= hopeless())) return fmt::format("violate the circuit's laws by {:.1e}", worst);

@@ -1,0 +1,205 @@
+#include "circuit/logic_subcircuit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/names.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+constexpr std::string_view name_begin = "ltspice.", with_delay = "td", no_outputs = "none";
+
+constexpr LogicType types[] = {
+    {"buf", Logic::buffer, "12345", 1, 1}, {"inv", Logic::inverter, "12345", 1, 1}, {"and", Logic::conjunction, "12345"},
+    {"or", Logic::disjunction, "12345"},   {"xor", Logic::one_of_two, "12345"},     {"schmitt", Logic::schmitt, "12"},
+    {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::delay, "1345"},
+};
+
+/// Of that name; without a type where the name is none that Device::name writes.
+LogicDevice device_named(std::string_view name) {
+  std::vector<std::string_view> parts;
+  for (std::string_view rest = name.starts_with(name_begin) ? name.substr(name_begin.size()) : ""; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('.'), rest.size());
+    parts.push_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  LogicDevice device;
+  if (parts.size() < 3) return device;
+  for (const char digit : {'1', '2', '3', '4', '5'})
+    if (parts[1].find(digit) != std::string_view::npos) device.used += digit;
+  for (const char digit : {'6', '7'})
+    if (parts[2].find(digit) != std::string_view::npos) device.outputs += digit;
+  device.is_late = parts.size() > 3;
+  device.type = find_logic_type(parts[0]);
+  if (device.type != nullptr && !same_name(device.name(), name)) device.type = nullptr;
+  return device;
+}
+
+/// The cards of a device's subcircuit. Its logic is in bits of 0 and 1 V against the common: node y holds the answer.
+class Writer {
+ public:
+  explicit Writer(const LogicDevice& device) : device_(device) {}
+
+  std::string write() {
+    head();
+    if (device_.type->logic == Logic::schmitt) {
+      closes("y", "_one", device_.uses('1') ? "i1" : "com", device_.uses('2') ? "i2" : "com", "trip");
+    } else if (device_.type->logic == Logic::set_reset) {
+      bits(device_.used);
+      latch("y", sum({{"1", 1}, {"2", -2}}));
+    } else if (device_.type->logic == Logic::delay) {
+      flip_flop();
+    } else {
+      gate();
+    }
+    const std::string bit = device_.is_late ? late() : "_y";
+    levels(bit);
+    return text_ + ".ends\n";
+  }
+
+ private:
+  struct Part {
+    std::string input;
+    int weight = 1;
+  };
+
+  template <class... Arguments>
+  void card(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    text_ += fmt::format(format, std::forward<Arguments>(arguments)...) + "\n";
+  }
+
+  void head() {
+    std::string ports;
+    for (const char input : device_.used) ports += fmt::format(" i{}", input);
+    for (const char out : device_.outputs) ports += fmt::format(" o{}", out);
+    card(".subckt {}{} com params: vhigh=1 vlow=0 ref={{(vhigh+vlow)/2}} vt={{(vhigh+vlow)/2}} vh=0 td=0", device_.name(), ports);
+    card("Vone _one com 1");
+    card(".model high SW(Vt={{ref}})");
+    card(".model low SW(Vt={{-ref}})");
+    card(".model trip SW(Vt={{vt}} Vh={{vh}})");
+    card(".model sum SW(Vt=0)");
+    card(".model latch SW(Vt=0 Vh=0.5)");
+  }
+
+  /// Node _`node` is what `from` is while the switch is closed, else 0. Nodes begin with _, so that no .global is one of them.
+  void closes(std::string_view node, std::string_view from, std::string_view p, std::string_view n, std::string_view model) {
+    card("S{0} {1} _{0} {2} {3} {4}", node, from, p, n, model);
+    card("R{0} _{0} com 1", node);
+  }
+
+  void bits(const std::string& of) {
+    for (const char input : of) closes(fmt::format("b{}", input), "_one", fmt::format("i{}", input), "com", "high");
+  }
+
+  /// Of the bits that are used.
+  [[nodiscard]] std::string sum(std::initializer_list<Part> parts) const {
+    std::string text;
+    for (const Part& part : parts)
+      if (device_.uses(part.input[0])) text += fmt::format("{:+}*v(_b{},com)", part.weight, part.input);
+    return text;
+  }
+
+  void latch(std::string_view node, std::string_view set) {
+    card("B{0} _c{0} com V=0{1}", node, set);
+    closes(node, "_one", fmt::format("_c{}", node), "com", "latch");
+  }
+
+  void gate() {
+    const auto count = static_cast<double>(device_.used.size());
+    if (device_.used.size() == 1) {
+      const std::string input = fmt::format("i{}", device_.used[0]);
+      return closes("y", "_one", input, "com", "high");
+    }
+    bits(device_.used);
+    std::string all;
+    for (const char input : device_.used) all += fmt::format("+v(_b{},com)", input);
+    card("Bs _s com V=0{}{:+}", all, device_.type->logic == Logic::conjunction ? 0.5 - count : -0.5);
+    if (device_.type->logic != Logic::one_of_two) return closes("y", "_one", "_s", "com", "sum");
+    closes("x", "_one", "_s", "com", "sum");
+    card("Bt _t com V=v(_s,com)-1");
+    closes("y", "_x", "com", "_t", "sum");
+  }
+
+  /// A master that follows D while the clock is low, and a slave that follows it while the clock is high; preset and clear act on both.
+  void flip_flop() {
+    std::string without_clock = device_.used;
+    std::erase(without_clock, '3');
+    bits(without_clock);
+    const std::string force = sum({{"4", 4}, {"5", -8}});
+    const std::string_view clock = device_.uses('3') ? "i3" : "com";
+    card("Bd _d com V={}-1", device_.uses('1') ? "2*v(_b1,com)" : "0");
+    closes("dm", "_d", "com", clock, "low");
+    latch("m", "+v(_dm,com)" + force);
+    card("Bk _k com V=2*v(_m,com)-1");
+    closes("ks", "_k", clock, "com", "high");
+    latch("y", "+v(_ks,com)" + force);
+  }
+
+  /// Bit p follows y one round later, so that between them an edge shows; each of its two directions starts a timer of its own, and bit e changes when
+  /// that ends. While neither runs, e is what p was: of two edges of one direction within the delay the second is lost, but not what came of it.
+  std::string late() {
+    card(".model half SW(Vt=0.5)");
+    card(".model below SW(Vt=-0.5)");
+    card(".model over SW(Vt=1)");
+    card(".model clamp D");
+    card("Vtwo _two com 2");
+    latch("p", "+2*v(_y,com)-1");
+    timer("rise", "_y", "_p");
+    timer("fall", "_p", "_y");
+    card("Bidle _idle com V=0.5-v(_rise,com)-v(_fall,com)-v(_riseedge,com)-v(_falledge,com)");
+    latch("q", "+2*v(_p,com)-1");
+    card("Bpast _past com V=2*v(_q,com)-1");
+    closes("now", "_past", "_idle", "com", "sum");
+    latch("e", "+v(_riseend,com)-v(_fallend,com)+v(_now,com)");
+    return "_e";
+  }
+
+  /// The bit of that name runs from an edge on, until 1 A has charged the capacitor to 1 V; then the bit of its end is there for an instant. Else, and at
+  /// that instant, the capacitor is shorted. An edge at the end starts anew.
+  void timer(const std::string& name, std::string_view p, std::string_view n) {
+    const std::string edge = name + "edge", end = name + "end", time = name + "time";
+    closes(edge, "_one", p, n, "half");
+    closes(end, "_one", "_" + time, "com", "over");
+    latch(name, fmt::format("+3*v(_{},com)-2*v(_{},com)", edge, end));
+    card("Bs{0} _s{0} com V=v(_{0},com)-2*v(_{1},com)", name, end);
+    card("I{0} com _{0} 1", time);
+    card("C{0} _{0} com {{td}}", time);
+    card("S{0} _{0} com com _s{1} below", time, name);
+    card("D{0} _{0} _two clamp", time);
+  }
+
+  void levels(std::string_view bit) {
+    for (const char out : device_.outputs) {
+      const bool inverts = device_.type->logic == Logic::inverter || out == '6';
+      if (inverts)
+        card("Bo{0} o{0} com V={{vhigh}}+{{vlow-vhigh}}*v({1},com)", out, bit);
+      else
+        card("Bo{0} o{0} com V={{vlow}}+{{vhigh-vlow}}*v({1},com)", out, bit);
+    }
+  }
+
+  const LogicDevice& device_;
+  std::string text_;
+};
+
+}  // namespace
+
+const LogicType* find_logic_type(std::string_view name) {
+  const auto* found = std::find_if(std::begin(types), std::end(types), [&](const LogicType& type) { return same_name(type.name, name); });
+  return found == std::end(types) ? nullptr : found;
+}
+
+std::string LogicDevice::name() const {
+  return fmt::format("{}{}.{}.{}{}", name_begin, type->name, used, outputs.empty() ? no_outputs : outputs,
+                     is_late ? fmt::format(".{}", with_delay) : "");
+}
+
+std::string logic_subcircuit(std::string_view name) {
+  const LogicDevice device = device_named(name);
+  return device.type == nullptr ? "" : Writer(device).write();
+}
+
+}  // namespace pwlsim::circuit
