@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "tests" / "reference"
 NAMES = ["buck", "buck_dcm", "boost", "flyback", "flyback_ideal", "halfwave", "fullwave", "fullwave_centre_tap", "six_pulse",
          "cockcroft_walton", "hbridge", "hysteretic_buck", "freewheel", "carts", "two_capacitors", "rlcd", "diode_bridge",
-         "bridge_filter", "supplied_bridge", "buck_parasitic"]
+         "bridge_filter", "supplied_bridge", "buck_parasitic", "voltage_mode_buck"]
 AGREE = mpf(10) ** -24
 
 
