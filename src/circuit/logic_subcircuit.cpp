@@ -55,8 +55,8 @@ class Writer {
     } else {
       gate();
     }
-    const std::string bit = device_.is_late ? late() : "_y";
-    levels(bit);
+    if (device_.is_late) late();
+    levels(device_.is_late ? "(late*v(_e,com)+(1-late)*v(_y,com))" : "v(_y,com)");
     return text_ + ".ends\n";
   }
 
@@ -139,22 +139,24 @@ class Writer {
   }
 
   /// Bit p follows y one round later, so that between them an edge shows; each of its two directions starts a timer of its own, and bit e changes when
-  /// that ends. While neither runs, e is what p was: of two edges of one direction within the delay the second is lost, but not what came of it.
-  std::string late() {
+  /// that ends. While neither runs, e is what p was: of two edges of one direction within the delay the second is lost, but not what came of it. A delay of 0,
+  /// as a value may turn out to be, leaves all this at rest.
+  void late() {
+    card(".param late={{td > 0 ? 1 : 0}}");
     card(".model half SW(Vt=0.5)");
     card(".model below SW(Vt=-0.5)");
     card(".model over SW(Vt=1)");
     card(".model clamp D");
     card("Vtwo _two com 2");
-    latch("p", "+2*v(_y,com)-1");
-    timer("rise", "_y", "_p");
-    timer("fall", "_p", "_y");
+    card("Bin _in com V=late*v(_y,com)");
+    latch("p", "+2*v(_in,com)-1");
+    timer("rise", "_in", "_p");
+    timer("fall", "_p", "_in");
     card("Bidle _idle com V=0.5-v(_rise,com)-v(_fall,com)-v(_riseedge,com)-v(_falledge,com)");
     latch("q", "+2*v(_p,com)-1");
     card("Bpast _past com V=2*v(_q,com)-1");
     closes("now", "_past", "_idle", "com", "sum");
     latch("e", "+v(_riseend,com)-v(_fallend,com)+v(_now,com)");
-    return "_e";
   }
 
   /// The bit of that name runs from an edge on, until 1 A has charged the capacitor to 1 V; then the bit of its end is there for an instant. Else, and at
@@ -166,7 +168,7 @@ class Writer {
     latch(name, fmt::format("+3*v(_{},com)-2*v(_{},com)", edge, end));
     card("Bs{0} _s{0} com V=v(_{0},com)-2*v(_{1},com)", name, end);
     card("I{0} com _{0} 1", time);
-    card("C{0} _{0} com {{td}}", time);
+    card("C{0} _{0} com {{late*td+1-late}}", time);
     card("S{0} _{0} com com _s{1} below", time, name);
     card("D{0} _{0} _two clamp", time);
   }
@@ -175,9 +177,9 @@ class Writer {
     for (const char out : device_.outputs) {
       const bool inverts = device_.type->logic == Logic::inverter || out == '6';
       if (inverts)
-        card("Bo{0} o{0} com V={{vhigh}}+{{vlow-vhigh}}*v({1},com)", out, bit);
+        card("Bo{0} o{0} com V={{vhigh}}+{{vlow-vhigh}}*{1}", out, bit);
       else
-        card("Bo{0} o{0} com V={{vlow}}+{{vhigh-vlow}}*v({1},com)", out, bit);
+        card("Bo{0} o{0} com V={{vlow}}+{{vhigh-vlow}}*{1}", out, bit);
     }
   }
 

@@ -161,8 +161,8 @@ TEST_CASE("LTspice: the D flip-flop takes what is there before the edge", "[regr
 TEST_CASE("LTspice: a gate's delay", "[regression]") {
   const std::string deck =
       "t\nVa a 0 PWL(0 0 1 0 1 1 3 1 3 0 4 0 4 1 4.25 1 4.25 0)\nA1 a 0 0 0 0 0 y 0 BUF Td=0.5\nA2 y 0 0 0 0 n 0 0 BUF Td={1/4} Vhigh=5 "
-      "Ref=0.5\n"
-      ".tran 0.1 6\n.save v(y) v(n)\n";
+      "Ref=0.5\nA3 y 0 0 0 0 0 z 0 BUF Td={0*2}\n"
+      ".tran 0.1 6\n.save v(y) v(n) v(z)\n";
   const auto is_high = [](double t) { return (t > 1.5 && t < 3.5) || (t > 4.5 && t < 4.75); };
   for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
     INFO(run.messages);
@@ -173,6 +173,7 @@ TEST_CASE("LTspice: a gate's delay", "[regression]") {
       if (is_edge(row[0])) continue;
       CHECK(row[1] == Approx(is_high(row[0]) ? 1.0 : 0.0).margin(1e-9));
       CHECK(row[2] == Approx(is_high(row[0] - 0.25) ? 0.0 : 5.0).margin(1e-9));
+      CHECK(row[3] == Approx(row[1]).margin(1e-9));
     }
   }
 }
@@ -190,6 +191,28 @@ TEST_CASE("LTspice: a ring of inverters oscillates", "[regression]") {
       if (run.rows[k - 1][1] < 0.5 && run.rows[k][1] > 0.5) rises.push_back(run.rows[k][0]);
     REQUIRE(rises.size() > 6);
     CHECK(rises[rises.size() - 1] - rises[rises.size() - 2] == Approx(64e-9).epsilon(1e-9));
+  }
+}
+
+// Thirty inverters answer in the instant of the clock, and so do eight flip-flops, each of which halves the one before: rises at 1, 3, 5 … s.
+TEST_CASE("LTspice: a long chain of gates, and a ripple counter", "[regression]") {
+  std::string deck = "t\nVk k 0 PULSE(0 1 1 0 0 1 2)\n", saved = ".save v(c29)";
+  for (int i = 0; i < 30; ++i) deck += fmt::format("Ai{0} {1} 0 0 0 0 0 c{0} 0 INV\n", i, i == 0 ? "k" : fmt::format("c{}", i - 1));
+  for (int i = 0; i < 8; ++i) {
+    deck += fmt::format("Ad{0} n{0} 0 {1} 0 0 n{0} q{0} 0 DFLOP\n", i, i == 0 ? "k" : fmt::format("n{}", i - 1));
+    saved += fmt::format(" v(q{})", i);
+  }
+  deck += ".tran 1 600\n" + saved + "\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.rows.size() == 601);
+    for (const auto& row : run.rows) {
+      INFO("t = " << row[0]);
+      CHECK(row[1] == Approx(std::fmod(row[0], 2.0)).margin(1e-9));
+      int count = 0;
+      for (int i = 0; i < 8; ++i) count += row[static_cast<std::size_t>(2 + i)] > 0.5 ? 1 << i : 0;
+      CHECK(count == static_cast<int>((row[0] + 1.0) / 2.0) % 256);
+    }
   }
 }
 

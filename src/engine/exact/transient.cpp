@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Breakpoints and crossings closer than this fraction of the run are one instant.
 constexpr double merge_fraction = 1e-14;
-constexpr int most_rounds = 12;  ///< of switches answering switches at one instant
+constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
 
@@ -323,7 +323,9 @@ bool Transient::emit_row(double time) {
 
 bool Transient::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
 
-void Transient::fail_interrupted() { fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {}); }
+void Transient::fail_interrupted() {
+  fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {});
+}
 
 bool Transient::push_row() {
   ++answer_.statistics.rows;

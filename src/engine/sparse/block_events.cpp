@@ -15,9 +15,9 @@ constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
 /// A margin that is below zero only inside the step must be so by this part of the tolerance: the parabola is not better.
 constexpr double dip_share = 0.1;
 constexpr int most_locations = 60;
-constexpr double together = 1e-6;  ///< of a step: what passes at one instant
+constexpr double together = 1e-6;      ///< of a step: what passes at one instant
 constexpr int most_idle_located = 20;  ///< passages in a row that changed nothing: the next need not be met to rounding
-constexpr int most_rounds = 12;    ///< of switches answering switches at one instant
+constexpr int most_rounds = 200;       ///< of switches answering switches at one instant: logic has long chains
 constexpr double room_share = 1.0 / 16.0;
 /// A state that moves at an instant by more than this part of the tolerance jumps, or there is a motion shorter than the Euler steps: which of the
 /// two, a step 2^−6 as long tells.
