@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cassert>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -161,12 +162,17 @@ std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std:
     });
   };
   std::vector<std::string> texts;
+  std::set<double> told, visible, hidden_only;  // instants, as `all` counts them
   for (const engine::Jump& jump : jumps) {
-    if (texts.size() == most_told) break;
-    is_hidden(jump) ? void(--all) : texts.push_back(jump_text(jump));
+    (is_hidden(jump) ? hidden_only : visible).insert(jump.time);
+    if (is_hidden(jump) || texts.size() >= most_told) continue;
+    texts.push_back(jump_text(jump));
+    told.insert(jump.time);
   }
-  if (all > texts.size())
-    texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - texts.size()));
+  std::erase_if(hidden_only, [&](double time) { return visible.contains(time); });
+  const std::uint64_t known = told.size() + hidden_only.size();
+  if (all > known && !texts.empty())
+    texts.push_back(fmt::format("and jumps at {} more instants; --stats lists the first thousand", all - known));
   return texts;
 }
 

@@ -414,7 +414,7 @@ model::NodeIndex Binder::node(Place& place, const Item& word) {
   if (place.prefix.empty() || is_ground_name(word.text)) return circuit_.node(word.text, word.span);
   const std::string key = without_case(word.text);
   if (const auto known = place.nodes.find(key); known != place.nodes.end()) return known->second;
-  if (is_global(key)) return circuit_.node(word.text, word.span);
+  if (!place.is_made && is_global(key)) return circuit_.node(word.text, word.span);
   model::NodeIndex index = model::ground;
   if (!circuit_.add_node(place.prefix + word.text, word.span, index)) {
     reporter_.error("E-name-clash", word.span, fmt::format("two different nodes have the full name {}{}", place.prefix, word.text));

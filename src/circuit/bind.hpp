@@ -17,6 +17,7 @@ struct Place {
   Scope& scope;
   std::string prefix;                                       ///< of names: "" or "X1.X2."
   std::unordered_map<std::string, model::NodeIndex> nodes;  ///< local ones by key, ports included; unused in the deck itself
+  bool is_made = false;                                     ///< no text of the deck: its names are not global
 };
 
 class Binder {

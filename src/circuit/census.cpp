@@ -86,7 +86,7 @@ class Census {
 
 }  // namespace
 
-bool is_call(const Card& card) { return card.calls || lower_letter(card.name.front()) == 'x'; }
+bool is_call(const Card& card) { return card.made_call || lower_letter(card.name.front()) == 'x'; }
 
 const Item* called_subcircuit(const Card& card) {
   const Item* name = nullptr;

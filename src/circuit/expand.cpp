@@ -66,8 +66,8 @@ std::vector<const Item*> Expander::actual_nodes(const Card& card, const Item& na
 
 void Expander::enter(Place& place, const Card& card, const Item& name, const Definition& called) {
   Scope scope(called, &place.scope.enclosing(*called.parent), session_);
-  Place inner{scope, place.prefix + card.name + ".", {}};
-  if (card.calls) circuit_.hidden.names.insert(without_case(place.prefix + card.name));
+  Place inner{scope, place.prefix + card.name + ".", {}, card.made_call};
+  if (card.made_call) circuit_.hidden.names.insert(without_case(place.prefix + card.name));
   connect(place, card, name, inner);
   give_parameters(place, card, name, scope);
   scope.evaluate_all();
@@ -106,8 +106,8 @@ void Expander::give(Place& place, const Card& card, const Item& assignment, Scop
     reporter().error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
     return;
   }
-  const std::optional<Number> number = place.scope.number(assignment.items[0], !card.calls);
-  if (card.calls && number && number->value < 0.0 && must_not_be_negative(assignment.text))
+  const std::optional<Number> number = place.scope.number(assignment.items[0], !card.made_call);
+  if (card.made_call && number && number->value < 0.0 && must_not_be_negative(assignment.text))
     reporter().error("E-range", assignment.span,
                      fmt::format("{} of {} must not be negative, not {}", assignment.text, card.name, number->value));
   if (inner.give(assignment.text, number ? number->value : 0.0)) return;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/names.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/logic_subcircuit.hpp"
 
 namespace pwlsim::circuit {
@@ -25,8 +26,6 @@ bool is_one_of(std::span<const std::string_view> list, std::string_view name) {
   return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
 }
 
-bool is_ground(std::string_view node) { return node == "0" || same_name(node, "gnd"); }
-
 class Replacement {
  public:
   Replacement(const Card& card, Reporter& reporter) : card_(card), reporter_(reporter) {}
@@ -45,6 +44,8 @@ class Replacement {
       const Item& item = card_.items[k];
       if (item.kind != ItemKind::word || find_logic_type(item.text) == nullptr) continue;
       if (k + 1 < card_.items.size() && card_.items[k + 1].kind == ItemKind::word) continue;
+      const auto is_block = [](const Item& before) { return before.kind != ItemKind::word || before.text.front() == '%'; };
+      if (std::any_of(card_.items.begin(), card_.items.begin() + static_cast<std::ptrdiff_t>(k), is_block)) continue;
       reporter_.error("E-missing-node", item.span,
                       fmt::format("{} gives {} nodes before {}; LTspice's devices have {}: five inputs, complement, output, common",
                                   card_.name, k, item.text, device_nodes));
@@ -68,7 +69,7 @@ class Replacement {
       return false;
     }
     call.items.clear();
-    call.calls = true;
+    call.made_call = true;
     if (!terminals(call) || !parameters(call)) return false;
     Item name = type;
     name.text = device_.name();
@@ -88,7 +89,7 @@ class Replacement {
   [[nodiscard]] bool is_used(std::size_t place) const {
     const std::string& node = card_.items[place].text;
     const std::string& ground = card_.items[common].text;
-    return !same_name(node, ground) && !(is_ground(node) && is_ground(ground));
+    return !same_name(node, ground) && !(is_ground_name(node) && is_ground_name(ground));
   }
 
   bool fail(const std::string& what) {
@@ -130,7 +131,8 @@ class Replacement {
         device_.is_late |= same_name(item.text, "td");
         call.items.push_back(item);
       } else if (item.kind == ItemKind::assignment && is_one_of(ignored_parameters, item.text)) {
-        reporter_.warning("W-ignored-parameter", item.span, fmt::format("{}= of LTspice's gates is ignored", item.text));
+        if (reporter_.first_time("ignored of gates:" + without_case(item.text)))
+          reporter_.warning("W-ignored-parameter", item.span, fmt::format("{}= of LTspice's gates is ignored", item.text));
       } else {
         reporter_.error("E-unknown-parameter", item.span,
                         fmt::format("LTspice's {} takes Vhigh= Vlow= Ref= Td={}, not '{}'", card_.items[device_nodes].text,

@@ -14,8 +14,8 @@ constexpr std::string_view name_begin = "ltspice.", with_delay = "td", no_output
 
 constexpr LogicType types[] = {
     {"buf", Logic::buffer, "12345", 1, 1}, {"inv", Logic::inverter, "12345", 1, 1}, {"and", Logic::conjunction, "12345"},
-    {"or", Logic::disjunction, "12345"},   {"xor", Logic::one_of_two, "12345"},     {"schmitt", Logic::schmitt, "12"},
-    {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::delay, "1345"},
+    {"or", Logic::disjunction, "12345"},   {"xor", Logic::exactly_one, "12345"},    {"schmitt", Logic::schmitt, "12"},
+    {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::d_flip_flop, "1345"},
 };
 
 /// Of that name; without a type where the name is none that Device::name writes.
@@ -50,7 +50,7 @@ class Writer {
     } else if (device_.type->logic == Logic::set_reset) {
       bits(device_.used);
       latch("y", sum({{"1", 1}, {"2", -2}}));
-    } else if (device_.type->logic == Logic::delay) {
+    } else if (device_.type->logic == Logic::d_flip_flop) {
       flip_flop();
     } else {
       gate();
@@ -84,7 +84,7 @@ class Writer {
     card(".model latch SW(Vt=0 Vh=0.5)");
   }
 
-  /// Node _`node` is what `from` is while the switch is closed, else 0. Nodes begin with _, so that no .global is one of them.
+  /// Node _`node` is what `from` is while the switch is closed, else 0.
   void closes(std::string_view node, std::string_view from, std::string_view p, std::string_view n, std::string_view model) {
     card("S{0} {1} _{0} {2} {3} {4}", node, from, p, n, model);
     card("R{0} _{0} com 1", node);
@@ -117,7 +117,7 @@ class Writer {
     std::string all;
     for (const char input : device_.used) all += fmt::format("+v(_b{},com)", input);
     card("Bs _s com V=0{}{:+}", all, device_.type->logic == Logic::conjunction ? 0.5 - count : -0.5);
-    if (device_.type->logic != Logic::one_of_two) return closes("y", "_one", "_s", "com", "sum");
+    if (device_.type->logic != Logic::exactly_one) return closes("y", "_one", "_s", "com", "sum");
     closes("x", "_one", "_s", "com", "sum");
     card("Bt _t com V=v(_s,com)-1");
     closes("y", "_x", "com", "_t", "sum");

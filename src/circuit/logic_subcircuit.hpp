@@ -6,7 +6,7 @@
 
 namespace pwlsim::circuit {
 
-enum class Logic { buffer, inverter, conjunction, disjunction, one_of_two, schmitt, set_reset, delay };
+enum class Logic { buffer, inverter, conjunction, disjunction, exactly_one, schmitt, set_reset, d_flip_flop };
 
 struct LogicType {
   std::string_view name;

@@ -3,30 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <string>
-#include <vector>
 
+#include "engine/missing_rest.hpp"
 #include "engine/remarks.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {
-
-/// What has no DC operating point, in words: "in the part with node a …", "S1 finds no rest".
-struct MissingRest {
-  std::vector<std::string> parts, elements;
-  [[nodiscard]] bool empty() const { return parts.empty(); }
-  /// A long list is cut.
-  [[nodiscard]] std::string text() const {
-    constexpr std::size_t most_parts = 3;
-    std::string text =
-        fmt::format("no DC operating point: {}",
-                    fmt::join(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(std::min(parts.size(), most_parts)), "; "));
-    if (parts.size() > most_parts) text += fmt::format("; in {} other parts", parts.size() - most_parts);
-    return text;
-  }
-};
 
 /// From the DC operating point, or with uic from initial values. Where a part has no operating point the run says so; where it cannot go on from there
 /// either, that is part of its error. `start`: with its Answer `answer` and `missing`; `run_from(start)`: the run.

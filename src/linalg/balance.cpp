@@ -1,5 +1,6 @@
 #include "linalg/balance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pwlsim::linalg {

@@ -81,7 +81,7 @@ struct Card {
   std::vector<Item> items;
   SourceSpan span;
   bool damaged = false;      ///< a syntax error on this card has been reported
-  bool calls = false;        ///< a subcircuit, whatever its name begins with: of a card that `circuit` made
+  bool made_call = false;    ///< a subcircuit, whatever its name begins with: of a card that `circuit` made
   std::vector<Card> rows{};  ///< of `.lcs`: the lines of its file, their first words as names
 };
 

@@ -96,9 +96,19 @@ TEST_CASE("a jump in a sentence, and how many were not told", "[golden]") {
   CHECK(analysis::jump_texts(jumps, 1) ==
         std::vector<std::string>{
             "jump at t = 500 ms: D1 passes 2 C; v(C1) from 3 V to 1 V, v(C2) from 0 V to 1 V; stored energy from 4.5 J to 1.5 J"});
-  const auto many = analysis::jump_texts(std::vector<engine::Jump>(25, jumps[0]), 30);
+  std::vector<engine::Jump> later(25, jumps[0]);
+  for (std::size_t i = 0; i < later.size(); ++i) later[i].time = static_cast<double>(i);
+  const auto many = analysis::jump_texts(later, 30);
   REQUIRE(many.size() == 21);
   CHECK(many.back() == "and jumps at 10 more instants; --stats lists the first thousand");
+
+  // Within a gate that the deck wrote as one element, at instants of their own: none of them is told, nor counted.
+  const circuit::HiddenParts hidden{{"x1.a2"}};
+  later[3].states = later[4].states = {{"v(X1.A2.Criseend)", 1.0, 0.0}};
+  const auto visible = analysis::jump_texts(later, 30, hidden);
+  REQUIRE(visible.size() == 21);
+  CHECK(visible.back() == "and jumps at 8 more instants; --stats lists the first thousand");
+  CHECK(analysis::jump_texts({later[3]}, 1, hidden).empty());
 }
 
 TEST_CASE("the summary is one line with the certificate", "[golden]") {

@@ -216,6 +216,36 @@ TEST_CASE("LTspice: a long chain of gates, and a ripple counter", "[regression]"
   }
 }
 
+// Twenty of them leave a high input high. Without uic the run starts at rest: nothing moves.
+TEST_CASE("LTspice: a chain of delayed gates is at rest at the start", "[regression]") {
+  std::string deck = "t\nV1 c0 0 1\n";
+  for (int i = 0; i < 20; ++i) deck += fmt::format("A{0} c{0} 0 0 0 0 0 c{1} 0 INV Td=10n\n", i, i + 1);
+  deck += ".tran 100n 400n\n.save v(c19) v(c20)\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.rows.size() == 5);
+    CHECK(run.answer.remarks.empty() == (run.answer.statistics.klu_solves == 0));  // the sparse engine says that it does not examine
+    check(run, "v(c19)", 1e-9, [](double) { return 0.0; });
+    check(run, "v(c20)", 1e-9, [](double) { return 1.0; });
+  }
+}
+
+TEST_CASE("a block of XSPICE may have a model named like a gate of LTspice", "[regression]") {
+  const DeckRun run = run_text("t\nV1 a 0 3\nA1 %vd a 0 %vd o 0 inv\n.model inv gain(gain=-1)\n.tran 1 1\n.save v(o)\n");
+  REQUIRE(run.messages.empty());
+  CHECK(run.rows.back()[1] == Approx(-3.0));
+}
+
+// 1 A has no way but through the switch, which its own source closes: 10 V across 10 ohm.
+TEST_CASE("the operating point is found through a position that has none", "[regression]") {
+  const std::string deck = "t\nI1 0 a 1\nS1 a b c 0 SX\n.model SX SW(Vt=0.5)\nR1 b 0 10\nC1 a 0 1u\nVc c 0 1\n.tran 1u 4u\n.save v(a)\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.rows.size() == 5);
+    check(run, "v(a)", 1e-6, [](double) { return 10.0; });
+  }
+}
+
 TEST_CASE("LTspice: what lies within a gate is not saved by default", "[regression]") {
   const std::string deck = "t\nV1 a 0 5\nA1 a 0 0 0 0 0 y 0 BUF Vhigh=5\n.tran 1 1\n";
   CHECK(run_text(deck).signals == std::vector<std::string>{"v(a)", "v(y)", "i(V1)"});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "engine/exact/static_solution.hpp"
 #include "engine/remarks.hpp"
@@ -16,8 +17,8 @@ namespace {
 
 using linalg::Vector;
 
-constexpr int most_rounds = 64;  ///< of switches answering each other
-constexpr int simultaneous_rounds = 16;
+/// Of switches answering each other, at the same time and one by one; of the latter two for each switch besides.
+constexpr std::size_t most_rounds_together = 1000, most_rounds_alone = 64;
 
 Vector zeta_before_start(const model::System& s) {
   Vector zeta = Vector::Zero(s.n_zeta);
@@ -69,25 +70,45 @@ class OperatingPointSolver {
   std::vector<char> on;
 
  private:
+  /// Switches change sides together until they rest or come round again; then one by one. An island without a solution is asked again once the others
+  /// have moved its switches, and given up where nothing moves any more. False: some find no rest.
   bool settles(MissingRest& missing, std::vector<Remark>& remarks) {
-    for (int round = 0; round < most_rounds; ++round) {
-      if (round == simultaneous_rounds) std::fill(restless_.begin(), restless_.end(), 0);
-      solve_all(missing, remarks);
-      if (!flip_switches(round < simultaneous_rounds)) return true;
+    std::set<std::vector<char>> seen;
+    bool together = true;
+    for (std::size_t alone = 0; alone <= most_rounds_alone + 2 * on.size(); alone += together ? 0 : 1) {
+      solve_all();
+      if (!flip_switches(together)) {
+        if (!give_up_unsolved(missing, remarks)) return true;
+        seen.clear();
+      }
+      if (together && (!seen.insert(on).second || seen.size() > most_rounds_together)) {
+        together = false;
+        std::fill(restless_.begin(), restless_.end(), 0);
+      }
     }
     return false;
   }
 
-  void solve_all(MissingRest& missing, std::vector<Remark>& remarks) {
+  void solve_all() {
     for (std::size_t i = 0; i < systems_.size(); ++i) {
       if (given_[i] != 0) continue;
       const model::System& s = *systems_[i];
       solutions_[i] = solve_static(s, zeta_before_start(s), active_switches(s, on));
-      if (solutions_[i].status == StaticSolution::Status::solved) continue;
-      missing.parts.push_back(
-          fmt::format("in the part with {}, with its inductors short and its capacitors open, no solution exists", island_elements(s)));
-      start_from_values(i, remarks);
     }
+  }
+
+  [[nodiscard]] bool is_solved(std::size_t i) const { return given_[i] != 0 || solutions_[i].status == StaticSolution::Status::solved; }
+
+  bool give_up_unsolved(MissingRest& missing, std::vector<Remark>& remarks) {
+    bool any = false;
+    for (std::size_t i = 0; i < systems_.size(); ++i) {
+      if (is_solved(i)) continue;
+      missing.parts.push_back(fmt::format("in the part with {}, with its inductors short and its capacitors open, no solution exists",
+                                          island_elements(*systems_[i])));
+      start_from_values(i, remarks);
+      any = true;
+    }
+    return any;
   }
 
   void start_from_values(std::size_t i, std::vector<Remark>& remarks) {
@@ -110,14 +131,14 @@ class OperatingPointSolver {
         if (given_[i] == 0 && (drives || model_.switches[k].island == static_cast<int>(i))) start_from_values(i, remarks);
       }
     }
-    missing.parts.push_back(fmt::format("{} {} no rest", fmt::join(names, ", "), names.size() == 1 ? "finds" : "find"));
-    missing.elements.insert(missing.elements.end(), names.begin(), names.end());
+    missing.add_restless(names);
   }
 
   /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
   bool flip_switches(bool together) {
     bool flipped = false;
-    for (std::size_t i = 0; i < systems_.size(); ++i)
+    for (std::size_t i = 0; i < systems_.size(); ++i) {
+      if (!is_solved(i)) continue;
       for (const auto& control : systems_[i]->controls) {
         const auto k = static_cast<std::size_t>(control.driven);
         if (frozen_[k] != 0) continue;
@@ -130,6 +151,7 @@ class OperatingPointSolver {
         flipped = true;
         if (!together) return true;
       }
+    }
     return flipped;
   }
 
@@ -266,6 +288,7 @@ Start start_from_operating_point(const ExactModel& model) {
     } else {
       start.xi.push_back(solution.x.head(s.n));
     }
+    if (!start.missing.empty()) continue;  // there is nothing before t = 0
     std::vector<double>& values = start.signals.emplace_back();
     for (std::size_t k = 0; k < s.outputs.size(); ++k) {
       const model::OutputRow& row = solver.system(i).outputs[k];

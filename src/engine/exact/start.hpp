@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
-#include "engine/from_start.hpp"
+#include "engine/missing_rest.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {

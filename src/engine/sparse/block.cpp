@@ -40,8 +40,9 @@ constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e
 /// come of it.
 constexpr double cliff = 1e6;
 constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
-/// Without events, in an active network: what is left would take a million times that many steps.
+/// Without events, in an active network, at so many looks in a row: what is left would take a million times that many steps. A ring may die down meanwhile.
 constexpr double hopeless_stretch = 1e-6;
+constexpr int most_stuck_looks = 20;
 /// Nearly every second one leads to a passage after which every port stays on its side, between so many looks in a row.
 constexpr std::uint64_t many_idle = steps_between_looks * 2 / 5;
 constexpr int most_idle_looks = 2;
@@ -145,7 +146,8 @@ std::string Block::why_nowhere(double stretch) {
   idle_looks_ = idle > many_idle ? idle_looks_ + 1 : 0;
   const bool is_quiet = events < few_events && !passive_;
   const bool is_blocked = std::exchange(cliffs_, 0) > most_cliffs && is_quiet;
-  if (is_quiet && stretch <= hopeless_stretch * request_.stop)
+  stuck_looks_ = is_quiet && stretch <= hopeless_stretch * request_.stop ? stuck_looks_ + 1 : 0;
+  if (stuck_looks_ >= most_stuck_looks)
     return fmt::format("what is left would take {:.0e} of them",
                        static_cast<double>(steps_between_looks) * (request_.stop - point_.time) / stretch);
   if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= idle_stretch * request_.stop)

@@ -155,7 +155,8 @@ class Block {
   std::uint64_t cliffs_ = 0;  ///< steps since then whose error jumped with their length
   int idle_passages_ = 0;     ///< instants in a row that changed nothing
   std::uint64_t idle_between_looks_ = 0;
-  int idle_looks_ = 0;  ///< in a row that saw many of them
+  int idle_looks_ = 0;   ///< in a row that saw many of them
+  int stuck_looks_ = 0;  ///< and at which steps got nowhere
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };

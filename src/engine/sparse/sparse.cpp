@@ -39,8 +39,7 @@ Starts starts_of(const SparseModel& model, bool uic) {
   for (const auto& part : model.parts) {
     starts.parts.push_back(uic ? start_from_initial_values(part->island.network, part->descriptor)
                                : start_from_operating_point(part->island.network, part->descriptor));
-    const auto& missing = starts.parts.back().missing.parts;
-    starts.missing.parts.insert(starts.missing.parts.end(), missing.begin(), missing.end());
+    starts.missing.add(starts.parts.back().missing);
     if (starts.parts.back().answer.outcome == Outcome::completed) continue;
     starts.answer = starts.parts.back().answer;
     starts.parts.clear();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/log_mean.hpp"
 #include "engine/remarks.hpp"
@@ -17,8 +18,8 @@ namespace {
 
 using model::Network;
 
-constexpr int most_rounds = 64;  ///< of switches answering each other
-constexpr int simultaneous_rounds = 16;
+/// Of switches answering each other, at the same time and one by one; of the latter two for each switch besides.
+constexpr std::size_t most_rounds_together = 1000, most_rounds_alone = 64;
 /// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
@@ -42,10 +43,15 @@ class RestFinder {
     Sources(network).evaluate(0.0, w_);
   }
 
+  /// As in the exact engine: together until they come round again, then one by one; a position without a rest may be left by what is driven elsewhere.
   bool run() {
-    for (int round = 0; round < most_rounds; ++round) {
-      if (!find_rest()) return false;
-      if (!flip_switches(round < simultaneous_rounds)) return true;
+    std::set<Position> seen;
+    bool together = true;
+    for (std::size_t alone = 0; alone <= most_rounds_alone + 2 * controls_.size(); alone += together ? 0 : 1) {
+      const bool found = find_rest();
+      if (is_singular) return false;
+      if (!flip_switches(together)) return found;
+      if (together && (!seen.insert(on).second || seen.size() > most_rounds_together)) together = false;
     }
     problem = "the switches find no rest";
     return false;
@@ -76,6 +82,7 @@ class RestFinder {
           return false;
         }
         if (solved != Solved::yes) {
+          z = before;
           problem = "no position of the diodes satisfies the circuit";
           return false;
         }
@@ -118,6 +125,12 @@ class RestFinder {
   std::vector<double> w_;
 };
 
+/// Whether the equations without `.ic` leave nothing open.
+bool is_regular(const Network& network, const Descriptor& descriptor) {
+  RestFinder point(network, descriptor);
+  return point.run() || !point.is_singular;
+}
+
 }  // namespace
 
 Start start_from_initial_values(const Network& network, const Descriptor& descriptor) {
@@ -137,7 +150,8 @@ Start start_from_operating_point(const Network& network, const Descriptor& descr
   const Descriptor system(forced);
   RestFinder point(forced, system);
   if (!point.run()) {
-    if (point.is_singular && forced.branches.size() + forced.injections.size() > network.branches.size() + network.injections.size()) {
+    const bool is_forced = forced.branches.size() + forced.injections.size() > network.branches.size() + network.injections.size();
+    if (point.is_singular && is_forced && is_regular(network, descriptor)) {
       start.answer.outcome = Outcome::no_solution;
       start.answer.id = "E-ic-contradiction";
       start.answer.message = fmt::format(".ic forces voltages or currents that contradict sources or each other: {}", point.problem);
@@ -145,7 +159,6 @@ Start start_from_operating_point(const Network& network, const Descriptor& descr
     }
     start = start_from_initial_values(model::without_initial_values(network), descriptor);
     start.missing.parts.push_back(fmt::format("in the part with {} {}", descriptor.unknown_name(0), point.problem));
-    start.signals.assign(network.signals.size(), 0.0);
     return start;
   }
   start.on = point.on;

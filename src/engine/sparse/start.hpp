@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/from_start.hpp"
+#include "engine/missing_rest.hpp"
 #include "engine/run.hpp"
 #include "engine/sparse/controls.hpp"
 

@@ -75,6 +75,8 @@ std::string Transient::mode_text() const {
 
 bool Transient::begin(const std::vector<Start>& starts) {
   bool projected = false;
+  const bool has_before = request_.probes.sink != nullptr && !request_.use_initial_conditions &&
+                          std::all_of(starts.begin(), starts.end(), [](const Start& start) { return start.missing.empty(); });
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
     const Start& start = starts[i];
@@ -82,11 +84,11 @@ bool Transient::begin(const std::vector<Start>& starts) {
       order_.clear();  // others are a little beyond 0 already
       return fail(track.block.failure());
     }
-    note_before_start(track, start);
+    if (has_before) note_before_start(track, start);
     projected |= track.block.start_projected() && request_.use_initial_conditions;
     order_.push_back(i);
   }
-  if (request_.probes.sink != nullptr && !request_.use_initial_conditions) hand_over_start();
+  if (has_before) hand_over_start();
   std::make_heap(order_.begin(), order_.end(), is_later());
   watch_start();
   if (projected) answer_.remarks.push_back(projected_start());
@@ -193,7 +195,6 @@ void Transient::watch(const Track& track) {
 
 /// A track's share of the probes at the operating point.
 void Transient::note_before_start(const Track& track, const Start& start) {
-  if (request_.probes.sink == nullptr || request_.use_initial_conditions) return;
   const auto& probes = request_.probes.signals;
   piece_values_.resize(probes.size());
   for (std::size_t k = 0; k < track.shares.size(); ++k)

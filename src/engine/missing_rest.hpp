@@ -1,0 +1,21 @@
+#pragma once
+/// What has no DC operating point, in words.
+
+#include <string>
+#include <vector>
+
+namespace pwlsim::engine {
+
+struct MissingRest {
+  std::vector<std::string> parts;     ///< "in the part with node a …", "S1 finds no rest"
+  std::vector<std::string> elements;  ///< switches among them
+
+  [[nodiscard]] bool empty() const { return parts.empty(); }
+  /// Switches that answer one another for ever.
+  void add_restless(const std::vector<std::string>& names);
+  void add(const MissingRest& other);
+  /// "no DC operating point: …; …"; long lists are cut.
+  [[nodiscard]] std::string text() const;
+};
+
+}  // namespace pwlsim::engine
