@@ -47,7 +47,12 @@ class OperatingPointSolver {
  public:
   /// `systems`: those of the islands, or with their `.ic` values held.
   OperatingPointSolver(const ExactModel& model, std::vector<const model::System*> systems)
-      : model_(model), systems_(std::move(systems)), given_(systems_.size(), 0), solutions_(systems_.size()) {
+      : model_(model),
+        systems_(std::move(systems)),
+        given_(systems_.size(), 0),
+        solutions_(systems_.size()),
+        asked_(systems_.size()),
+        is_asked_(systems_.size(), 0) {
     for (const auto& s : model.switches) on.push_back(s.initially_on);
     restless_.resize(on.size());
     frozen_.resize(on.size());
@@ -93,7 +98,11 @@ class OperatingPointSolver {
     for (std::size_t i = 0; i < systems_.size(); ++i) {
       if (given_[i] != 0) continue;
       const model::System& s = *systems_[i];
-      solutions_[i] = solve_static(s, zeta_before_start(s), active_switches(s, on));
+      std::vector<char> active = active_switches(s, on);
+      if (is_asked_[i] != 0 && active == asked_[i]) continue;
+      solutions_[i] = solve_static(s, zeta_before_start(s), active);
+      is_asked_[i] = 1;
+      asked_[i] = std::move(active);
     }
   }
 
@@ -131,7 +140,7 @@ class OperatingPointSolver {
         if (given_[i] == 0 && (drives || model_.switches[k].island == static_cast<int>(i))) start_from_values(i, remarks);
       }
     }
-    missing.add_restless(names);
+    if (!names.empty()) missing.add_restless(names);
   }
 
   /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
@@ -159,6 +168,8 @@ class OperatingPointSolver {
   std::vector<const model::System*> systems_;
   std::vector<char> given_;
   std::vector<StaticSolution> solutions_;
+  std::vector<std::vector<char>> asked_;  ///< with which switches active each island was solved last
+  std::vector<char> is_asked_;
   std::vector<char> restless_;  ///< switches that have changed sides since they do so one by one
   std::vector<char> frozen_;    ///< and those that are no longer asked
 };
