@@ -43,7 +43,8 @@ constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = step
 /// Without events, in an active network, at so many looks in a row: what is left would take a million times that many steps. A ring may die down meanwhile.
 constexpr double hopeless_stretch = 1e-6;
 constexpr int most_stuck_looks = 20;
-/// Nearly every second one leads to a passage after which every port stays on its side, between so many looks in a row.
+/// Nearly every second one leads to a passage after which every port stays on its side, or, in a passive network too, stands at a cliff, between so many
+/// looks in a row.
 constexpr std::uint64_t many_idle = steps_between_looks * 2 / 5;
 constexpr int most_idle_looks = 2;
 constexpr double idle_stretch = 0.05;
@@ -144,9 +145,11 @@ std::string Block::why_nowhere(double stretch) {
   const std::uint64_t events = events_ - std::exchange(events_before_, events_);
   const std::uint64_t idle = std::exchange(idle_between_looks_, 0);
   idle_looks_ = idle > many_idle ? idle_looks_ + 1 : 0;
-  const bool is_quiet = events < few_events && !passive_;
-  const bool is_blocked = std::exchange(cliffs_, 0) > most_cliffs && is_quiet;
-  stuck_looks_ = is_quiet && stretch <= hopeless_stretch * request_.stop ? stuck_looks_ + 1 : 0;
+  const bool is_quiet = events < few_events;
+  const std::uint64_t cliffs = std::exchange(cliffs_, 0);
+  cliff_looks_ = cliffs > many_idle ? cliff_looks_ + 1 : 0;
+  const bool is_blocked = is_quiet && (passive_ ? cliff_looks_ >= most_idle_looks : cliffs > most_cliffs);
+  stuck_looks_ = is_quiet && !passive_ && stretch <= hopeless_stretch * request_.stop ? stuck_looks_ + 1 : 0;
   if (stuck_looks_ >= most_stuck_looks)
     return fmt::format("what is left would take {:.0e} of them",
                        static_cast<double>(steps_between_looks) * (request_.stop - point_.time) / stretch);

@@ -156,6 +156,7 @@ class Block {
   int idle_passages_ = 0;     ///< instants in a row that changed nothing
   std::uint64_t idle_between_looks_ = 0;
   int idle_looks_ = 0;   ///< in a row that saw many of them
+  int cliff_looks_ = 0;  ///< and many cliffs
   int stuck_looks_ = 0;  ///< and at which steps got nowhere
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
