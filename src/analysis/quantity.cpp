@@ -29,6 +29,8 @@ std::string quantity(double value, std::string_view unit, int digits) {
   return fmt::format("{:.{}g} {}", value, digits, unit);
 }
 
+std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+
 std::string_view unit_of_signal(std::string_view name) {
   if (name.size() < 2 || name[1] != '(') return "";
   return name[0] == 'v' || name[0] == 'V' ? "V" : name[0] == 'i' || name[0] == 'I' ? "A" : "";

@@ -16,8 +16,6 @@ namespace {
 
 std::string residual(double value) { return value == 0.0 ? "0" : fmt::format("{:.1e}", value); }
 
-std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
-
 std::string jump_line(const engine::Jump& jump) {
   std::vector<std::string> impulses, states;
   for (const auto& impulse : jump.impulses)
@@ -164,8 +162,9 @@ std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std:
   std::vector<std::string> texts;
   std::set<double> told, visible, hidden_only;  // instants, as `all` counts them
   for (const engine::Jump& jump : jumps) {
-    (is_hidden(jump) ? hidden_only : visible).insert(jump.time);
-    if (is_hidden(jump) || texts.size() >= most_told) continue;
+    const bool hides = is_hidden(jump);
+    (hides ? hidden_only : visible).insert(jump.time);
+    if (hides || texts.size() >= most_told) continue;
     texts.push_back(jump_text(jump));
     told.insert(jump.time);
   }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/bind_block.hpp"
 #include "circuit/bind_source.hpp"
@@ -31,10 +32,6 @@ using ItemKind = Item::Kind;
 constexpr std::string_view voltage_forms[] = {"value", "vol", "v"};
 constexpr std::string_view current_forms[] = {"value", "cur", "i"};
 constexpr std::string_view foreign_forms[] = {"laplace", "freq", "chebyshev"};
-
-bool is_one_of(std::span<const std::string_view> list, std::string_view word) {
-  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, word); });
-}
 
 /// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
 class CardBinding {

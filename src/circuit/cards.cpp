@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/name_list.hpp"
 #include "base/names.hpp"
 
 namespace pwlsim::circuit {
@@ -74,10 +75,6 @@ constexpr std::string_view foreign_types[] = {
     "adc_bridge", "dac_bridge", "core", "lcouple", "sine", "square", "triangle",
 };
 
-bool listed(std::span<const std::string_view> list, std::string_view name) {
-  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
-}
-
 }  // namespace
 
 std::span<const CardKind> card_kinds() { return kinds; }
@@ -94,6 +91,6 @@ const RefusedElement* find_refused_element(char letter) {
   return found == std::end(refused) ? nullptr : found;
 }
 
-bool is_foreign_model_type(std::string_view type) { return listed(foreign_types, type); }
+bool is_foreign_model_type(std::string_view type) { return is_one_of(foreign_types, type); }
 
 }  // namespace pwlsim::circuit

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/circuit.hpp"
 #include "circuit/logic_subcircuit.hpp"
@@ -21,10 +22,6 @@ constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
 constexpr std::string_view level_parameters[] = {"vhigh", "vlow", "ref", "td"}, trip_parameters[] = {"vt", "vh"};
 constexpr std::string_view ignored_parameters[] = {"trise", "tfall", "tau",    "cout",   "rout", "rhigh",
                                                    "rlow",  "ic",    "tripdt", "tripdv", "temp"};
-
-bool is_one_of(std::span<const std::string_view> list, std::string_view name) {
-  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
-}
 
 class Replacement {
  public:

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "elements/parameter.hpp"
@@ -34,23 +35,19 @@ constexpr std::string_view ignored[] = {
     "thev_induc",   "minclk",       "maxclk",
 };
 
-bool listed(std::span<const std::string_view> list, std::string_view name) {
-  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
-}
-
 class OptionReader {
  public:
   OptionReader(Scope& scope, Reporter& reporter, Analyses& analyses) : scope_(scope), reporter_(reporter), analyses_(analyses) {}
 
   void read(const Item& item) {
-    if (listed(honoured, item.text)) {
+    if (is_one_of(honoured, item.text)) {
       honour(item);
-    } else if (listed(ignored, item.text)) {
+    } else if (is_one_of(ignored, item.text)) {
       if (reporter_.first_time("option")) {
         reporter_.warning("W-ignored-option", item.text_span.known() ? item.text_span : item.span,
                           fmt::format("the option {} has no effect here, and so have others of its kind", item.text));
       }
-    } else if (!listed(silent, item.text)) {
+    } else if (!is_one_of(silent, item.text)) {
       std::vector<std::string> names;
       for (std::string_view name : honoured) names.emplace_back(name);
       for (std::string_view name : silent) names.emplace_back(name);

@@ -15,6 +15,7 @@
 
 #include "analysis/ordered_rows.hpp"
 #include "analysis/prepared_engine.hpp"
+#include "analysis/quantity.hpp"
 #include "analysis/transient.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
@@ -32,8 +33,6 @@ constexpr std::size_t runs_ahead = 4;  ///< of each thread, of the first run tha
 constexpr auto between_looks = std::chrono::milliseconds(50);
 constexpr std::size_t most_failures_told = 20;
 constexpr const char* cannot_write = "E-cannot-write";
-
-std::string other_runs(std::size_t count) { return fmt::format("{} other run{}", count, count == 1 ? "" : "s"); }
 
 class Sweep {
  public:
@@ -195,7 +194,8 @@ class Sweep {
       const auto& remarks = records_[place.first].remarks;
       const auto remark =
           std::find_if(remarks.begin(), remarks.end(), [&wanted = id](const engine::Remark& other) { return other.id == wanted; });
-      const std::string others = place.second > 1 ? fmt::format(" (and likewise in {})", other_runs(place.second - 1)) : "";
+      const std::string others =
+          place.second > 1 ? fmt::format(" (and likewise in {})", analysis::counted(place.second - 1, "other run")) : "";
       messages_.report(analysis::message_of({id, fmt::format("run with {}: {}{}", name(place.first), remark->text, others)}));
     }
   }
@@ -276,7 +276,7 @@ class Sweep {
       const auto others = std::count_if(first + 1, records_.end(), has_text);
       const std::string run = name(static_cast<std::size_t>(first - records_.begin()));
       Diagnostic warning = warning_of(first->measurements.list[k], fmt::format(" in the run with {}", run));
-      if (others > 0) warning.text += fmt::format(" (and in {})", other_runs(static_cast<std::size_t>(others)));
+      if (others > 0) warning.text += fmt::format(" (and in {})", analysis::counted(static_cast<std::uint64_t>(others), "other run"));
       messages_.report(warning, task_.sources);
     }
   }

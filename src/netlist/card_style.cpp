@@ -1,20 +1,10 @@
 #include "netlist/card_style.hpp"
 
-#include <algorithm>
 #include <array>
 
-#include "base/names.hpp"
+#include "base/name_list.hpp"
 
 namespace pwlsim::netlist {
-
-namespace {
-
-template <std::size_t count>
-bool is_one_of(std::string_view name, const std::array<std::string_view, count>& names) {
-  return std::any_of(names.begin(), names.end(), [&](std::string_view known) { return same_name(name, known); });
-}
-
-}  // namespace
 
 CardStyle::CardStyle(std::string_view name) {
   const char letter = lower_letter(name.front());
@@ -30,22 +20,22 @@ bool is_measurement_keyword(std::string_view word) {
   static constexpr std::array<std::string_view, 29> keywords{
       "avg",  "min", "max",  "pp",   "rms",   "integ", "integral", "find",  "deriv",  "derivative", "when", "at",   "from", "to",  "trig",
       "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3"};
-  return is_one_of(word, keywords);
+  return is_one_of(keywords, word);
 }
 
 bool is_analysis_name(std::string_view word) {
   static constexpr std::array<std::string_view, 8> names{"tran", "ac", "dc", "op", "noise", "tf", "sp", "four"};
-  return is_one_of(word, names);
+  return is_one_of(names, word);
 }
 
 bool CardStyle::open_expression(std::string_view left) const {
   static constexpr std::array<std::string_view, 5> source_values{"v", "i", "value", "vol", "cur"};
-  return parameters_ || (source_values_ && is_one_of(left, source_values));
+  return parameters_ || (source_values_ && is_one_of(source_values, left));
 }
 
 bool CardStyle::joins_parenthesis(std::string_view word) const {
   static constexpr std::array<std::string_view, 8> waveforms{"sin", "sine", "pulse", "pwl", "exp", "sffm", "am", "poly"};
-  return dot_ || is_one_of(word, waveforms);
+  return dot_ || is_one_of(waveforms, word);
 }
 
 }  // namespace pwlsim::netlist

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -141,6 +142,13 @@ struct Branch {
   [[nodiscard]] bool conducts() const { return !std::isinf(resistance) && !std::isinf(drop); }
 };
 
+/// From anode to cathode, and back.
+std::array<Branch, 2> branches(const Values& v, double m) {
+  const double off = v.get("Roff");
+  return {Branch{"", contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), m * v.get("Ilimit")},
+          Branch{"reverse", contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), m * v.get("Revilimit")}};
+}
+
 /// A limit is a current source with an ideal diode across it, which takes what the source has too much.
 void add_branch(Emission& emission, const Branch& branch, const NodePair& ends, double sign) {
   if (!branch.conducts()) return;
@@ -158,22 +166,22 @@ void add_branch(Emission& emission, const Branch& branch, const NodePair& ends, 
 void emit(Emission& emission) {
   const Values& v = emission.model().values;
   const double m = emission.value("m");
-  const double off = v.get("Roff");
   const NodePair ends{emission.p(), emission.n()};
-  add_branch(emission, {"", contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), m * v.get("Ilimit")}, ends, 1.0);
-  add_branch(emission, {"reverse", contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), m * v.get("Revilimit")}, {ends.n, ends.p},
-             -1.0);
-  add_leakage(emission, off / m, ends);
+  const auto [forward, reverse] = branches(v, m);
+  add_branch(emission, forward, ends, 1.0);
+  add_branch(emission, reverse, {ends.n, ends.p}, -1.0);
+  add_leakage(emission, v.get("Roff") / m, ends);
 }
 
 void write_branch(Twin& twin, const Branch& branch, const TwinEnds& ends) {
   if (!branch.conducts()) return;
-  if (std::isinf(branch.limit)) return twin.diode(branch.name, ends, {branch.resistance, infinite, branch.drop, 0.0, infinite});
+  const TwinDiode contact{branch.resistance, infinite, branch.drop};
+  if (std::isinf(branch.limit)) return twin.diode(branch.name, ends, contact);
   const std::string part = fmt::format("{}limit", branch.name);
   const std::string inner = twin.inner(part);
-  twin.diode(branch.name, {ends.p, inner}, {branch.resistance, infinite, branch.drop, 0.0, infinite});
+  twin.diode(branch.name, {ends.p, inner}, contact);
   twin.behaviour(part, {inner, ends.n}, true, fmt::format("{}", branch.limit));
-  twin.diode(part, {ends.n, inner}, {0.0, infinite, 0.0, 0.0, infinite});
+  twin.diode(part, {ends.n, inner}, {});
 }
 
 void smooth_twin(Twin& twin) {
@@ -182,8 +190,9 @@ void smooth_twin(Twin& twin) {
   if (!std::isinf(v.get("Ilimit")) || !std::isinf(v.get("Revilimit"))) {
     const double off = v.get("Roff");
     const TwinEnds ends = twin.ends();
-    write_branch(twin, {"", contact_resistance(v.get("Ron"), off) / m, v.get("Vfwd"), m * v.get("Ilimit")}, ends);
-    write_branch(twin, {"reverse", contact_resistance(v.get("Rrev"), off) / m, v.get("Vrev"), m * v.get("Revilimit")}, {ends.n, ends.p});
+    const auto [forward, reverse] = branches(v, m);
+    write_branch(twin, forward, ends);
+    write_branch(twin, reverse, {ends.n, ends.p});
     if (!std::isinf(off)) twin.resistor("Roff", ends, off / m);
     return;
   }

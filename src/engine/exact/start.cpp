@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <optional>
 
 #include "engine/exact/static_solution.hpp"
-#include "engine/remarks.hpp"
+#include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
 namespace pwlsim::engine {
@@ -16,9 +16,6 @@ namespace pwlsim::engine {
 namespace {
 
 using linalg::Vector;
-
-/// Of switches answering each other, at the same time and one by one; of the latter two for each switch besides.
-constexpr std::size_t most_rounds_together = 1000, most_rounds_alone = 64;
 
 Vector zeta_before_start(const model::System& s) {
   Vector zeta = Vector::Zero(s.n_zeta);
@@ -47,12 +44,7 @@ class OperatingPointSolver {
  public:
   /// `systems`: those of the islands, or with their `.ic` values held.
   OperatingPointSolver(const ExactModel& model, std::vector<const model::System*> systems)
-      : model_(model),
-        systems_(std::move(systems)),
-        given_(systems_.size(), 0),
-        solutions_(systems_.size()),
-        asked_(systems_.size()),
-        is_asked_(systems_.size(), 0) {
+      : model_(model), systems_(std::move(systems)), given_(systems_.size(), 0), solutions_(systems_.size()), asked_(systems_.size()) {
     for (const auto& s : model.switches) on.push_back(s.initially_on);
     restless_.resize(on.size());
     frozen_.resize(on.size());
@@ -75,21 +67,17 @@ class OperatingPointSolver {
   std::vector<char> on;
 
  private:
-  /// Switches change sides together until they rest or come round again; then one by one. An island without a solution is asked again once the others
+  /// An island without a solution is asked again once the others
   /// have moved its switches, and given up where nothing moves any more. False: some find no rest.
   bool settles(MissingRest& missing, std::vector<Remark>& remarks) {
-    std::set<std::vector<char>> seen;
-    bool together = true;
-    for (std::size_t alone = 0; alone <= most_rounds_alone + 2 * on.size(); alone += together ? 0 : 1) {
+    SwitchRounds rounds(on.size());
+    while (!rounds.exhausted()) {
       solve_all();
-      if (!flip_switches(together)) {
+      if (!flip_switches(rounds.together())) {
         if (!give_up_unsolved(missing, remarks)) return true;
-        seen.clear();
+        rounds.start_anew();
       }
-      if (together && (!seen.insert(on).second || seen.size() > most_rounds_together)) {
-        together = false;
-        std::fill(restless_.begin(), restless_.end(), 0);
-      }
+      if (rounds.turns_to_one_by_one(on)) std::fill(restless_.begin(), restless_.end(), 0);
     }
     return false;
   }
@@ -99,9 +87,8 @@ class OperatingPointSolver {
       if (given_[i] != 0) continue;
       const model::System& s = *systems_[i];
       std::vector<char> active = active_switches(s, on);
-      if (is_asked_[i] != 0 && active == asked_[i]) continue;
+      if (active == asked_[i]) continue;
       solutions_[i] = solve_static(s, zeta_before_start(s), active);
-      is_asked_[i] = 1;
       asked_[i] = std::move(active);
     }
   }
@@ -168,10 +155,9 @@ class OperatingPointSolver {
   std::vector<const model::System*> systems_;
   std::vector<char> given_;
   std::vector<StaticSolution> solutions_;
-  std::vector<std::vector<char>> asked_;  ///< with which switches active each island was solved last
-  std::vector<char> is_asked_;
-  std::vector<char> restless_;  ///< switches that have changed sides since they do so one by one
-  std::vector<char> frozen_;    ///< and those that are no longer asked
+  std::vector<std::optional<std::vector<char>>> asked_;  ///< with which switches active each island was solved last
+  std::vector<char> restless_;                           ///< switches that have changed sides since they do so one by one
+  std::vector<char> frozen_;                             ///< and those that are no longer asked
 };
 
 bool has_conditions(const model::Island& island) {

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/log_mean.hpp"
-#include "engine/remarks.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
+#include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -18,8 +17,6 @@ namespace {
 
 using model::Network;
 
-/// Of switches answering each other, at the same time and one by one; of the latter two for each switch besides.
-constexpr std::size_t most_rounds_together = 1000, most_rounds_alone = 64;
 /// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
@@ -43,15 +40,14 @@ class RestFinder {
     Sources(network).evaluate(0.0, w_);
   }
 
-  /// As in the exact engine: together until they come round again, then one by one; a position without a rest may be left by what is driven elsewhere.
+  /// A position without a rest may be left by what is driven elsewhere.
   bool run() {
-    std::set<Position> seen;
-    bool together = true;
-    for (std::size_t alone = 0; alone <= most_rounds_alone + 2 * controls_.size(); alone += together ? 0 : 1) {
+    SwitchRounds rounds(controls_.size());
+    while (!rounds.exhausted()) {
       const bool found = find_rest();
       if (is_singular) return false;
-      if (!flip_switches(together)) return found;
-      if (together && (!seen.insert(on).second || seen.size() > most_rounds_together)) together = false;
+      if (!flip_switches(rounds.together())) return found;
+      rounds.turns_to_one_by_one(on);
     }
     problem = "the switches find no rest";
     return false;
