@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 namespace pwlsim::model {
 
@@ -28,14 +29,12 @@ WideMatrix orthonormal(const WideMatrix& m) {
   return qr.householderQ() * WideMatrix::Identity(m.rows(), m.cols());
 }
 
-/// Orthonormal basis of the invariant subspace that repeated application of `step` turns everything to.
+/// Orthonormal basis of the invariant subspace that repeated application of `step` turns everything to. From eigenvectors that takes one
+/// or two; where those are nearly parallel, as many as the gap asks for.
 template <class Step>
-WideMatrix dominant_subspace(Eigen::Index size, Eigen::Index dimension, const Step& step) {
-  WideMatrix basis(size, dimension);
-  if (dimension == 0) return basis;
-  for (Eigen::Index j = 0; j < dimension; ++j)
-    for (Eigen::Index i = 0; i < size; ++i) basis(i, j) = std::sin(static_cast<Wide>(1 + i + 7 * j * j + 3 * i * j));
-  basis = orthonormal(basis);
+WideMatrix dominant_subspace(const WideMatrix& eigenvectors, const Step& step) {
+  if (eigenvectors.cols() == 0) return eigenvectors;
+  WideMatrix basis = orthonormal(eigenvectors);
   for (int k = 0; k < most_iterations; ++k) {
     const WideMatrix next = orthonormal(step(basis));
     const Wide change = (next - basis * (basis.transpose() * next)).norm();
@@ -58,21 +57,33 @@ WideMatrix quasi_static(const WideMatrix& fast, const WideMatrix& sources, const
   return g;
 }
 
-std::vector<std::complex<Wide>> rates_of(const WideMatrix& a) {
-  const Eigen::EigenSolver<WideMatrix> solver(a, false);
-  if (solver.info() != Eigen::Success) return {};
-  std::vector<std::complex<Wide>> values(solver.eigenvalues().begin(), solver.eigenvalues().end());
-  std::sort(values.begin(), values.end(), [](const auto& x, const auto& y) { return std::abs(x) < std::abs(y); });
-  return values;
+/// Eigenvalues, the slowest first, and their eigenvectors; of a complex pair the real and the imaginary part.
+struct Spectrum {
+  std::vector<std::complex<Wide>> rates;  ///< empty: not found
+  WideMatrix vectors;
+};
+
+Spectrum spectrum_of(const WideMatrix& a) {
+  Spectrum spectrum;
+  const Eigen::EigenSolver<WideMatrix> solver(a);
+  if (solver.info() != Eigen::Success) return spectrum;
+  const auto& values = solver.eigenvalues();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(a.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index i, Eigen::Index j) { return std::abs(values[i]) < std::abs(values[j]); });
+  const WideMatrix vectors = solver.pseudoEigenvectors();
+  spectrum.vectors = vectors(Eigen::all, order);
+  for (const Eigen::Index i : order) spectrum.rates.push_back(values[i]);
+  return spectrum;
 }
 
-std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, Eigen::Index slow,
-                                  Wide cut) {
+std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, const WideMatrix& vectors,
+                                  Eigen::Index slow, Wide cut) {
   const Eigen::Index n = a.rows();
   const WideMatrix shifted = a - cut * WideMatrix::Identity(n, n);
-  const Eigen::FullPivLU<WideMatrix> lu(shifted);
-  const WideMatrix near = dominant_subspace(n, slow, [&](const WideMatrix& m) { return WideMatrix(lu.solve(m)); });
-  const WideMatrix far = dominant_subspace(n, n - slow, [&](const WideMatrix& m) { return WideMatrix(shifted * m); });
+  const Eigen::PartialPivLU<WideMatrix> lu(shifted);
+  const WideMatrix near = dominant_subspace(vectors.leftCols(slow), [&](const WideMatrix& m) { return WideMatrix(lu.solve(m)); });
+  const WideMatrix far = dominant_subspace(vectors.rightCols(n - slow), [&](const WideMatrix& m) { return WideMatrix(shifted * m); });
   WideMatrix both(n, n);
   both << near, far;
   const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(both).inverse();
@@ -146,7 +157,8 @@ std::vector<std::unique_ptr<SlowPart>> slow_parts(const System& system, const Mo
   if (n == 0 || n > largest_part) return parts;
   const WideMatrix a = mode.flow.a().topLeftCorner(n, n).cast<Wide>();
   const WideMatrix e = mode.flow.a().topRightCorner(n, system.n_zeta).cast<Wide>();
-  const auto rates = rates_of(a);
+  const Spectrum spectrum = spectrum_of(a);
+  const auto& rates = spectrum.rates;
   const Wide fastest_source = gap * system.exosystem->fastest();
   const auto size = static_cast<Eigen::Index>(rates.size());
   for (Eigen::Index slow = size - 1; slow >= 0 && parts.size() < most_parts; --slow) {
@@ -155,7 +167,7 @@ std::vector<std::unique_ptr<SlowPart>> slow_parts(const System& system, const Mo
     const Wide before = slow > 0 ? std::abs(rates[static_cast<std::size_t>(slow) - 1]) : 0.0L;
     if (std::abs(behind) < gap * before || std::abs(behind) <= fastest_source) continue;
     const Wide cut = std::sqrt(std::abs(behind) * std::max(before, std::abs(behind) * 1e-3L));
-    if (auto part = part_at(system, mode, a, e, slow, cut)) parts.push_back(std::move(part));
+    if (auto part = part_at(system, mode, a, e, spectrum.vectors, slow, cut)) parts.push_back(std::move(part));
   }
   return parts;
 }

@@ -69,7 +69,7 @@ Departure Verifier::departure(const Mode& mode, int row) {
   return {-1, 0.0};
 }
 
-void Verifier::departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out) {
+void Verifier::prepare(const Mode& mode, const double* y) {
   ny_ = mode.ny;
   const auto ny = static_cast<std::size_t>(ny_);
   if (z_.size() < ny || norm_.empty()) {
@@ -84,15 +84,35 @@ void Verifier::departures(const Mode& mode, const double* y, const std::vector<i
   }
   norm_[0] = linalg::norm(y, ny_);
   known_ = 1;
-  // Values of all guards at once: few need a derivative.
+}
+
+/// Most that the rounding of a guard's value can be, against the guard's norm.
+double Verifier::most_rounding(const Mode& mode, const double* y) const {
+  if (relaxation_ > 1.0) return INFINITY;
+  return mode.noise * (1.0 + share_of_norm * (1.0 + mode.n1)) * linalg::norm(y, mode.ny);
+}
+
+void Verifier::departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out) {
+  // Values of all guards at once: few need more than a look, and fewer a derivative.
   const auto guards = static_cast<std::size_t>(mode.guards.rows());
   values_.resize(2 * guards);
-  linalg::multiply(mode.guards, z_.data(), values_.data());
-  linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + guards);
+  linalg::multiply(mode.guards, y, values_.data());
+  const double most = most_rounding(mode, y);
+  bool prepared = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto row = static_cast<std::size_t>(rows[i]);
-    const bool decided = std::abs(values_[row]) > rounding(mode, rows[i], 0, values_[guards + row]);
-    out[i] = decided ? Departure{0, values_[row]} : departure(mode, rows[i]);
+    const double value = values_[row];
+    if (std::abs(value) > most * mode.guard_norm[rows[i]]) {
+      out[i] = {0, value};
+      continue;
+    }
+    if (!prepared) {
+      prepared = true;
+      prepare(mode, y);
+      linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + guards);
+    }
+    const bool decided = std::abs(value) > rounding(mode, rows[i], 0, values_[guards + row]);
+    out[i] = decided ? Departure{0, value} : departure(mode, rows[i]);
   }
 }
 

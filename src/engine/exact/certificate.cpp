@@ -167,7 +167,7 @@ void CertificateRecorder::add(const IslandModel& island, const Segment& segment,
     list.push_back({&island, segment.whole, {segment.y0.begin(), segment.y0.begin() + ny}, length});
   };
   if (segment.whole->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
-  if (seen_++ % stride_ != 0) return;
+  if ((seen_++ & (stride_ - 1)) != 0) return;
   keep(samples_);
   if (samples_.size() < most_samples) return;
   for (std::size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);

@@ -32,7 +32,7 @@ class CertificateRecorder {
   std::vector<Sample> samples_;  ///< thinned
   std::vector<Sample> first_visits_;
   std::vector<std::pair<const IslandModel*, linalg::Vector>> starts_;
-  std::uint64_t seen_ = 0, stride_ = 1;
+  std::uint64_t seen_ = 0, stride_ = 1;  ///< the latter a power of two
 };
 
 }  // namespace pwlsim::engine

@@ -19,6 +19,8 @@ constexpr double parting_noise = 16.0;
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
 constexpr double left_to_polish = 1e-7;
+/// ‖A‖·step that second order makes exactly; and one behind which no other is due.
+constexpr double longest_polish = 1e-6, last_polish = 1e-8;
 constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
@@ -146,6 +148,41 @@ bool Locator::excluded_by_start(std::size_t i, double h) const {
   return g_[i] > 0.0 && g_[i] + std::min(gd_[i], 0.0) * h - 0.5 * k2_[i] * h * h > 0.0;
 }
 
+/// Positive at the interval's start, negative at its end, and falling all the way.
+bool Locator::falls_throughout(const Segment& s, std::size_t i, double h) const {
+  const double bend = k2_[i] * h;
+  return gd_[i] + bend < 0.0 && g_[i] + (gd_[i] + 0.5 * bend) * h < 0.0 && g_[i] > noise_of(s, s.rows[i]);
+}
+
+/// Where each guard either stays positive up to `end` or falls throughout, by its first two derivatives at the interval's start, the first of
+/// those that fall is the event; false, and nothing done, elsewhere.
+bool Locator::first_fall(Segment& s, double end, Located& located) {
+  const double h = end - s.tau;
+  std::size_t first = s.rows.size();
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    if (s.departures[i].order < 0) return false;
+    if (s.tau == 0.0 && s.departures[i].order != 0) return false;
+    if (excluded_by_start(i, h)) continue;
+    if (first < s.rows.size() || !falls_throughout(s, i, h)) return false;
+    first = i;
+  }
+  ++intervals_;
+  ++s.intervals;
+  double at = cubic_root(s, first);
+  if (!(at > 0.0 && at < h)) at = 0.5 * h;
+  state_at(s, at, event_.data());
+  double tau = s.tau + at;
+  if (!polish(s, s.rows[first], tau)) {
+    at = find_root(s, first, 0.0, h, at, 0.0);
+    std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
+    tau = s.tau + at;
+    polish(s, s.rows[first], tau);
+  }
+  s.certified = std::min(tau, end);
+  if (tau <= end) located = {true, tau, s.rows[first], event_.data()};
+  return true;
+}
+
 bool Locator::all_excluded_by_start(const Segment& s, double h) {
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     if (s.departures[i].order < 0) return false;
@@ -250,6 +287,14 @@ double Locator::parabola_root(std::size_t i) const {
   return discriminant >= 0.0 ? 2.0 * g_[i] / (-gd_[i] + std::sqrt(discriminant)) : -1.0;
 }
 
+/// Near the root of the cubic through the interval's first derivatives.
+double Locator::cubic_root(const Segment& s, std::size_t i) {
+  const double at = parabola_root(i);
+  linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
+  const double third = linalg::row_times(s.mode->guards, s.rows[i], a1_.data());
+  return at - third * at * at * at / (6.0 * (gd_[i] + at * (g2_[i] + 0.5 * third * at)));
+}
+
 /// The one root of guard i (where it is −`below`) in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
 double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
   const Mode& m = *s.mode;
@@ -287,21 +332,24 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
 }
 
 /// Moves the event's time, and the state with it along its own flow, until the guard is rounding: re-evaluating e^{Aτ} would leave more.
-void Locator::polish(const Segment& s, int row, double& tau) {
+/// False where it is too far from zero for that.
+bool Locator::polish(const Segment& s, int row, double& tau) {
   const Mode& m = *s.mode;
   for (int round = 0; round < 3; ++round) {
     const double value = linalg::row_times(m.guards, row, event_.data());
     linalg::multiply(m.flow.a(), event_.data(), a1_.data());
     const double slope = linalg::row_times(m.guards, row, a1_.data());
-    if (value == 0.0 || slope == 0.0) return;
+    if (value == 0.0 || slope == 0.0) return value == 0.0;
     const double shift = -value / slope;
-    if (std::abs(shift) * m.norm_a > 1e-6) return;
+    if (std::abs(shift) * m.norm_a > longest_polish) return false;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
     for (int i = 0; i < m.ny; ++i)
       event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
     tau += shift;
-    if (std::abs(shift) <= epsilon * tau) return;
+    // What is left is the third power of ‖A‖·shift, or the square of its curvature: nothing after a step this short.
+    if (std::abs(shift) * m.norm_a <= last_polish || std::abs(shift) <= epsilon * tau) return true;
   }
+  return true;
 }
 
 /// Decides [tau, tau+h]: `decided` false asks for a shorter one. True when an event was found before `end`.
@@ -457,6 +505,7 @@ Located Locator::march(Segment& s, double end) {
       s.certified = end;
       return located;
     }
+    if (first_fall(s, end, located)) return located;
     if (!s.mode->stiff || s.turns > 0) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {

@@ -82,9 +82,12 @@ class Locator {
   Root examine(const Segment& segment, std::size_t i, double h);
   Root convex(const Segment& segment, std::size_t i, double h, double noise);
   [[nodiscard]] double parabola_root(std::size_t i) const;
+  double cubic_root(const Segment& segment, std::size_t i);
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
+  [[nodiscard]] bool falls_throughout(const Segment& segment, std::size_t i, double h) const;
+  bool first_fall(Segment& segment, double end, Located& located);
   Located straight_lines(Segment& segment, double end);
   void accept(Segment& segment, double h, double end);
   Located march(Segment& segment, double end);
@@ -103,7 +106,7 @@ class Locator {
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
-  void polish(const Segment& segment, int row, double& tau);
+  bool polish(const Segment& segment, int row, double& tau);
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
   [[nodiscard]] bool is_at_rest(const Segment& s, std::size_t i) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
