@@ -77,8 +77,8 @@ Spectrum spectrum_of(const WideMatrix& a) {
   return spectrum;
 }
 
-std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e, const WideMatrix& vectors,
-                                  Eigen::Index slow, Wide cut) {
+std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const WideMatrix& a, const WideMatrix& e,
+                                  const WideMatrix& vectors, Eigen::Index slow, Wide cut) {
   const Eigen::Index n = a.rows();
   const WideMatrix shifted = a - cut * WideMatrix::Identity(n, n);
   const Eigen::PartialPivLU<WideMatrix> lu(shifted);

@@ -31,32 +31,11 @@ constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if th
 constexpr int absorbed_levels = 6;         ///< the Euler step behind such a step is so much shorter
 constexpr int longest_pause = 63;          ///< of such steps between two attempts
 constexpr std::size_t most_positions = 1u << 20;
-/// So many steps within that part of the run, and residuals of the certificate of that size (and of so many tolerances): they lead nowhere.
-constexpr std::uint64_t steps_between_looks = 50'000;
-constexpr double short_stretch = 2.5e-4, hopeless_residual = 1e-3, hopeless_tolerances = 10.0;
-/// Wrong altogether, or in Kirchhoff's laws, which solutions keep to rounding: then it need not get worse to be given up.
-constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e-6;
-/// So many of them that stand at a cliff: the next longer one is so much worse, as no power of the step makes it, for want of a position. Unless events
-/// come of it.
-constexpr double cliff = 1e6;
-constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
-/// Without events, in an active network, at so many looks in a row: what is left would take a million times that many steps. A ring may die down meanwhile.
-constexpr double hopeless_stretch = 1e-6;
-constexpr int most_stuck_looks = 20;
-/// Nearly every second one leads to a passage after which every port stays on its side, or, in a passive network too, stands at a cliff, between so many
-/// looks in a row.
-constexpr std::uint64_t many_idle = steps_between_looks * 2 / 5;
-constexpr int most_idle_looks = 2;
-constexpr double idle_stretch = 0.05;
-/// So many passages in a row after which every port stays on its side: with such residuals it should not have stayed there.
-constexpr int most_idle_passages = 2'000;
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
 double longest_step(double period, double reltol) {
   return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
 }
-
-double residual(const Certificate& certificate) { return std::max(certificate.complementarity, certificate.kcl_kvl); }
 
 }  // namespace
 
@@ -72,7 +51,9 @@ Block::Block(const Part& part, const Request& request, double reltol)
       scale_(descriptor_, largest_held_voltage(part.island.network)),
       controls_(controls_of(part.island.network, descriptor_)),
       gates_(part.gates),
-      certificate_(descriptor_) {
+      certificate_(descriptor_),
+      passive_(descriptor_.passive()),
+      stall_(passive_, request.stop, reltol) {
   for (const Gate& gate : gates_) std::erase_if(controls_, [&](const Control& control) { return control.port == gate.port(); });
   for (const auto& signal : part.island.network.signals) {
     signals_.push_back(descriptor_.form(signal.form));
@@ -84,7 +65,6 @@ Block::Block(const Part& part, const Request& request, double reltol)
   level_ = first_level;
   tolerance_ = merge_fraction * request.stop;
   break_tolerance_ = break_fraction * request.stop;
-  passive_ = descriptor_.passive();
 }
 
 void Block::signals(double time, double* values) {
@@ -115,52 +95,13 @@ bool Block::advance() {
   return step() && look_back();
 }
 
-/// Where no solution continues, steps may get ever shorter from one wrong position to the next, or ports leave their sides and find no others: an active
-/// network need not have one. False: given up.
+/// False: given up, since nothing comes of the steps.
 bool Block::look_back() {
-  if (steps_ - looked_after_ >= steps_between_looks) {
-    looked_after_ = steps_;
-    const double stretch = point_.time - std::exchange(looked_at_, point_.time);
-    const std::string why = why_nowhere(stretch);
-    if (!why.empty())
-      return give_up(fmt::format("steps get too short before t = {} s ({} of them within {:.3g} s), and {}", point_.time,
-                                 steps_between_looks, stretch, why));
-  }
-  if (idle_passages_ >= most_idle_passages) {
-    idle_passages_ = 0;
-    if (const double worst = residual(certificate_.check()); worst >= hopeless())
-      return give_up(
-          fmt::format("ports leave their sides before t = {} s and find no others ({} times), and violate the circuit's laws by {:.1e}",
-                      point_.time, most_idle_passages, worst));
-  }
-  return true;
+  const StallWatch::Place now{point_.time, steps_, events_};
+  if (!stall_.is_due(now)) return true;
+  const std::string why = stall_.look(certificate_.check(), now);
+  return why.empty() || give_up(why);
 }
-
-/// What is wrong with the last steps, if they took no longer than that and lead nowhere.
-std::string Block::why_nowhere(double stretch) {
-  const Certificate certificate = certificate_.check();
-  const double worst = residual(certificate);
-  const bool is_worse = worst > std::exchange(worst_before_, worst);
-  const bool is_senseless = worst >= senseless_residual || certificate.kcl_kvl >= broken_laws;
-  const std::uint64_t events = events_ - std::exchange(events_before_, events_);
-  const std::uint64_t idle = std::exchange(idle_between_looks_, 0);
-  idle_looks_ = idle > many_idle ? idle_looks_ + 1 : 0;
-  const bool is_quiet = events < few_events;
-  const std::uint64_t cliffs = std::exchange(cliffs_, 0);
-  cliff_looks_ = cliffs > many_idle ? cliff_looks_ + 1 : 0;
-  const bool is_blocked = is_quiet && (passive_ ? cliff_looks_ >= most_idle_looks : cliffs > most_cliffs);
-  stuck_looks_ = is_quiet && !passive_ && stretch <= hopeless_stretch * request_.stop ? stuck_looks_ + 1 : 0;
-  if (stuck_looks_ >= most_stuck_looks)
-    return fmt::format("what is left would take {:.0e} of them",
-                       static_cast<double>(steps_between_looks) * (request_.stop - point_.time) / stretch);
-  if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= idle_stretch * request_.stop)
-    return fmt::format("at {} of them ports leave their sides and find no others", idle);
-  if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * request_.stop) return "";
-  if (is_senseless || (is_worse && worst >= hopeless())) return fmt::format("violate the circuit's laws by {:.1e}", worst);
-  return is_blocked ? "longer ones find no position, or one from another side" : "";
-}
-
-double Block::hopeless() const { return std::max(hopeless_residual, hopeless_tolerances * reltol_); }
 
 bool Block::give_up(const std::string& what) {
   fail(Outcome::no_solution, "E-step", what + ": a solution may not exist; try --engine exact, which examines it", {});
@@ -188,7 +129,7 @@ bool Block::step() {
       if (!reduce(h, trial_.error)) return fail_step(trial_.solved, trial_.error);
       continue;
     }
-    if (rejected_error > cliff * trial_.error) ++cliffs_;
+    stall_.note_errors(trial_.error, rejected_error);
     if (passive_ && trial_.error > least_improvement * reltol_) {
       const Solved solved = stepper_.improve(h, trial_);
       if (solved != Solved::yes) return fail_step(solved, trial_.error);

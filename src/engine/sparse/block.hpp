@@ -17,6 +17,7 @@
 #include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/part.hpp"
+#include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
 #include "engine/sparse/stretch.hpp"
 
@@ -83,8 +84,6 @@ class Block {
   bool reduce(double h, double error);
   bool fail_step(Solved solved, double error);
   bool look_back();
-  std::string why_nowhere(double stretch);
-  [[nodiscard]] double hopeless() const;
   bool give_up(const std::string& what);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
@@ -133,6 +132,8 @@ class Block {
   std::vector<double> signal_scale_;
   bool signals_read_sources_ = false;
   CertificateRecorder certificate_;
+  bool passive_ = false;
+  StallWatch stall_;
   Stretch stretch_;
   Point point_;
   Position position_before_;  ///< before the instant that is due
@@ -146,18 +147,10 @@ class Block {
   Answer failure_;
   double h_max_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
   int level_ = 0;
-  bool starting_ = false, passive_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
+  bool starting_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   int absorb_wait_ = 0, absorb_pause_ = 0;
-  double looked_at_ = 0.0, worst_before_ = 0.0;  ///< time and residual at the step number `looked_after_`
-  std::uint64_t looked_after_ = 0, events_before_ = 0;
-  std::uint64_t cliffs_ = 0;  ///< steps since then whose error jumped with their length
-  int idle_passages_ = 0;     ///< instants in a row that changed nothing
-  std::uint64_t idle_between_looks_ = 0;
-  int idle_looks_ = 0;   ///< in a row that saw many of them
-  int cliff_looks_ = 0;  ///< and many cliffs
-  int stuck_looks_ = 0;  ///< and at which steps got nowhere
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };

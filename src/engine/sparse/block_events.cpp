@@ -90,7 +90,7 @@ std::vector<Block::Crossing> Block::crossings(const Trial& trial, double reach) 
 bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
   const Crossing& first = list.front();
   position_before_ = point_.on;
-  if (first.at > 0.0 && !passive_ && idle_passages_ < most_idle_located) {
+  if (first.at > 0.0 && !passive_ && stall_.idle_passages() < most_idle_located) {
     if (!locate(h, first)) return false;
   } else if (first.at > 0.0) {
     accept(trial_, std::min(first.at, reach));
@@ -262,8 +262,7 @@ bool Block::restart() {
     jumps_ += instant.jump ? 1 : 0;
     instant_ = instant;
   }
-  idle_passages_ = instant.happened() ? 0 : idle_passages_ + 1;
-  if (!instant.happened()) ++idle_between_looks_;
+  stall_.note_instant(instant.happened());
   if (time == 0.0) start_projected_ = instant.jump;
   return watch_crowd(time);
 }

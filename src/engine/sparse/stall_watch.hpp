@@ -1,0 +1,55 @@
+#pragma once
+/// Whether the steps of a block lead anywhere. Where no solution continues they may get ever shorter from one wrong position to the next, or ports
+/// leave their sides and find no others: an active network need not have a solution, and a passive one may hold a short circuit of ideal parts.
+
+#include <cstdint>
+#include <string>
+
+#include "engine/run.hpp"
+
+namespace pwlsim::engine::sparse {
+
+/// The worse of complementarity and Kirchhoff's laws, relative.
+[[nodiscard]] double worst_residual(const Certificate& certificate);
+
+class StallWatch {
+ public:
+  StallWatch(bool is_passive, double stop, double reltol);
+
+  /// Where the run stands, s, and how many steps and events have been.
+  struct Place {
+    double time = 0.0;
+    std::uint64_t steps = 0, events = 0;
+  };
+
+  /// A step of length h was accepted with `error`, a longer one rejected with `rejected_error`.
+  void note_errors(double error, double rejected_error);
+  /// An instant at which ports left their sides, and whether anything came of it.
+  void note_instant(bool happened);
+  /// So many instants in a row came to nothing.
+  [[nodiscard]] int idle_passages() const { return idle_passages_; }
+
+  /// Whether it is time to look what the last steps have done.
+  [[nodiscard]] bool is_due(const Place& now) const;
+  /// What is wrong with them, in words; empty where they lead on.
+  [[nodiscard]] std::string look(const Certificate& certificate, const Place& now);
+
+ private:
+  [[nodiscard]] bool are_passages_idle() const;
+  [[nodiscard]] std::string look_at_steps(const Certificate& certificate, const Place& now, double stretch);
+  [[nodiscard]] std::string look_at_passages(const Certificate& certificate, const Place& now);
+  [[nodiscard]] bool is_hopeless(double residual) const;
+
+  bool passive_;
+  double stop_, reltol_;
+  Place last_;                    ///< of the last look
+  double residual_before_ = 0.0;  ///< there
+  std::uint64_t cliffs_ = 0;      ///< steps since then whose error jumped with their length
+  std::uint64_t idle_since_ = 0;  ///< instants since then that came to nothing
+  int idle_passages_ = 0;         ///< the same in a row
+  int idle_looks_ = 0;            ///< looks in a row that saw many such instants
+  int cliff_looks_ = 0;           ///< and many cliffs
+  int stuck_looks_ = 0;           ///< and steps that got nowhere
+};
+
+}  // namespace pwlsim::engine::sparse
