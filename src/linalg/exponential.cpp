@@ -37,6 +37,18 @@ void sum_small_series(const double* a, double tau, double* y) {
   small_series(a, tau, Small<length>::load(y), 1).store(y);
 }
 
+/// e^{Aτ}y from y, Ay, … A^k y.
+template <int length>
+void continue_small_series(const double* a, const double* powers, int k, double tau, double* out) {
+  auto known = Small<length>::load(powers);
+  double factor = 1.0;
+  for (int j = 1; j < k; ++j) known.add_multiple(powers + j * length, factor *= tau / j);
+  auto term = Small<length>::load(powers + k * length);
+  term.scale(factor * tau / k);
+  known.add(small_series(a, tau, term, k + 1));
+  known.store(out);
+}
+
 /// e^{Aτ} − I, column by column.
 template <int length>
 void small_minus_identity(const double* a, double tau, double* x) {
@@ -152,6 +164,11 @@ bool Exponential::shift(double tau, double* y, double* work) const {
   if (rate_ * std::abs(tau) > radius) return false;
   if (a_.rows() > 0) taylor(tau, y, work);
   return true;
+}
+
+bool Exponential::continue_series(const double* powers, int k, double tau, double* out) const {
+  if (rate_ * tau > radius) return false;
+  return with_length(a_.rows(), [&]<int length>(Length<length>) { continue_small_series<length>(a_.data(), powers, k, tau, out); });
 }
 
 Matrix Exponential::taylor_minus_identity(double tau) const {

@@ -25,6 +25,9 @@ class Exponential {
   void apply_once(double tau, double* y, double* work) const;
   /// The same for a short τ of either sign; false, and y as it was, where rate·|τ| is beyond the reach of the series.
   bool shift(double tau, double* y, double* work) const;
+  /// out := e^{Aτ} y for a short τ ≥ 0, from y, Ay, … A^k y one behind the other, k ≥ 1; false, and nothing done, where τ is beyond the reach of the
+  /// series or there are too many states for it to be worth while.
+  bool continue_series(const double* powers, int k, double tau, double* out) const;
   /// e^{Aτ} − I.
   [[nodiscard]] Matrix minus_identity(double tau) const;
 

@@ -173,3 +173,27 @@ TEST_CASE("a sinusoid keeps its phase over thousands of events", "[unit]") {
     CHECK(row[1] == Approx(static_cast<double>(expected)).margin(rounding * amplitude));
   }
 }
+
+// H(jω) = 1/(1 + jω/ω0)²: two equal eigenvalues with one eigenvector behind a slow source, so that events are located in the part that is left of the
+// mode when they have died out.
+TEST_CASE("events of a slow source behind critically damped parts a thousand times faster", "[unit]") {
+  const double omega = 2.0 * pi * 50.0, omega0 = 1e6;
+  Circuit c;
+  c.v("a", "0", model::Sin{.amplitude = 1.0, .frequency = 50.0});
+  c.r("a", "b", 2.0);
+  c.l("b", "o", 1.0 / omega0);
+  c.c("o", "0", 1.0 / omega0);
+  c.v("d", "0", model::Dc{1.0});
+  c.s("q", "0", "o", "0", 0.5);
+  c.r("d", "q", 1.0);
+  c.save_v("q");
+  const Run run = simulate(c.network(), {0.04, 4, true, true});
+  const double phase = 2.0 * std::atan(omega / omega0), size = 1.0 / (1.0 + std::pow(omega / omega0, 2.0));
+  const double rises = std::asin(0.5 / size);
+  std::vector<double> expected;
+  for (const int period : {0, 1})
+    for (const double angle : {rises, pi - rises}) expected.push_back((angle + phase + 2.0 * pi * period) / omega);
+  const std::vector<double> times = event_times(run);
+  REQUIRE(times.size() == expected.size());
+  for (std::size_t i = 0; i < times.size(); ++i) CHECK(std::abs(times[i] - expected[i]) <= 10.0 * tight * expected[i]);
+}

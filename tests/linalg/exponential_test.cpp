@@ -40,6 +40,26 @@ TEST_CASE("rotation", "[unit]") {
   }
 }
 
+TEST_CASE("the series goes on from derivatives that are known", "[unit]") {
+  const double omega = 3.0;
+  Matrix a(2, 2);
+  a << 0, -omega, omega, 0;
+  const Exponential exponential(a, omega);
+  // y, Ay, A²y, A³y of y = (1, 0).
+  const std::vector<double> powers{1, 0, 0, omega, -omega * omega, 0, 0, -omega * omega * omega};
+  for (const int known : {1, 2, 3})
+    for (const double tau : {1e-9, 0.01, 0.1, 0.33}) {
+      INFO("known " << known << ", tau " << tau);
+      double y[2];
+      REQUIRE(exponential.continue_series(powers.data(), known, tau, y));
+      CHECK(std::abs(y[0] - std::cos(omega * tau)) <= 2 * rounding);
+      CHECK(std::abs(y[1] - std::sin(omega * tau)) <= 2 * rounding);
+    }
+  double y[2] = {5.0, 7.0};
+  CHECK_FALSE(exponential.continue_series(powers.data(), 3, 1.0, y));
+  CHECK(y[0] == 5.0);
+}
+
 TEST_CASE("a Jordan block", "[unit]") {
   Matrix a(3, 3);
   a << -1, 1, 0, 0, -1, 1, 0, 0, -1;

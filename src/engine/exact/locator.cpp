@@ -21,7 +21,7 @@ constexpr double root_noise = 4.0 * epsilon;
 constexpr double left_to_polish = 1e-7;
 /// ‖A‖·step that second order makes exactly; and one behind which no other is due.
 constexpr double longest_polish = 1e-6, last_polish = 1e-8;
-constexpr int smallest_interval = 50;  ///< halvings of the segment before it counts as undecidable
+constexpr double smallest_interval = 0x1p-50;  ///< of the segment: shorter ones count as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
 /// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
@@ -168,9 +168,10 @@ bool Locator::first_fall(Segment& s, double end, Located& located) {
   }
   ++intervals_;
   ++s.intervals;
+  linalg::multiply_repeatedly(s.mode->flow.a(), 1, derivatives_.data() + 2 * s.mode->ny);
   double at = cubic_root(s, first);
   if (!(at > 0.0 && at < h)) at = 0.5 * h;
-  state_at(s, at, event_.data());
+  if (!s.mode->flow.continue_series(derivatives_.data(), 3, at, event_.data())) state_at(s, at, event_.data());
   double tau = s.tau + at;
   if (!polish(s, s.rows[first], tau)) {
     at = find_root(s, first, 0.0, h, at, 0.0);
@@ -288,10 +289,9 @@ double Locator::parabola_root(std::size_t i) const {
 }
 
 /// Near the root of the cubic through the interval's first derivatives.
-double Locator::cubic_root(const Segment& s, std::size_t i) {
+double Locator::cubic_root(const Segment& s, std::size_t i) const {
   const double at = parabola_root(i);
-  linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
-  const double third = linalg::row_times(s.mode->guards, s.rows[i], a1_.data());
+  const double third = linalg::row_times(s.mode->guards, s.rows[i], derivatives_.data() + 3 * s.mode->ny);
   return at - third * at * at * at / (6.0 * (gd_[i] + at * (g2_[i] + 0.5 * third * at)));
 }
 
@@ -487,7 +487,7 @@ Located Locator::locate(Segment& s, double end) {
 Located Locator::march(Segment& s, double end) {
   Located located;
   if (s.mode->piecewise_linear) return straight_lines(s, end);
-  const double shortest = std::max(std::ldexp(end, -smallest_interval), 4.0 * epsilon * (s.anchor + end));
+  const double shortest = std::max(smallest_interval * end, 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
     if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {

@@ -82,7 +82,7 @@ class Locator {
   Root examine(const Segment& segment, std::size_t i, double h);
   Root convex(const Segment& segment, std::size_t i, double h, double noise);
   [[nodiscard]] double parabola_root(std::size_t i) const;
-  double cubic_root(const Segment& segment, std::size_t i);
+  [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
