@@ -76,8 +76,18 @@ class Locator {
   Bound bound_of(const Segment& segment, int order, const double* derivative, double h);
   [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row) const;
   void bound_second(const Segment& segment, double h);
-  [[nodiscard]] bool excluded_by_start(std::size_t i, double h) const;
-  bool all_excluded_by_start(const Segment& segment, double h);
+  void bound_bends(const Segment& segment, double h);
+  void narrow_bends(const Segment& segment, double h);
+  [[nodiscard]] bool stays_positive(std::size_t i, double h) const;
+  [[nodiscard]] bool falls_throughout(const Segment& segment, std::size_t i, double h) const;
+  struct Outlook {
+    Verdict verdict = Verdict::undecided;
+    std::size_t row = 0;  ///< number of the guard with the first root,
+    double root = 0.0;    ///< and nearly where that is
+  };
+  Outlook look_ahead(const Segment& segment, double h);
+  [[nodiscard]] double length_to_first_root(const Segment& segment, double longest) const;
+  bool falling(Segment& segment, std::size_t i, double h, double end, Located& located);
   void end_values(const Segment& segment, double h);
   Root examine(const Segment& segment, std::size_t i, double h);
   Root convex(const Segment& segment, std::size_t i, double h, double noise);
@@ -86,8 +96,6 @@ class Locator {
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
-  [[nodiscard]] bool falls_throughout(const Segment& segment, std::size_t i, double h) const;
-  bool first_fall(Segment& segment, double end, Located& located);
   Located straight_lines(Segment& segment, double end);
   void accept(Segment& segment, double h, double end);
   Located march(Segment& segment, double end);
@@ -119,8 +127,9 @@ class Locator {
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
   std::vector<double> whole_y_, slow_y_;  ///< of a segment that enters or leaves a slow part
   std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
-  std::vector<double> derivatives_;        ///< A^j y at the interval's start, j = 0 … order + 1
-  std::vector<double> guard_derivatives_;  ///< rows × (order + 1)
+  std::vector<double> least_bend_, most_bend_;  ///< bounds of the guards' second derivatives
+  std::vector<double> derivatives_;             ///< A^j y at the interval's start, j = 0 … order + 1
+  std::vector<double> guard_derivatives_;       ///< rows × (order + 1)
   std::vector<double> block_bound_;
   std::uint64_t intervals_ = 0, sampled_ = 0;
 };
