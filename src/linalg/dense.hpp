@@ -2,6 +2,7 @@
 /// Dense vectors and matrices, and the few operations that the small systems of a mode need in inner loops.
 
 #include <Eigen/Core>
+#include <algorithm>
 
 namespace pwlsim::linalg {
 
@@ -32,6 +33,28 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) sum += x[i] * x[i];
   return std::sqrt(sum);
+}
+
+/// y := x. For few entries a call of the library's costs more than they do.
+inline void copy(const double* x, Eigen::Index n, double* y) {
+  switch (n) {
+    case 4:
+      y[3] = x[3];
+      [[fallthrough]];
+    case 3:
+      y[2] = x[2];
+      [[fallthrough]];
+    case 2:
+      y[1] = x[1];
+      [[fallthrough]];
+    case 1:
+      y[0] = x[0];
+      [[fallthrough]];
+    case 0:
+      return;
+    default:
+      std::copy_n(x, n, y);
+  }
 }
 
 /// ‖x − y‖₂.

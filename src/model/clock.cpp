@@ -57,8 +57,12 @@ void Clock::start(bool is_on) {
 void Clock::take() {
   is_on_ ^= next_.flips;
   Recurrence* known = recurrence();
-  if (!known) return search();
+  if (!known) {
+    finish_cursors();
+    return search();
+  }
   if (known->is_known) return repeat(*known);
+  finish_cursors();
   const Track::Cursor before = terms_[0].cursor;
   search();
   const Track::Cursor& now = terms_[0].cursor;
@@ -81,7 +85,10 @@ Clock::Recurrence* Clock::recurrence() {
 
 void Clock::repeat(const Recurrence& known) {
   Term& term = terms_[0];
-  for (int corner = 0; corner < known.passed; ++corner) term.track->advance(term.cursor);
+  if (known.passed > 0) {
+    term.track->pass_in_loop(term.cursor, known.passed);
+    has_next_ = false;
+  }
   inside_ = known.crosses;
   from_ = term.cursor.start;
   late_ = term.cursor.start_late;
@@ -91,6 +98,13 @@ void Clock::repeat(const Recurrence& known) {
     from_ += tau;
   }
   next_ = {from_, late_, known.flips, known.is_edge};
+}
+
+/// What `repeat` leaves out of the cursors.
+void Clock::finish_cursors() {
+  if (has_next_) return;
+  has_next_ = true;
+  for (Term& term : terms_) term.track->set_next(term.cursor);
 }
 
 /// Takes the breakpoints at `time`; true if a source jumped there.

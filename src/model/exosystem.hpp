@@ -52,8 +52,8 @@ class Track {
   void advance(Cursor& cursor) const;
   /// Takes every breakpoint up to time + tolerance, one at least; true if the value jumped there.
   bool pass(Cursor& cursor, double time, double tolerance) const;
-
- private:
+  /// Takes so many corners (one at least), all of them within the repetitions, and leaves `next` to `set_next`.
+  void pass_in_loop(Cursor& cursor, int corners) const;
   void set_next(Cursor& cursor) const;
 };
 

@@ -11,6 +11,15 @@ namespace pwlsim::model {
 class IndexSet {
  public:
   explicit IndexSet(int ports = 0) : more_(ports > 64 ? (static_cast<std::size_t>(ports) - 1) / 64 : 0, 0) {}
+  ~IndexSet() = default;
+  IndexSet(const IndexSet&) = default;
+  IndexSet(IndexSet&&) = default;
+  IndexSet& operator=(const IndexSet& other) {
+    first_ = other.first_;
+    if (!more_.empty() || !other.more_.empty()) more_ = other.more_;
+    return *this;
+  }
+  IndexSet& operator=(IndexSet&&) = default;
 
   [[nodiscard]] bool contains(int i) const { return (word(i) >> (i & 63)) & 1U; }
   void set(int i, bool member) {

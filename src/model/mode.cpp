@@ -475,10 +475,10 @@ void to_mode(const System& system, const Mode& mode, const double* x, double* y)
   const int n = system.n;
   const int nz = system.n_zeta;
   if (!mode.constrained) {
-    std::copy(x, x + n + nz, y);
+    linalg::copy(x, n + nz, y);
     return;
   }
-  std::copy(x + n, x + n + nz, y + mode.n1);
+  linalg::copy(x + n, nz, y + mode.n1);
   // Nᵀ R = 0, so that c = Nᵀ ξ.
   for (int j = 0; j < mode.n1; ++j) {
     const double* column = mode.basis.data() + static_cast<Eigen::Index>(j) * n;
@@ -492,7 +492,7 @@ void from_mode(const System& system, const Mode& mode, const double* y, double* 
   const int n = system.n;
   const int nz = system.n_zeta;
   if (!mode.constrained) {
-    std::copy(y, y + n + nz, x);
+    linalg::copy(y, n + nz, x);
     return;
   }
   for (int i = 0; i < n; ++i) x[i] = 0.0;
@@ -500,7 +500,7 @@ void from_mode(const System& system, const Mode& mode, const double* y, double* 
     for (int i = 0; i < n; ++i) x[i] += mode.basis(i, j) * y[j];
   for (int j = 0; j < nz; ++j)
     for (int i = 0; i < n; ++i) x[i] += mode.lift(i, j) * y[mode.n1 + j];
-  std::copy(y + mode.n1, y + mode.ny, x + n);
+  linalg::copy(y + mode.n1, nz, x + n);
 }
 
 }  // namespace pwlsim::model

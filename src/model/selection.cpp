@@ -63,7 +63,7 @@ void Selector::mark_visited(const Mode& mode) {
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
   const int size = system_.size();
   if (!mode.constrained) {
-    std::copy(x, x + size, projected);
+    linalg::copy(x, size, projected);
     return true;
   }
   linalg::multiply(mode.projector, x, projected);
@@ -91,14 +91,14 @@ bool Selector::accepts(const Mode& mode, const double* x) {
 const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
   const Mode& m = mode(set);
   if (!m.regular || !consistent(m, x, projected_.data()) || !accepts(m, projected_.data())) return nullptr;
-  std::copy(projected_.begin(), projected_.end(), x);
+  linalg::copy(projected_.data(), system_.size(), x);
   return &m;
 }
 
 const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
   for (const Mode* m : known(wanted).successors) {
     if (!consistent(*m, x, projected_.data()) || !accepts(*m, projected_.data())) continue;
-    std::copy(projected_.begin(), projected_.end(), x);
+    linalg::copy(projected_.data(), system_.size(), x);
     return m;
   }
   return nullptr;
@@ -169,7 +169,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
           if (const Mode* other = beside(x, m); other) return other;
           continue;
         }
-        std::copy(projected_.begin(), projected_.end(), x);
+        linalg::copy(projected_.data(), system_.size(), x);
         return &m;
       }
       if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
@@ -249,7 +249,7 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
   }
   const Mode* richer = about.richer;
   if (!richer || !consistent(*richer, x, projected_.data()) || !accepts(*richer, projected_.data())) return &found;
-  std::copy(projected_.begin(), projected_.end(), x);
+  linalg::copy(projected_.data(), system_.size(), x);
   return richer;
 }
 
@@ -362,7 +362,7 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     result.details = &details_;
     result.choice = Choice::several;
     if (several_ == Several::first) result.mode = first_of(details_.continuations);
-    if (result.mode != found && strictly_consistent(*result.mode, x, projected_.data())) std::copy(projected_.begin(), projected_.end(), x);
+    if (result.mode != found && strictly_consistent(*result.mode, x, projected_.data())) linalg::copy(projected_.data(), system_.size(), x);
     return result;
   }
   result.choice = Choice::too_many_jumps;

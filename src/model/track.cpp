@@ -62,6 +62,25 @@ void Track::set_next(Cursor& cursor) const {
         std::fma(cursor.period_index, loop_period, -periods) + rounding_of_sum(loop_start, periods) + rounding_of_sum(base, offset);
 }
 
+void Track::pass_in_loop(Cursor& cursor, int corners) const {
+  const std::size_t end = prefix.size() + loop.size();
+  for (int i = 1; i < corners; ++i)
+    if (++cursor.item == end) {
+      cursor.item = prefix.size();
+      cursor.period_index += 1.0;
+    }
+  set_next(cursor);
+  cursor.start = cursor.next;
+  cursor.start_late = cursor.next_late;
+  const Segment& segment = loop[cursor.item - prefix.size()];
+  cursor.value = segment.value;
+  cursor.slope = segment.slope;
+  if (++cursor.item == end) {
+    cursor.item = prefix.size();
+    cursor.period_index += 1.0;
+  }
+}
+
 void Track::advance(Cursor& cursor) const {
   cursor.start = cursor.next;
   cursor.start_late = cursor.next_late;

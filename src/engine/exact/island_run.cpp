@@ -88,14 +88,14 @@ void IslandRun::open(double time, double late) {
   at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
   if (event_.found && event_time_ == time) {
-    std::copy(event_.y, event_.y + m.ny, y.begin());
+    linalg::copy(event_.y, m.ny, y.data());
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
     undecided_ = event_.row < 0;
   } else {
     const double tau = (time - segment_.anchor) + (late - segment_.late);
     // The march may have stepped past this instant, or go on in a slow part; then the anchor is the place to start from.
     const bool from_anchor = tau < segment_.tau || segment_.part != nullptr;
-    if (from_anchor) std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), y.begin());
+    if (from_anchor) linalg::copy(segment_.y0.data(), m.ny, y.data());
     m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
   }
   if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late, y.data() + m.n1);
@@ -259,7 +259,6 @@ void IslandRun::close(double time, double late, const std::vector<char>& on) {
 
 /// From x in the mode as it is.
 void IslandRun::begin_segment(double time, double late) {
-  const auto ny = static_cast<std::size_t>(mode->ny);
   segment_.mode = segment_.whole = mode;
   segment_.part = nullptr;
   segment_.anchor = time;
@@ -270,7 +269,7 @@ void IslandRun::begin_segment(double time, double late) {
     segment_.y.resize(x.size());
   }
   model::to_mode(system_, *mode, x.data(), segment_.y0.data());
-  std::copy_n(segment_.y0.begin(), ny, segment_.y.begin());
+  linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;
   segment_.turns = 0;

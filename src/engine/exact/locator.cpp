@@ -132,7 +132,7 @@ void Locator::derive(const Segment& s) {
   const Mode& m = *s.mode;
   const auto ny = static_cast<std::size_t>(m.ny);
   double* d = derivatives_.data();
-  std::copy_n(s.y.begin(), ny, d);
+  linalg::copy(s.y.data(), m.ny, d);
   linalg::multiply_repeatedly(m.flow.a(), 2, d);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     g_[i] = linalg::row_times(m.guards, s.rows[i], d);
@@ -234,7 +234,7 @@ bool Locator::falling(Segment& s, std::size_t i, double h, double end, Located& 
 }
 
 void Locator::state_at(const Segment& s, double step, double* out) {
-  std::copy(s.y.begin(), s.y.begin() + s.mode->ny, out);
+  linalg::copy(s.y.data(), s.mode->ny, out);
   s.mode->flow.apply_once(step, out, work_.data());
 }
 
