@@ -110,6 +110,20 @@ TEST_CASE("small steps that violate the laws altogether are given up", "[regress
   CHECK(run.answer.id == "E-step");
 }
 
+// The part hangs at ground by L2 alone, which carries nothing. What rounding leaves of its capacitances is one of 10⁻²⁷ F, and rings with L2 at 10¹⁴ rad/s:
+// steps of 10⁻¹⁶ s after the start followed that.
+TEST_CASE("a ring that is made of rounding does not hold up the steps", "[regression]") {
+  const DeckRun run = run_text_sparse(
+      "hangs\nV1 a 3 PWL(0 9.19 1u 9.19 2u 20)\nL2 a x 24m\nR2 x 0 135k\nC5 a in 7.4p\nR6 a n1 13.5k\nC7 n1 3 77.8p\n.save v(a,n1)\n.tran 1u 4u\n", 1e-6);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  REQUIRE(run.rows.size() == 5);
+  // R6 and C7 behind the ramp: slope·τ·(1 − e^(−t/τ)), and its decay.
+  const double tau = 13.5e3 * 77.8e-12, at_end_of_ramp = 10.81e6 * tau * (1.0 - std::exp(-1e-6 / tau));
+  constexpr double few_tolerances = 1e-5, slope_of_ramp_times_tau = 11.4;
+  CHECK(std::abs(run.rows[2][1] - at_end_of_ramp) <= few_tolerances * slope_of_ramp_times_tau);
+  CHECK(std::abs(run.rows[4][1] - at_end_of_ramp * std::exp(-2e-6 / tau)) <= few_tolerances * slope_of_ramp_times_tau);
+}
+
 // R/L is no double.
 TEST_CASE("time constants below the range of numbers end the run with a message", "[regression]") {
   const DeckRun run = run_text("tiny\nV1 a 0 PULSE(0 1 0 0 0 1 2)\nR1 a b 1\nL1 b 0 1e-320\n.tran 1m 2m\n");

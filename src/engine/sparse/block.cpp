@@ -24,7 +24,9 @@ constexpr double merge_fraction = 1e-14;    ///< of the run: instants closer tha
 constexpr double break_fraction = 1e-11;    ///< and breakpoints of sources closer than this
 /// A step may reach so many times beyond where it is cut.
 constexpr double overshoot = 8.0;
-constexpr double whole = 1.0 - 1e-9;  ///< of a step: nothing to cut
+constexpr int deep_level = 20;             ///< halvings of the largest step from which on they are short
+constexpr int longest_standing = 1 << 16;  ///< accepted steps there between two attempts at longer ones
+constexpr double whole = 1.0 - 1e-9;       ///< of a step: nothing to cut
 /// What changes of sides may do to a saved signal, in tolerances, before they are located.
 constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
@@ -214,10 +216,22 @@ void Block::settle_in(Point& next) {
 }
 
 void Block::control_size(double error) {
-  if (rejected_) return;
+  if (rejected_) {
+    standing_ = 0;
+    return;
+  }
   const double eighth = growth_share * reltol_ / 8.0;
-  if (level_ > 0 && error < eighth) --level_;
-  if (level_ > 0 && error < eighth / 64.0) --level_;
+  if (level_ > 0 && error < eighth) {
+    standing_ = 0;
+    --level_;
+    if (level_ > 0 && error < eighth / 64.0) --level_;
+    return;
+  }
+  // In steps this short they may follow a ring that is made of nothing but rounding, or of nothing that counts: a far longer one damps it.
+  if (level_ < deep_level || ++standing_ < standing_limit_) return;
+  standing_ = 0;
+  standing_limit_ = std::min(2 * standing_limit_, longest_standing);
+  level_ = first_level;
 }
 
 /// Down the ladder from a step of h by what its error asks for. False: the end of the ladder.

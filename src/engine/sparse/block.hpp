@@ -151,6 +151,7 @@ class Block {
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   int absorb_wait_ = 0, absorb_pause_ = 0;
+  int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;
 };
