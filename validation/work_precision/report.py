@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import cases
+import longer
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs" / "validation"
@@ -156,6 +157,32 @@ def mean_ratios(points, names, program):
     return ", ".join(words)
 
 
+# ---- longer runs
+def longer_row(costs, name):
+    own = next(c for c in costs if c.case == name and c.program == "pwlsim exact")
+    columns, ratios = [name, f"{own.further() * 1e3:.3g}"], []
+    for target in TARGETS:
+        other = next((c for c in costs if c.case == name and c.error == target), None)
+        ratios.append(other.further() / own.further() if other else None)
+        columns.append(f"{other.further() * 1e3:.3g}" if other else "–")
+    return "| " + " | ".join([*columns, *("–" if r is None else f"{r:.0f}" for r in ratios)]) + " |", ratios
+
+
+def longer_table():
+    costs = longer.read()
+    rows = [longer_row(costs, name) for name in sorted({c.case for c in costs})]
+    if not rows:
+        return []
+    means = [(math.exp(sum(map(math.log, values)) / len(values)), len(values)) for values in
+             ([ratios[k] for _, ratios in rows if ratios[k] is not None] for k in range(len(TARGETS)))]
+    return ["### What more of the same costs", "",
+            f"Of a few hundred periods a third to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
+            "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above:", "",
+            "| circuit | exact | ngspice 1e-3 | ngspice 1e-4 | ratio 1e-3 | ratio 1e-4 |", "| --- | --- | --- | --- | --- | --- |",
+            *(line for line, _ in rows), "",
+            "Geometric mean of the ratios: " + ", ".join(f"{mean:.0f} at {target:g} ({count} circuits)" for (mean, count), target in zip(means, TARGETS)) + ".", ""]
+
+
 # ---- the page
 def version_of(command):
     try:
@@ -195,7 +222,8 @@ def head(points):
         "Error: worst over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` of pwlsim; of ngspice and gnucap the CPU time of the process",
         "less that of an empty deck; of Siconos the CPU time in which its simulations are built and stepped. The columns hold the fastest setting that reaches the error",
         "([run.py](../../validation/work_precision/run.py) has the lists); picking it with the reference in hand flatters them. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol,",
-        "largest step and method are swept. Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out. Below a millisecond its times are noise of the process's start.",
+        "largest step and method are swept. Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out; where it comes below 1e-3 so, but not below 1e-4, reltol=1e-7 with up to 400,000 steps follows.",
+        "Below a millisecond its times are noise of the process's start.",
         "All points: [points.csv](../../validation/work_precision/points.csv).",
         "",
         "- **exact**: pwlsim's exact engine, time (error). **sparse**: the fastest tolerance of the sparse engine below 1e-3, where one is.",
@@ -230,6 +258,8 @@ def table(points):
         if len(names) > 2:
             means = [f"of {words} {text}" for program, words in (("ngspice", "ngspice"), ("siconos", "Siconos")) if (text := mean_ratios(points, names, program))]
             lines += ["Geometric mean of the time over that of the exact engine: " + "; ".join(means) + ".", ""] if means else []
+        if kind == "converter":
+            lines += longer_table()
     return lines
 
 

@@ -14,8 +14,7 @@ constexpr double epsilon = 2.220446049250313e-16;
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
 constexpr double worth_narrowing = 1.5;  ///< rate·h up to which K_3 may tell what K_2 does not
-constexpr double beyond_root =
-    2.0;  ///< of the time to the root of a parabola, where the guard's own is looked for: there K_2 tells it soonest
+constexpr double beyond_root = 2.0;      ///< of the time to a parabola's root: how far the guard's own is looked for. There K_2 tells most
 /// Its coordinates add to the rounding of a guard in a slow part.
 constexpr double parting_noise = 16.0;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
