@@ -1,5 +1,6 @@
 #include "elements/transistor.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,7 +11,14 @@ namespace {
 
 constexpr std::size_t gate = 1, source = 2;
 
-double level_of(const Channel& channel) { return channel.p_type ? -channel.threshold : channel.threshold; }
+/// A gate that rests at the threshold leaves the channel open, as in SPICE: the usual Vto = 0 with a drive of 0 V. So far above it, of the threshold or
+/// of a volt, a channel closes.
+constexpr double above_threshold = 1e-6;
+
+double level_of(const Channel& channel) {
+  const double level = channel.p_type ? -channel.threshold : channel.threshold;
+  return level + above_threshold * std::max(std::abs(level), 1.0);
+}
 
 TwinEnds control_of(const Twin& twin, const Channel& channel) {
   TwinEnds control{twin.node(twin.instance().nodes[gate]), twin.node(twin.instance().nodes[source])};

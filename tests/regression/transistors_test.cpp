@@ -45,11 +45,23 @@ TEST_CASE("a MOSFET's shape and number count where its model has no resistance o
   check_signal(run, 1, 10.0, [&](double) { return 10.0 * resistance / (10.0 + resistance); });
 }
 
+// SPICE's current at the threshold is zero: the usual Vto = 0, or none, with a drive that rests at 0 V.
+TEST_CASE("a MOSFET whose gate rests at the threshold is open", "[regression]") {
+  struct Form {
+    std::string model, drive;  ///< which rests from 2 s to 4 s
+  };
+  const Form form = GENERATE(Form{"NMOS(Ron=1)", "PULSE(0 10 0 0 0 2 4)"}, Form{"NMOS(Ron=1)", "PULSE(0 10 0 0.1 0.1 1.8 4)"},
+                             Form{"NMOS(Vto=2 Ron=1)", "PULSE(2 10 0 0 0 2 4)"});
+  const DeckRun run =
+      run_cards("V1 a 0 10\nR1 a d 9\nM1 d g 0 MX\n.model MX " + form.model + "\nVG g 0 " + form.drive + "\n.save v(d)\n.tran 0.75 7.5 0.75\n");
+  check_signal(run, 1, 10.0, [&](double t) { return std::fmod(t, 4.0) < 2.0 ? 1.0 : 10.0; });
+}
+
 TEST_CASE("a P-channel MOSFET closes below its source", "[regression]") {
   const std::string model = GENERATE("VDMOS(pchan Vto=-3 Ron=1)", "PMOS(VTO=-3 Ron=1)");
   const DeckRun run =
       run_cards("V1 s 0 12\nM1 d g s MX\nR1 d 0 11\n.model MX " + model + "\nVG g 0 PWL(0 12 1 0)\n.save v(d) i(M1)\n.tran 0.0625 1\n");
-  const auto on = [](double t) { return 12.0 * t >= 3.0; };
+  const auto on = [](double t) { return 12.0 * t > 3.0; };
   check_signal(run, 1, 11.0, [&](double t) { return on(t) ? 11.0 : 0.0; });
   check_signal(run, 2, 1.0, [&](double t) { return on(t) ? -1.0 : 0.0; });
 }
