@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <array>
 #include <type_traits>
 #include <vector>
@@ -155,6 +156,11 @@ void add_four_columns(const double* __restrict a, Eigen::Index rows, const doubl
 }
 
 }  // namespace
+
+void copy(const double* x, Eigen::Index n, double* y) {
+  const bool small = with_length(n, [&]<int length>(Length<length>) { Small<length>::load(x).store(y); });
+  if (!small) std::copy_n(x, n, y);
+}
 
 void multiply(const Matrix& m, const double* x, double* y) {
   const double* a = m.data();

@@ -2,7 +2,6 @@
 /// Dense vectors and matrices, and the few operations that the small systems of a mode need in inner loops.
 
 #include <Eigen/Core>
-#include <algorithm>
 
 namespace pwlsim::linalg {
 
@@ -35,27 +34,8 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return std::sqrt(sum);
 }
 
-/// y := x. For few entries a call of the library's costs more than they do.
-inline void copy(const double* x, Eigen::Index n, double* y) {
-  switch (n) {
-    case 4:
-      y[3] = x[3];
-      [[fallthrough]];
-    case 3:
-      y[2] = x[2];
-      [[fallthrough]];
-    case 2:
-      y[1] = x[1];
-      [[fallthrough]];
-    case 1:
-      y[0] = x[0];
-      [[fallthrough]];
-    case 0:
-      return;
-    default:
-      std::copy_n(x, n, y);
-  }
-}
+/// y := x.
+void copy(const double* x, Eigen::Index n, double* y);
 
 /// ‖x − y‖₂.
 [[nodiscard]] inline double distance(const double* x, const double* y, Eigen::Index n) {

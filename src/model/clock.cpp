@@ -57,12 +57,9 @@ void Clock::start(bool is_on) {
 void Clock::take() {
   is_on_ ^= next_.flips;
   Recurrence* known = recurrence();
-  if (!known) {
-    finish_cursors();
-    return search();
-  }
-  if (known->is_known) return repeat(*known);
-  finish_cursors();
+  if (known && known->is_known) return repeat(*known);
+  finish_cursor();
+  if (!known) return search();
   const Track::Cursor before = terms_[0].cursor;
   search();
   const Track::Cursor& now = terms_[0].cursor;
@@ -100,11 +97,10 @@ void Clock::repeat(const Recurrence& known) {
   next_ = {from_, late_, known.flips, known.is_edge};
 }
 
-/// What `repeat` leaves out of the cursors.
-void Clock::finish_cursors() {
-  if (has_next_) return;
+/// What `repeat` leaves out of its track's cursor.
+void Clock::finish_cursor() {
+  if (!has_next_) terms_[0].track->set_next(terms_[0].cursor);
   has_next_ = true;
-  for (Term& term : terms_) term.track->set_next(term.cursor);
 }
 
 /// Takes the breakpoints at `time`; true if a source jumped there.

@@ -69,7 +69,7 @@ class Clock {
   [[nodiscard]] Margin margin_at(double time, double late) const;
   [[nodiscard]] Recurrence* recurrence();
   void repeat(const Recurrence& known);
-  void finish_cursors();
+  void finish_cursor();
   void search();
   bool cross_before(double end, double end_late, const Margin& margin);
   bool pass(double time, double late);
@@ -80,7 +80,7 @@ class Clock {
   bool is_on_ = false;
   double from_ = 0.0, late_ = 0.0;       ///< searched up to here
   bool inside_ = false;                  ///< that is within a segment
-  bool has_next_ = true;                 ///< the cursors' `next` are those of where they stand
+  bool has_next_ = true;                 ///< a single track's cursor knows its `next`
   std::vector<Recurrence> recurrences_;  ///< of a single track: by segment, side of the switch, and whether within the segment
   Instant next_;
 };

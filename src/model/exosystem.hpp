@@ -55,6 +55,10 @@ class Track {
   /// Takes so many corners (one at least), all of them within the repetitions, and leaves `next` to `set_next`.
   void pass_in_loop(Cursor& cursor, int corners) const;
   void set_next(Cursor& cursor) const;
+
+ private:
+  void begin_segment(Cursor& cursor) const;
+  void count_segment(Cursor& cursor) const;
 };
 
 [[nodiscard]] Track make_track(const Pulse& pulse);

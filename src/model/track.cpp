@@ -62,26 +62,27 @@ void Track::set_next(Cursor& cursor) const {
         std::fma(cursor.period_index, loop_period, -periods) + rounding_of_sum(loop_start, periods) + rounding_of_sum(base, offset);
 }
 
+/// Behind a segment of the loop.
+void Track::count_segment(Cursor& cursor) const {
+  if (++cursor.item < prefix.size() + loop.size()) return;
+  cursor.item = prefix.size();
+  cursor.period_index += 1.0;
+  if (!(loop_period < forever)) cursor.period_index = forever;
+}
+
 void Track::pass_in_loop(Cursor& cursor, int corners) const {
-  const std::size_t end = prefix.size() + loop.size();
-  for (int i = 1; i < corners; ++i)
-    if (++cursor.item == end) {
-      cursor.item = prefix.size();
-      cursor.period_index += 1.0;
-    }
+  for (int i = 1; i < corners; ++i) count_segment(cursor);
   set_next(cursor);
-  cursor.start = cursor.next;
-  cursor.start_late = cursor.next_late;
-  const Segment& segment = loop[cursor.item - prefix.size()];
-  cursor.value = segment.value;
-  cursor.slope = segment.slope;
-  if (++cursor.item == end) {
-    cursor.item = prefix.size();
-    cursor.period_index += 1.0;
-  }
+  begin_segment(cursor);
 }
 
 void Track::advance(Cursor& cursor) const {
+  begin_segment(cursor);
+  set_next(cursor);
+}
+
+/// At the cursor's `next`.
+void Track::begin_segment(Cursor& cursor) const {
   cursor.start = cursor.next;
   cursor.start_late = cursor.next_late;
   if (cursor.item < prefix.size()) {
@@ -96,13 +97,8 @@ void Track::advance(Cursor& cursor) const {
     const Segment& segment = loop[cursor.item - prefix.size()];
     cursor.value = segment.value;
     cursor.slope = segment.slope;
-    if (++cursor.item == prefix.size() + loop.size()) {
-      cursor.item = prefix.size();
-      cursor.period_index += 1.0;
-      if (!(loop_period < forever)) cursor.period_index = forever;
-    }
+    count_segment(cursor);
   }
-  set_next(cursor);
 }
 
 bool Track::pass(Cursor& cursor, double time, double tolerance) const {

@@ -1,25 +1,17 @@
-#!/usr/bin/env python3
-"""What more of the same costs: every converter over its deck's own length and over ten times that.
-
-    python3 validation/work_precision/longer.py --pwlsim build/pwlsim [CASE …]     longer.csv and docs/validation/report.md
+"""What more of the same costs: every converter over its deck's own length and over ten times that, into longer.csv; run.py calls it.
 
 Of a run of a few hundred switching periods a third to a half is, in pwlsim, the building of modes and a cold start; what (long − short)/9 gives is what each further
-stretch of the deck's length costs. ngspice runs at its fastest settings below an error, as points.csv has them from run.py, with the same steps; its error is checked against
+stretch of the deck's length costs. ngspice runs at its fastest settings below an error, as points.csv has them, with the same steps; its error is checked against
 the same reference, which ends where the deck does. The middle one of several runs of each, one after the other.
 """
-import argparse
 import csv
 import re
 import statistics
-import sys
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-
-import cases  # noqa: E402
-import programs  # noqa: E402
+import programs
 
 FILE = Path(__file__).resolve().parent / "longer.csv"
 COLUMNS = ["case", "program", "error", "setting", "short", "long"]  # error: that was asked for; seconds
@@ -86,7 +78,7 @@ def medians(pairs):
 
 def measure(program, case, fastest, empty):
     """`fastest`: {error: setting of ngspice}. A machine that is shared may be slow for seconds: pwlsim runs before, between and after the others."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, programs.limit(LIMIT):
         both, own, others = (case, lengthened(case, folder)), [], []
         def run_own():
             own.extend([programs.run_pwlsim(program, c, "exact").seconds for c in both] for _ in range(OWN_REPEATS))
@@ -102,27 +94,8 @@ def measure(program, case, fastest, empty):
         return [Cost(case.name, "pwlsim exact", None, "exact", *medians(own)), *others]
 
 
-def main():
-    import report
-    import run
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*")
-    parser.add_argument("--pwlsim", required=True, help="the program to measure")
-    options = parser.parse_args()
-    points, costs = run.read_points(), read()
-    programs.LIMIT = LIMIT
-    empty = programs.empty_ngspice()
-    for name in options.cases or cases.names():
-        case = cases.load(name)
-        if case.kind != "converter":
-            continue
-        best = {target: report.fastest(report.of(points, name, "ngspice"), target) for target in report.TARGETS}
-        new = measure(options.pwlsim, case, {target: point.setting for target, point in best.items() if point}, empty)
-        costs = [c for c in costs if c.case != name] + new
-        write(costs)
-        print(f"{name}: " + ", ".join(f"{c.program}{f' {c.error:g}' if c.error else ''} {c.further() * 1e3:.4g} ms" for c in new), flush=True)
-    report.write(points, run.front)
-
-
-if __name__ == "__main__":
-    main()
+def measure_again(program, case, fastest, empty):
+    """The case's costs anew, the other cases' as they are in the file; the new ones in words."""
+    new = measure(program, case, fastest, empty)
+    write([c for c in read() if c.case != case.name] + new)
+    return ", ".join(f"{c.program}{f' {c.error:g}' if c.error else ''} {c.further() * 1e3:.4g} ms" for c in new)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,17 @@ from ngspice_deck import EMPTY, read_raw  # noqa: E402
 
 LIMIT = 5.0  # s of wall time a run
 END = 1e-9    # of the run
+
+
+@contextmanager
+def limit(seconds):
+    """Another limit for the runs within."""
+    global LIMIT
+    before, LIMIT = LIMIT, seconds
+    try:
+        yield
+    finally:
+        LIMIT = before
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """Diagrams and docs/validation/report.md from the points."""
-import math
 import platform
 import re
+import statistics
 import subprocess
 from pathlib import Path
 
@@ -147,40 +147,33 @@ def row(points, name):
     return "| " + " | ".join([*columns, remark(points, name)]) + " |"
 
 
+def means_in_words(ratios):
+    """Geometric means of {target: ratios}; empty where there are none."""
+    return ", ".join(f"{statistics.geometric_mean(values):.0f} at {target:g} ({len(values)} circuits)" for target, values in ratios.items() if values)
+
+
 def mean_ratios(points, names, program):
-    """In words; empty where there are none."""
-    words = []
-    for target in TARGETS:
-        values = [v for v in (ratio(points, name, target, program) for name in names) if v is not None]
-        if values:
-            words.append(f"{math.exp(sum(map(math.log, values)) / len(values)):.0f} at {target:g} ({len(values)} circuits)")
-    return ", ".join(words)
+    return means_in_words({target: [v for v in (ratio(points, name, target, program) for name in names) if v is not None] for target in TARGETS})
 
 
 # ---- longer runs
-def longer_row(costs, name):
-    own = next(c for c in costs if c.case == name and c.program == "pwlsim exact")
-    columns, ratios = [name, f"{own.further() * 1e3:.3g}"], []
-    for target in TARGETS:
-        other = next((c for c in costs if c.case == name and c.error == target), None)
-        ratios.append(other.further() / own.further() if other else None)
-        columns.append(f"{other.further() * 1e3:.3g}" if other else "–")
-    return "| " + " | ".join([*columns, *("–" if r is None else f"{r:.0f}" for r in ratios)]) + " |", ratios
-
-
 def longer_table():
     costs = longer.read()
-    rows = [longer_row(costs, name) for name in sorted({c.case for c in costs})]
-    if not rows:
+    if not costs:
         return []
-    means = [(math.exp(sum(map(math.log, values)) / len(values)), len(values)) for values in
-             ([ratios[k] for _, ratios in rows if ratios[k] is not None] for k in range(len(TARGETS)))]
+    rows, ratios = [], {target: [] for target in TARGETS}
+    for name in sorted({c.case for c in costs}):
+        own, *others = [next((c for c in costs if c.case == name and c.error == target), None) for target in (None, *TARGETS)]
+        times = [c and c.further() for c in (own, *others)]
+        beside = [t and t / times[0] for t in times[1:]]
+        rows.append("| " + " | ".join([name, *("–" if t is None else f"{t * 1e3:.3g}" for t in times), *("–" if r is None else f"{r:.0f}" for r in beside)]) + " |")
+        for target, value in zip(TARGETS, beside):
+            ratios[target] += [] if value is None else [value]
     return ["### What more of the same costs", "",
             f"Of a few hundred periods a third to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
             "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above:", "",
             "| circuit | exact | ngspice 1e-3 | ngspice 1e-4 | ratio 1e-3 | ratio 1e-4 |", "| --- | --- | --- | --- | --- | --- |",
-            *(line for line, _ in rows), "",
-            "Geometric mean of the ratios: " + ", ".join(f"{mean:.0f} at {target:g} ({count} circuits)" for (mean, count), target in zip(means, TARGETS)) + ".", ""]
+            *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}.", ""]
 
 
 # ---- the page

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Work-precision: error against run time of pwlsim, ngspice, gnucap and Siconos on every case of validation/cases.
 
-    python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, diagrams, docs/validation/report.md
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, longer.csv, diagrams, docs/validation/report.md
     python3 validation/work_precision/run.py --pwlsim build/pwlsim buck      this case; the others keep their points
     python3 validation/work_precision/run.py --pwlsim build/pwlsim --only pwlsim     this program (or ngspice, gnucap, siconos); the others keep their points
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim --only longer     converters over longer runs alone, see longer.py
     python3 validation/work_precision/run.py --report                        diagrams and report from the points there are
 
 Needs Debian's gnuplot-nox; ngspice, gnucap and Siconos (python3-siconos, python3-mpmath) are left out, with a line that says so, where they are not installed.
@@ -27,6 +28,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 import cases  # noqa: E402
+import longer  # noqa: E402
 import programs  # noqa: E402
 import report  # noqa: E402
 from programs import Point  # noqa: E402
@@ -34,6 +36,7 @@ from programs import Point  # noqa: E402
 HERE = Path(__file__).resolve().parent
 POINTS = HERE / "points.csv"
 ORDER = ["pwlsim", "ngspice", "gnucap", "siconos"]
+LONGER = "longer"
 COLUMNS = ["case", "program", "setting", "seconds", "error", "message"]
 
 SPARSE = [10.0 ** -k for k in range(2, 10)]
@@ -172,6 +175,11 @@ def measurements(program, wanted):
     return {name: measure for name, measure in found.items() if wanted in (None, name)}
 
 
+def measure_longer(program, case, points, empty):
+    best = {target: report.fastest(report.of(points, case.name, "ngspice"), target) for target in report.TARGETS}
+    return longer.measure_again(program, case, {target: point.setting for target, point in best.items() if point}, empty)
+
+
 def read_points():
     if not POINTS.exists():
         return []
@@ -208,21 +216,27 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*")
     parser.add_argument("--pwlsim", help="the program to measure")
-    parser.add_argument("--only", choices=ORDER)
+    parser.add_argument("--only", choices=[*ORDER, LONGER])
     parser.add_argument("--report", action="store_true", help="no runs")
     options = parser.parse_args()
     points = read_points()
     if not options.report:
         if not options.pwlsim and options.only != "siconos":
             parser.error("--pwlsim names the program to measure")
+        if options.only == LONGER and not shutil.which("ngspice"):
+            parser.error("longer runs are measured beside ngspice, which is not installed")
         measured = measurements(options.pwlsim, options.only)
+        empty = programs.empty_ngspice() if options.only in (None, LONGER) and shutil.which("ngspice") else None
         for name in options.cases or cases.names():
             case = cases.load(name)
-            new = [point for measure in measured.values() for point in measure(case)]
-            compared = beside(new, points)
-            points = [p for p in points if p.case != name or p.program.split()[0] not in measured] + new
-            write_points(points)
-            print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end{compared}", flush=True)
+            if measured:
+                new = [point for measure in measured.values() for point in measure(case)]
+                compared = beside(new, points)
+                points = [p for p in points if p.case != name or p.program.split()[0] not in measured] + new
+                write_points(points)
+                print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end{compared}", flush=True)
+            if empty is not None and case.kind == "converter":
+                print(f"{name}, longer: {measure_longer(options.pwlsim, case, points, empty)}", flush=True)
     report.write(points, front)
 
 

@@ -13,8 +13,6 @@ constexpr double epsilon = 2.220446049250313e-16;
 /// A minimum of a guard within this fraction of the terms it is made of touches zero.
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
-constexpr double worth_narrowing = 1.5;  ///< rate·h up to which K_3 may tell what K_2 does not
-constexpr double beyond_root = 2.0;      ///< of the time to a parabola's root: how far the guard's own is looked for. There K_2 tells most
 /// Its coordinates add to the rounding of a guard in a slow part.
 constexpr double parting_noise = 16.0;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
@@ -146,92 +144,6 @@ void Locator::bound_second(const Segment& s, double h) {
   for (std::size_t i = 0; i < s.rows.size(); ++i) k2_[i] = bound_at(s, b, s.rows[i]);
 }
 
-/// Bounds of every guard's second derivative over length h: ±K_2.
-void Locator::bound_bends(const Segment& s, double h) {
-  bound_second(s, h);
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    least_bend_[i] = -k2_[i];
-    most_bend_[i] = k2_[i];
-  }
-}
-
-/// Where what it is at the start, and K_3, tell more.
-void Locator::narrow_bends(const Segment& s, double h) {
-  bound_bends(s, h);
-  linalg::multiply_repeatedly(s.mode->flow.a(), 1, derivatives_.data() + 2 * s.mode->ny);
-  Bound b = bound_of(s, 3, derivatives_.data() + 3 * s.mode->ny, h);
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const double spread = bound_at(s, b, s.rows[i]) * h;
-    least_bend_[i] = std::max(least_bend_[i], g2_[i] - spread);
-    most_bend_[i] = std::min(most_bend_[i], g2_[i] + spread);
-  }
-}
-
-/// Above a parabola that is positive over [0, h].
-bool Locator::stays_positive(std::size_t i, double h) const {
-  const double bend = least_bend_[i];
-  if (!(g_[i] > 0.0)) return false;
-  if (gd_[i] < 0.0 && gd_[i] + bend * h > 0.0) return g_[i] > 0.5 * gd_[i] * gd_[i] / bend;
-  return g_[i] + (gd_[i] + 0.5 * bend * h) * h > 0.0;
-}
-
-/// Positive at the interval's start, negative at its end, and falling all the way.
-bool Locator::falls_throughout(const Segment& s, std::size_t i, double h) const {
-  const double bend = most_bend_[i] * h;
-  return gd_[i] < 0.0 && gd_[i] + bend < 0.0 && g_[i] + (gd_[i] + 0.5 * bend) * h < 0.0 && g_[i] > noise_of(s, s.rows[i]);
-}
-
-/// What the first two derivatives at the interval's start tell of all guards: whether each stays positive, or falls throughout.
-Locator::Outlook Locator::look_ahead(const Segment& s, double h) {
-  Outlook outlook{Verdict::excluded};
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    if (s.departures[i].order < 0) return {};
-    if (s.tau == 0.0 && s.departures[i].order != 0) {
-      if (examine(s, i, h).verdict != Verdict::excluded) return {};
-      continue;
-    }
-    if (stays_positive(i, h)) continue;
-    if (!falls_throughout(s, i, h)) return {};
-    const double root = parabola_root(i);
-    if (outlook.verdict == Verdict::excluded || root < outlook.root) outlook = {Verdict::one_root, i, root};
-  }
-  return outlook;
-}
-
-/// A length that holds the first root of a guard's parabola; `longest` where there is none before that.
-double Locator::length_to_first_root(const Segment& s, double longest) const {
-  double length = longest;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const double root = g_[i] > 0.0 && gd_[i] < 0.0 ? parabola_root(i) : -1.0;
-    if (root > 0.0) length = std::min(length, beyond_root * root);
-  }
-  return length;
-}
-
-/// The event within h, where guard i falls throughout and so do others, or none; false where another one comes before it.
-bool Locator::falling(Segment& s, std::size_t i, double h, double end, Located& located) {
-  linalg::multiply_repeatedly(s.mode->flow.a(), 1, derivatives_.data() + 2 * s.mode->ny);
-  double at = cubic_root(s, i);
-  if (!(at > 0.0 && at < h)) at = 0.5 * h;
-  if (!s.mode->flow.continue_series(derivatives_.data(), 3, at, event_.data())) state_at(s, at, event_.data());
-  double tau = s.tau + at;
-  if (!polish(s, s.rows[i], tau)) {
-    at = find_root(s, i, 0.0, h, at, 0.0);
-    std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
-    tau = s.tau + at;
-    polish(s, s.rows[i], tau);
-  }
-  for (std::size_t k = 0; k < s.rows.size(); ++k) {
-    if (k == i || (s.tau == 0.0 && s.departures[k].order != 0) || stays_positive(k, h)) continue;
-    if (linalg::row_times(s.mode->guards, s.rows[k], event_.data()) <= noise_of(s, s.rows[k])) return false;
-  }
-  ++intervals_;
-  ++s.intervals;
-  s.certified = std::min(tau, end);
-  if (tau <= end) located = {true, tau, s.rows[i], event_.data()};
-  return true;
-}
-
 void Locator::state_at(const Segment& s, double step, double* out) {
   linalg::copy(s.y.data(), s.mode->ny, out);
   s.mode->flow.apply_once(step, out, work_.data());
@@ -324,13 +236,6 @@ double Locator::parabola_root(std::size_t i) const {
   return discriminant >= 0.0 ? 2.0 * g_[i] / (-gd_[i] + std::sqrt(discriminant)) : -1.0;
 }
 
-/// Near the root of the cubic through the interval's first derivatives.
-double Locator::cubic_root(const Segment& s, std::size_t i) const {
-  const double at = parabola_root(i);
-  const double third = linalg::row_times(s.mode->guards, s.rows[i], derivatives_.data() + 3 * s.mode->ny);
-  return at - third * at * at * at / (6.0 * (gd_[i] + at * (g2_[i] + 0.5 * third * at)));
-}
-
 /// The one root of guard i (where it is −`below`) in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
 double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
   const Mode& m = *s.mode;
@@ -388,6 +293,20 @@ bool Locator::polish(const Segment& s, int row, double& tau) {
   return true;
 }
 
+/// The root of `find_root`, with the state there in event_.
+double Locator::go_to_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
+  const double at = find_root(s, i, lower, upper, guess, below);
+  linalg::copy(at_.data(), s.mode->ny, event_.data());
+  return at;
+}
+
+/// The segment ends at the event whose state event_ holds, or at `end` where that is sooner.
+Located Locator::event_at(Segment& s, std::size_t i, double tau, double end) {
+  s.certified = std::min(tau, end);
+  if (tau > end) return {};
+  return {true, tau, s.rows[i], event_.data()};
+}
+
 /// Decides [tau, tau+h]: `decided` false asks for a shorter one. True when an event was found before `end`.
 bool Locator::try_interval(Segment& s, double h, double end, Located& located, bool& decided) {
   ++intervals_;
@@ -416,12 +335,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   if (!(first < INFINITY)) return false;
   double tau = s.tau + first;
   if (below == 0.0) polish(s, s.rows[first_index], tau);
-  if (tau > end) {
-    s.certified = end;
-    return true;
-  }
-  located = {true, tau, s.rows[first_index], event_.data()};
-  s.certified = tau;
+  located = event_at(s, first_index, tau, end);
   return true;
 }
 
@@ -534,23 +448,8 @@ Located Locator::march(Segment& s, double end) {
       if (s.mode->piecewise_linear) return straight_lines(s, end);
       series_intervals = 0;
     }
-    const double rest = end - s.tau;
     derive(s);
-    bound_bends(s, rest);
-    double length = rest;
-    Outlook outlook = look_ahead(s, length);
-    if (outlook.verdict == Verdict::undecided) {
-      length = length_to_first_root(s, rest);
-      if (s.mode->flow.rate() * length <= worth_narrowing) {
-        narrow_bends(s, length);
-        outlook = look_ahead(s, length);
-      }
-    }
-    if (outlook.verdict == Verdict::one_root && falling(s, outlook.row, length, end, located)) return located;
-    if (outlook.verdict == Verdict::excluded && length == rest) {
-      s.certified = end;
-      return located;
-    }
+    if (look_ahead(s, end, located)) return located;
     if (!s.mode->stiff || s.turns > 0) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {

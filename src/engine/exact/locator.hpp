@@ -82,18 +82,20 @@ class Locator {
   [[nodiscard]] bool falls_throughout(const Segment& segment, std::size_t i, double h) const;
   struct Outlook {
     Verdict verdict = Verdict::undecided;
-    std::size_t row = 0;  ///< number of the guard with the first root,
-    double root = 0.0;    ///< and nearly where that is
+    std::size_t row = 0;  ///< number of the guard with the first root
   };
-  Outlook look_ahead(const Segment& segment, double h);
+  Outlook outlook(const Segment& segment, double h);
   [[nodiscard]] double length_to_first_root(const Segment& segment, double longest) const;
   bool falling(Segment& segment, std::size_t i, double h, double end, Located& located);
+  bool look_ahead(Segment& segment, double end, Located& located);
   void end_values(const Segment& segment, double h);
   Root examine(const Segment& segment, std::size_t i, double h);
   Root convex(const Segment& segment, std::size_t i, double h, double noise);
   [[nodiscard]] double parabola_root(std::size_t i) const;
   [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
+  double go_to_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
+  Located event_at(Segment& segment, std::size_t i, double tau, double end);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
   Located straight_lines(Segment& segment, double end);

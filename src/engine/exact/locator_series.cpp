@@ -303,13 +303,11 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     if (root.below == 0.0 && s.mode->flow.rate() * at <= exact_reach) {
       series_state(s, at, event_.data());
     } else {
-      at = find_root(s, which, root.lower, root.upper, root.guess, root.below);
-      std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
+      at = go_to_root(s, which, root.lower, root.upper, root.guess, root.below);
     }
     double tau = s.tau + at;
     if (root.below == 0.0) polish(s, s.rows[which], tau);
-    s.certified = std::min(tau, end);
-    if (tau <= end) located = {true, tau, s.rows[which], event_.data()};
+    located = event_at(s, which, tau, end);
     return true;
   }
   return false;

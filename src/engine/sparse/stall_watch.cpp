@@ -29,12 +29,13 @@ constexpr double idle_stretch = 0.05;
 /// So many passages in a row after which every port stays on its side: with such residuals it should not have stayed there.
 constexpr int most_idle_passages = 2'000;
 
+/// The worse of complementarity and Kirchhoff's laws, relative.
+double worst_residual(const Certificate& certificate) { return std::max(certificate.complementarity, certificate.kcl_kvl); }
+
 /// Looks in a row of which that is true.
 void count_in_a_row(int& looks, bool is_true) { looks = is_true ? looks + 1 : 0; }
 
 }  // namespace
-
-double worst_residual(const Certificate& certificate) { return std::max(certificate.complementarity, certificate.kcl_kvl); }
 
 StallWatch::StallWatch(bool is_passive, double stop, double reltol) : passive_(is_passive), stop_(stop), reltol_(reltol) {}
 
@@ -47,12 +48,15 @@ void StallWatch::note_instant(bool happened) {
   if (!happened) ++idle_since_;
 }
 
+/// Since the last look.
+bool StallWatch::are_steps_many(const Place& now) const { return now.steps - last_.steps >= steps_between_looks; }
+
 bool StallWatch::are_passages_idle() const { return idle_passages_ >= most_idle_passages; }
 
-bool StallWatch::is_due(const Place& now) const { return now.steps - last_.steps >= steps_between_looks || are_passages_idle(); }
+bool StallWatch::is_due(const Place& now) const { return are_steps_many(now) || are_passages_idle(); }
 
 std::string StallWatch::look(const Certificate& certificate, const Place& now) {
-  if (now.steps - last_.steps >= steps_between_looks) {
+  if (are_steps_many(now)) {
     const double stretch = now.time - last_.time;
     const std::string why = look_at_steps(certificate, now, stretch);
     if (!why.empty())

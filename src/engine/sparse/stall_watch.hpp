@@ -9,9 +9,6 @@
 
 namespace pwlsim::engine::sparse {
 
-/// The worse of complementarity and Kirchhoff's laws, relative.
-[[nodiscard]] double worst_residual(const Certificate& certificate);
-
 class StallWatch {
  public:
   StallWatch(bool is_passive, double stop, double reltol);
@@ -35,6 +32,7 @@ class StallWatch {
   [[nodiscard]] std::string look(const Certificate& certificate, const Place& now);
 
  private:
+  [[nodiscard]] bool are_steps_many(const Place& now) const;
   [[nodiscard]] bool are_passages_idle() const;
   [[nodiscard]] std::string look_at_steps(const Certificate& certificate, const Place& now, double stretch);
   [[nodiscard]] std::string look_at_passages(const Certificate& certificate, const Place& now);
