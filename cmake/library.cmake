@@ -44,3 +44,8 @@ install(TARGETS pwlsim_library EXPORT pwlsim ARCHIVE DESTINATION ${CMAKE_INSTALL
 install(EXPORT pwlsim NAMESPACE pwlsim:: FILE pwlsim-targets.cmake DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/packaging/pwlsim-config.cmake ${PROJECT_BINARY_DIR}/packaging/pwlsim-config-version.cmake DESTINATION ${package_dir})
 install(DIRECTORY include/pwlsim DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(PWLSIM_HAS_LTO AND CMAKE_OBJCOPY)
+  # Only this very compiler could read what it would optimise.
+  add_custom_command(TARGET pwlsim_library POST_BUILD VERBATIM
+    COMMAND ${CMAKE_OBJCOPY} --wildcard --remove-section=.gnu.lto_* --remove-section=.gnu.debuglto_* $<TARGET_FILE:pwlsim_library>)
+endif()

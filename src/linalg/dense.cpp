@@ -150,6 +150,14 @@ Eigen::Index rank_of(Eigen::ColPivHouseholderQR<WideMatrix>& qr, double toleranc
   return qr.rank();
 }
 
+/// sum += M x.
+template <int rows>
+void add_product(const Matrix& m, const double* x, Small<rows>& sum) {
+  const double* a = m.data();
+  const Eigen::Index columns = m.cols();
+  for (Eigen::Index j = 0; j < columns; ++j, a += rows) sum.add_multiple(a, x[j]);
+}
+
 /// y += A x for four columns: y is read and written once. A and y do not overlap.
 void add_four_columns(const double* __restrict a, Eigen::Index rows, const double* x, double* __restrict y) {
   for (Eigen::Index i = 0; i < rows; ++i) y[i] += (a[i] * x[0] + a[i + rows] * x[1]) + (a[i + 2 * rows] * x[2] + a[i + 3 * rows] * x[3]);
@@ -163,20 +171,33 @@ void copy(const double* x, Eigen::Index n, double* y) {
 }
 
 void multiply(const Matrix& m, const double* x, double* y) {
-  const double* a = m.data();
-  const Eigen::Index columns = m.cols();
   const bool small = with_length(m.rows(), [&]<int rows>(Length<rows>) {
     Small<rows> sum;
-    for (Eigen::Index j = 0; j < columns; ++j, a += rows) sum.add_multiple(a, x[j]);
+    add_product(m, x, sum);
     sum.store(y);
   });
   if (small) return;
+  const double* a = m.data();
+  const Eigen::Index columns = m.cols();
   const Eigen::Index rows = m.rows();
   std::fill(y, y + rows, 0.0);
   Eigen::Index j = 0;
   for (; j + 4 <= columns; j += 4, a += 4 * rows) add_four_columns(a, rows, x + j, y);
   for (; j < columns; ++j, a += rows)
     for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
+}
+
+void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z) {
+  const bool small = with_length(m.rows(), [&]<int rows>(Length<rows>) {
+    Small<rows> sum;
+    add_product(m, x, sum);
+    add_product(n, y, sum);
+    sum.store(z);
+  });
+  if (small) return;
+  multiply(m, x, z);
+  for (Eigen::Index j = 0; j < n.cols(); ++j)
+    for (Eigen::Index i = 0; i < n.rows(); ++i) z[i] += n(i, j) * y[j];
 }
 
 void multiply_repeatedly(const Matrix& a, int k, double* powers) {

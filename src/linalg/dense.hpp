@@ -16,6 +16,9 @@ using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 /// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 10). y must not alias x.
 void multiply(const Matrix& m, const double* x, double* y);
 
+/// z = M x + N y; z must not alias x or y.
+void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z);
+
 /// A x, A² x, … Aᵏ x one behind the other, behind x itself, which `powers` begins with; A is square.
 void multiply_repeatedly(const Matrix& a, int k, double* powers);
 
@@ -28,20 +31,23 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return sum;
 }
 
-[[nodiscard]] inline double norm(const double* x, Eigen::Index n) {
+/// ‖x‖₂².
+[[nodiscard]] inline double square(const double* x, Eigen::Index n) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) sum += x[i] * x[i];
-  return std::sqrt(sum);
+  return sum;
 }
+
+[[nodiscard]] inline double norm(const double* x, Eigen::Index n) { return std::sqrt(square(x, n)); }
 
 /// y := x.
 void copy(const double* x, Eigen::Index n, double* y);
 
-/// ‖x − y‖₂.
-[[nodiscard]] inline double distance(const double* x, const double* y, Eigen::Index n) {
+/// ‖x − y‖₂².
+[[nodiscard]] inline double square_distance(const double* x, const double* y, Eigen::Index n) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) sum += (x[i] - y[i]) * (x[i] - y[i]);
-  return std::sqrt(sum);
+  return sum;
 }
 
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.

@@ -9,7 +9,7 @@
 
 namespace pwlsim::linalg {
 
-inline constexpr int largest_small = 10;
+inline constexpr int largest_small = 12;
 
 template <int length>
 class Small {
@@ -71,7 +71,7 @@ struct Length {};
 /// Calls work(Length<n>{}) and returns true if 1 ≤ n ≤ largest_small.
 template <typename Work>
 inline bool with_length(Eigen::Index n, const Work& work) {
-  static_assert(largest_small == 10);
+  static_assert(largest_small == 12);
   switch (n) {
     case 1:
       work(Length<1>{});
@@ -102,6 +102,12 @@ inline bool with_length(Eigen::Index n, const Work& work) {
       return true;
     case 10:
       work(Length<10>{});
+      return true;
+    case 11:
+      work(Length<11>{});
+      return true;
+    case 12:
+      work(Length<12>{});
       return true;
     default:
       return false;

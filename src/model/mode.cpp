@@ -382,11 +382,7 @@ void from_mode(const System& system, const Mode& mode, const double* y, double* 
     linalg::copy(y, n + nz, x);
     return;
   }
-  for (int i = 0; i < n; ++i) x[i] = 0.0;
-  for (int j = 0; j < mode.n1; ++j)
-    for (int i = 0; i < n; ++i) x[i] += mode.basis(i, j) * y[j];
-  for (int j = 0; j < nz; ++j)
-    for (int i = 0; i < n; ++i) x[i] += mode.lift(i, j) * y[mode.n1 + j];
+  linalg::multiply_two(mode.basis, y, mode.lift, y + mode.n1, x);
   linalg::copy(y + mode.n1, nz, x + n);
 }
 

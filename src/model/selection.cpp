@@ -67,16 +67,18 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
     return true;
   }
   linalg::multiply(mode.projector, x, projected);
-  return linalg::distance(projected, x, size) <= consistency_per_noise * mode.noise * verifier_.relaxation() * linalg::norm(x, size);
+  const double tolerance = consistency_per_noise * mode.noise * verifier_.relaxation();
+  return linalg::square_distance(projected, x, size) <= tolerance * tolerance * linalg::square(x, size);
 }
 
 /// The same to the rounding of the largest state there was: a state that is small, but there, does not lie in every mode.
 bool Selector::strictly_consistent(const Mode& mode, const double* x, double* projected) const {
-  return consistent(mode, x, projected) && linalg::distance(projected, x, system_.size()) <= state_rounding * largest_;
+  return consistent(mode, x, projected) && linalg::square_distance(projected, x, system_.size()) <= state_rounding * state_rounding * largest_square_;
 }
 
 bool Selector::accepts(const Mode& mode, const double* x) {
   departures_of_ = &mode;
+  coordinates_of_ = system_.diodes > 0 ? &mode : nullptr;
   if (system_.diodes == 0) return true;
   to_mode(system_, mode, x, y_.data());
   verifier_.departures(mode, y_.data(), diode_rows_, departures_.data());
@@ -306,27 +308,40 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     const IndexSet guess = by_rule(x, current);
     if (guess != current) found = try_without_jump(x, guess);
   }
+  // Of one diode there is only one other mode.
+  if (!found && system_.passive && system_.diodes == 1) found = try_without_jump(x, with_flipped(current, 0));
   if (!found) found = from_rcp(x, current, jumped);
   if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
   return found;
 }
 
-void Selector::note_impulse(Selected& result) {
+void Selector::note_impulse() {
   const int order = impulse_.order > 0 ? impulse_.order : system_.size();
-  if (result.jumps == 1)
+  if (selected_.jumps == 1)
     details_ = {impulse_.weight, impulse_.order != 1, order, {}};
   else {
     details_.impulse += impulse_.weight;
     details_.higher_order |= impulse_.order != 1;
     details_.order = std::max(details_.order, order);
   }
-  result.details = &details_;
+  selected_.details = &details_;
 }
 
-Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
-  Selected result;
-  IndexSet current = wanted;
-  largest_ = std::max(largest_, linalg::norm(x, system_.size()));
+const Selected& Selector::stay_in(const Mode& mode) {
+  selected_ = {};
+  selected_.mode = &mode;
+  return selected_;
+}
+
+const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger) {
+  Selected& result = selected_;
+  result = {};
+  const IndexSet* current = &wanted;
+  const double square = linalg::square(x, system_.size());
+  if (square > largest_square_) {
+    largest_square_ = square;
+    largest_ = std::sqrt(square);
+  }
   trigger_ = trigger < system_.diodes ? trigger : -1;
   trigger_side_ = trigger_ >= 0 && wanted.contains(trigger_);
   while (result.jumps <= most_jumps) {
@@ -337,23 +352,23 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     // Then no mode passes; a coarser level calls them one event, at an error of the state of that level.
     for (const double level : relaxations) {
       verifier_.relax(level, largest_);
-      found = search(x, current, result.jumps == 0 ? trigger : -1, warm, jumped);
+      found = search(x, *current, result.jumps == 0 ? trigger : -1, warm, jumped);
       if (found) break;
     }
     result.relaxation = verifier_.relaxation();
     if (!found) {
       result.choice = Choice::none;
-      result.mode = &mode(current);
+      result.mode = &mode(*current);
       return result;
     }
     if (jumped) {
       ++result.jumps;
-      note_impulse(result);
+      note_impulse();
       trigger_ = -1;
-      current = found->active;
+      current = &found->active;
       continue;
     }
-    if (!warm) remember(current, *found);
+    if (!warm) remember(*current, *found);
     found = with_free_ports(x, *found);
     result.mode = found;
     if (system_.passive || system_.diodes == 0) return result;
@@ -366,7 +381,7 @@ Selected Selector::select(double* x, const IndexSet& wanted, int trigger) {
     return result;
   }
   result.choice = Choice::too_many_jumps;
-  result.mode = &mode(current);
+  result.mode = &mode(*current);
   return result;
 }
 

@@ -37,7 +37,7 @@ struct Selected {
   const Mode* mode = nullptr;
   int jumps = 0;
   double relaxation = 1.0;           ///< factor on the rounding level that the verification needed
-  const Details* details = nullptr;  ///< after jumps and with `several`; valid until the next selection
+  const Details* details = nullptr;  ///< after jumps and with `several`
 };
 
 /// With so many ports all modes are tried where nothing else helps, and for further continuations.
@@ -49,7 +49,10 @@ class Selector {
 
   /// x (system.size() entries) holds the state before, ζ already right of the instant; on return the state after all jumps.
   /// `wanted`: previous mode's set with the switch ports set as they now stand. `trigger`: port whose guard reached zero, −1: none.
-  Selected select(double* x, const IndexSet& wanted, int trigger);
+  /// Valid until the next selection.
+  const Selected& select(double* x, const IndexSet& wanted, int trigger);
+  /// The answer where there is nothing to select.
+  const Selected& stay_in(const Mode& mode);
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
@@ -67,6 +70,8 @@ class Selector {
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
+  /// The state's coordinates in that mode, where the selection has reckoned them; null elsewhere.
+  [[nodiscard]] const double* coordinates(const Mode& mode) const { return coordinates_of_ == &mode ? y_.data() : nullptr; }
   /// Whether two modes, both consistent at x, go on as one solution.
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
 
@@ -92,14 +97,14 @@ class Selector {
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
   std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
-  void note_impulse(Selected& result);
+  void note_impulse();
   [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
 
   const System& system_;
   Several several_ = Several::stay;
   bool rational_only_ = false;
   RationalProblem rational_;
-  double largest_ = 0.0;  ///< ‖x‖ seen so far
+  double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far
   /// What is known of a set.
   struct Known {
     std::unique_ptr<Mode> mode;           ///< empty: not built yet
@@ -116,10 +121,12 @@ class Selector {
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;
   const Mode* departures_of_ = nullptr;
+  const Mode* coordinates_of_ = nullptr;  ///< y_
   int trigger_ = -1;  ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_, settled_;
   bool may_jump_ = true;  ///< false while it is asked whether the state after a jump goes on without another
+  Selected selected_;
   Details details_;
   Impulse impulse_;  ///< of the jump last examined
   std::uint64_t visited_ = 0;

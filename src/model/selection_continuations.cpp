@@ -103,6 +103,7 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
 
 /// Whether a guard is below zero at x already, far beyond rounding: what `accepts` would find with its derivatives, for less.
 bool Selector::is_violated(const Mode& mode, const double* x) {
+  coordinates_of_ = &mode;
   to_mode(system_, mode, x, y_.data());
   const double tolerance = std::max(clearly_violated, clearly_above_noise * mode.noise * verifier_.relaxation());
   const double norm = linalg::norm(y_.data(), mode.ny);

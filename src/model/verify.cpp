@@ -86,23 +86,25 @@ void Verifier::prepare(const Mode& mode, const double* y) {
   known_ = 1;
 }
 
-/// Most that the rounding of a guard's value can be, against the guard's norm.
-double Verifier::most_rounding(const Mode& mode, const double* y) const {
+/// Most that the rounding of a guard's value can be, against the guard's norm; its square, which needs no root.
+double Verifier::square_of_most_rounding(const Mode& mode, const double* y) const {
   if (relaxation_ > 1.0) return INFINITY;
-  return mode.noise * (1.0 + share_of_norm * (1.0 + mode.n1)) * linalg::norm(y, mode.ny);
+  const double most = mode.noise * (1.0 + share_of_norm * (1.0 + mode.n1));
+  return most * most * linalg::square(y, mode.ny);
 }
 
 void Verifier::departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out) {
   // Values of all guards at once: few need more than a look, and fewer a derivative.
   const auto guards = static_cast<std::size_t>(mode.guards.rows());
-  values_.resize(2 * guards);
+  if (values_.size() < 2 * guards) values_.resize(2 * guards);
   linalg::multiply(mode.guards, y, values_.data());
-  const double most = most_rounding(mode, y);
+  const double most = square_of_most_rounding(mode, y);
   bool prepared = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto row = static_cast<std::size_t>(rows[i]);
     const double value = values_[row];
-    if (std::abs(value) > most * mode.guard_norm[rows[i]]) {
+    const double norm = mode.guard_norm[rows[i]];
+    if (value * value > most * (norm * norm)) {
       out[i] = {0, value};
       continue;
     }

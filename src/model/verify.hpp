@@ -31,7 +31,7 @@ class Verifier {
 
  private:
   void prepare(const Mode& mode, const double* y);
-  [[nodiscard]] double most_rounding(const Mode& mode, const double* y) const;
+  [[nodiscard]] double square_of_most_rounding(const Mode& mode, const double* y) const;
   Departure departure(const Mode& mode, int row);  ///< of a row whose value is rounding
   [[nodiscard]] double rounding(const Mode& mode, int row, int order, double size) const;
   bool significant(const Mode& mode, int row, int order, double& value);

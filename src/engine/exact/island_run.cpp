@@ -58,7 +58,7 @@ double IslandRun::certify(double end) {
   if (event_.found && event_time_ <= end) return event_time_;
   if (event_.found) return end;
   if (segment_.anchor + segment_.certified >= end) return end;
-  event_ = locator_.locate(segment_, end - segment_.anchor);
+  locator_.locate(segment_, end - segment_.anchor, event_);
   if (!event_.found) return end;
   take_event(end);
   return event_time_;
@@ -124,14 +124,10 @@ bool IslandRun::take_breakpoints(double time) {
   return jumped;
 }
 
-model::Selected IslandRun::select() {
-  if (system_.ports == 0 && mode) {
-    model::Selected same;
-    same.mode = mode;
-    return same;
-  }
+const model::Selected& IslandRun::select() {
+  if (system_.ports == 0 && mode) return selector_.stay_in(*mode);
   const model::Mode* before = mode;
-  const model::Selected result = selector_.select(x.data(), wanted, trigger);
+  const model::Selected& result = selector_.select(x.data(), wanted, trigger);
   const bool same = result.mode == before && result.jumps == 0;
   rests_ = same ? trigger : -1;
   all_rest_ = same && undecided_;
@@ -268,7 +264,10 @@ void IslandRun::begin_segment(double time, double late) {
     segment_.y0.resize(x.size());
     segment_.y.resize(x.size());
   }
-  model::to_mode(system_, *mode, x.data(), segment_.y0.data());
+  if (const double* y = selector_.coordinates(*mode); y != nullptr)
+    linalg::copy(y, mode->ny, segment_.y0.data());
+  else
+    model::to_mode(system_, *mode, x.data(), segment_.y0.data());
   linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;

@@ -49,7 +49,7 @@ class IslandRun {
   /// ζ at `time` from the sources themselves.
   void evaluate_sources(double time) { system_.exosystem->evaluate(phase_, time, x.data() + system_.n); }
   /// Selects the mode that follows at x; `set` is the wanted active set.
-  model::Selected select();
+  const model::Selected& select();
   void set_switch(int port, bool closed);
   /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
   const std::vector<int>& violated_controls(const std::vector<char>& on);

@@ -301,10 +301,9 @@ double Locator::go_to_root(const Segment& s, std::size_t i, double lower, double
 }
 
 /// The segment ends at the event whose state event_ holds, or at `end` where that is sooner.
-Located Locator::event_at(Segment& s, std::size_t i, double tau, double end) {
+void Locator::end_at_event(Segment& s, std::size_t i, double tau, double end, Located& located) {
   s.certified = std::min(tau, end);
-  if (tau > end) return {};
-  return {true, tau, s.rows[i], event_.data()};
+  if (tau <= end) located = {true, tau, s.rows[i], event_.data()};
 }
 
 /// Decides [tau, tau+h]: `decided` false asks for a shorter one. True when an event was found before `end`.
@@ -335,7 +334,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   if (!(first < INFINITY)) return false;
   double tau = s.tau + first;
   if (below == 0.0) polish(s, s.rows[first_index], tau);
-  located = event_at(s, first_index, tau, end);
+  end_at_event(s, first_index, tau, end, located);
   return true;
 }
 
@@ -399,7 +398,7 @@ void Locator::accept(Segment& s, double h, double end) {
 }
 
 /// Gate drives: g(τ) = g + g'τ, so the crossing is at −g/g' and nothing needs to be searched.
-Located Locator::straight_lines(Segment& s, double end) {
+void Locator::straight_lines(Segment& s, double end, Located& located) {
   const Mode& m = *s.mode;
   linalg::multiply(m.flow.a(), s.y.data(), a1_.data());
   double first = INFINITY;
@@ -414,57 +413,54 @@ Located Locator::straight_lines(Segment& s, double end) {
   }
   if (!(s.tau + first <= end)) {
     s.certified = end;
-    return {};
+    return;
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(m.ny); ++i) event_[i] = s.y[i] + first * a1_[i];
   s.certified = s.tau + first;
-  return {true, s.certified, row, event_.data()};
+  located = {true, s.certified, row, event_.data()};
 }
 
-Located Locator::locate(Segment& s, double end) {
-  Located located;
-  if (s.certified >= end) return located;
+void Locator::locate(Segment& s, double end, Located& located) {
+  located = {};
+  if (s.certified >= end) return;
   if (s.rows.empty() || s.tau >= end) {  // an interval of a power of two has reached past this end
     s.certified = end;
-    return located;
+    return;
   }
   prepare(s);
-  located = march(s, end);
+  march(s, end, located);
   if (located.found && s.part) leave_slow_part(s, located);
-  return located;
 }
 
-Located Locator::march(Segment& s, double end) {
-  Located located;
-  if (s.mode->piecewise_linear) return straight_lines(s, end);
+void Locator::march(Segment& s, double end, Located& located) {
+  if (s.mode->piecewise_linear) return straight_lines(s, end, located);
   const double shortest = std::max(smallest_interval * end, 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
     if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
       if (s.rows.empty()) {
         s.certified = end;
-        return located;
+        return;
       }
-      if (s.mode->piecewise_linear) return straight_lines(s, end);
+      if (s.mode->piecewise_linear) return straight_lines(s, end, located);
       series_intervals = 0;
     }
     derive(s);
-    if (look_ahead(s, end, located)) return located;
+    if (look_ahead(s, end, located)) return;
     if (!s.mode->stiff || s.turns > 0) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {
         ++s.intervals;
         // A segment that long in the mode's own time means fast parts that do not matter: low orders step over those.
         if (++series_intervals > most_series_intervals) s.mode->stiff = true;
-        if (located.found) return located;
+        if (located.found) return;
         continue;
       }
       s.turns = -bounds_in_turn;
     }
-    if (march_by_bounds(s, end, shortest, located)) return located;
+    if (march_by_bounds(s, end, shortest, located)) return;
     if (++s.turns > 0) s.turns = s.mode->stiff && s.mode->flow.rate() * s.step < short_step ? series_in_turn : 0;
   }
-  return located;
 }
 
 }  // namespace pwlsim::engine

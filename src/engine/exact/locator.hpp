@@ -48,7 +48,7 @@ struct Located {
 class Locator {
  public:
   /// First crossing in (certified, end], end counted from the anchor; without one the segment is certified up to `end`.
-  Located locate(Segment& segment, double end);
+  void locate(Segment& segment, double end, Located& located);
 
   [[nodiscard]] std::uint64_t intervals() const { return intervals_; }
   /// Segments whose guards were sampled because the bounds would not close.
@@ -95,12 +95,12 @@ class Locator {
   [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   double go_to_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
-  Located event_at(Segment& segment, std::size_t i, double tau, double end);
+  void end_at_event(Segment& segment, std::size_t i, double tau, double end, Located& located);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);
-  Located straight_lines(Segment& segment, double end);
+  void straight_lines(Segment& segment, double end, Located& located);
   void accept(Segment& segment, double h, double end);
-  Located march(Segment& segment, double end);
+  void march(Segment& segment, double end, Located& located);
   bool enter_slow_part(Segment& segment);
   void drop_idle_rows(Segment& segment);
   void leave_slow_part(const Segment& segment, Located& located);

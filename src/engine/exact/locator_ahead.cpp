@@ -102,7 +102,7 @@ bool Locator::falling(Segment& s, std::size_t i, double h, double end, Located& 
   }
   ++intervals_;
   ++s.intervals;
-  located = event_at(s, i, tau, end);
+  end_at_event(s, i, tau, end, located);
   return true;
 }
 

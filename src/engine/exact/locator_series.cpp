@@ -307,7 +307,7 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
     }
     double tau = s.tau + at;
     if (root.below == 0.0) polish(s, s.rows[which], tau);
-    located = event_at(s, which, tau, end);
+    end_at_event(s, which, tau, end, located);
     return true;
   }
   return false;

@@ -215,7 +215,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     return true;
   }
   std::vector<std::string> names;
-  for (const int i : flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
   fail(Outcome::no_solution, "E-no-settle",
        fmt::format("the switches {} find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh",
                    fmt::join(names, ", "), instant.time),
@@ -226,7 +226,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
 bool Transient::select_open(Instant& instant) {
   for (IslandRun* island : running_) {
     if (!island->is_open()) continue;
-    const model::Selected selected = island->select();
+    const model::Selected& selected = island->select();
     instant.jumps += selected.jumps;
     if (selected.jumps > 0) {
       jump_recorder_.jumped(number_of(*island), selected);
@@ -260,7 +260,7 @@ bool Transient::flip_without_mode(Instant& instant, bool at_start) {
     for (const int c : island->violated_without_mode(on_, at_start))
       flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
   }
-  return flip(flips_, instant);
+  return flip(instant);
 }
 
 /// All switches whose control has passed at this instant change together.
@@ -270,14 +270,15 @@ bool Transient::flip_violated(Instant& instant) {
     if (!island->is_open()) continue;
     for (const int c : island->violated_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
   }
-  return flip(flips_, instant);
+  return flip(instant);
 }
 
-bool Transient::flip(const std::vector<int>& switches, Instant& instant) {
-  if (switches.empty()) return false;
+/// The switches of flips_; true if there are any.
+bool Transient::flip(Instant& instant) {
+  if (flips_.empty()) return false;
   instant.flips = true;
-  last_flips_ = switches;
-  for (const int s : switches) {
+  std::swap(flips_, last_flips_);
+  for (const int s : last_flips_) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
     const SwitchInfo& info = model_.switches[index];

@@ -52,7 +52,7 @@ class Transient {
   void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_violated(Instant& instant);
-  bool flip(const std::vector<int>& switches, Instant& instant);
+  bool flip(Instant& instant);
   void open_event_islands(double time, Instant& instant);
   void note_mode_changes(Instant& instant);
   bool rows_before(double time, bool inclusive);
@@ -86,7 +86,8 @@ class Transient {
   std::vector<IslandRun*> steering_;  ///< the running ones that drive switches
   std::vector<IslandRun*> order_;     ///< the running ones, those without states first
   std::vector<char> on_;              ///< switches
-  std::vector<int> flips_;
+  std::vector<int> flips_;            ///< switches that are to change, and those that did last
+  std::vector<int> last_flips_;
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
@@ -107,7 +108,6 @@ class Transient {
   double row_time_ = 0.0, first_row_time_ = 0.0;
   double last_event_row_ = -std::numeric_limits<double>::infinity();  ///< time of the last row written after an event
   Crowd crowd_, idle_crowd_;
-  std::vector<int> last_flips_;
   double sink_seconds_ = 0.0;
   std::uint64_t instants_ = 0;
 };

@@ -1,0 +1,17 @@
+# Link-time optimisation of the rooms that a run spends its time in: a tenth to a sixth of `simulate`. Not of the tests' own programs, which would take half a minute each
+# to link: objects also hold ordinary code. By g++ only; clang 14 cannot make such objects.
+option(PWLSIM_LTO "Optimise the program as a whole when it is linked, where the compiler is g++" ON)
+set(PWLSIM_LTO_ROOMS linalg lcp model engine)
+
+set(PWLSIM_HAS_LTO OFF)
+if(PWLSIM_LTO AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT PWLSIM_SANITIZE AND NOT PWLSIM_THREAD_SANITIZER)
+  set(PWLSIM_HAS_LTO ON)
+  foreach(room IN LISTS PWLSIM_LTO_ROOMS)
+    target_compile_options(pwlsim_${room} PRIVATE -flto=auto -ffat-lto-objects)
+  endforeach()
+  add_link_options($<IF:$<BOOL:$<TARGET_PROPERTY:PWLSIM_WHOLE>>,-flto=auto,-fno-lto>)
+endif()
+
+function(pwlsim_optimise_whole target)
+  set_target_properties(${target} PROPERTIES PWLSIM_WHOLE ON)
+endfunction()
