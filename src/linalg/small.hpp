@@ -57,11 +57,15 @@ class Small {
   std::array<Pair, (length + 1) / 2> pairs_{};  ///< of an odd length the last entry is zero
 };
 
+/// From so many entries on it pays to ask whether one is zero: derivatives of constant and piecewise linear sources are.
+inline constexpr int worth_asking = 7;
+
 /// A·x for a square column-major A.
 template <int length>
 [[nodiscard]] Small<length> product(const double* a, const Small<length>& x) {
   Small<length> result;
-  for (int j = 0; j < length; ++j) result.add_multiple(a + j * length, x[j]);
+  for (int j = 0; j < length; ++j)
+    if (length < worth_asking || x[j] != 0.0) result.add_multiple(a + j * length, x[j]);
   return result;
 }
 

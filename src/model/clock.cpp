@@ -37,9 +37,8 @@ Clock::Margin Clock::margin_at(double time, double late) const {
   double slope = 0.0;
   double size = std::abs(constant_) + std::abs(level);
   for (const Term& term : terms_) {
-    const double share = term.gain * term.cursor.at(time, late);
-    value += share;
-    size += std::abs(share);
+    value += term.gain * term.cursor.at(time, late);
+    size += std::abs(term.gain) * term.cursor.size_at(time);
     slope += term.gain * term.cursor.slope;
   }
   const double sign = is_on_ ? 1.0 : -1.0;

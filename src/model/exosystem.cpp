@@ -220,6 +220,17 @@ void Exosystem::evaluate(const Phase& phase, double time, double* zeta) const {
   evaluate_curved(phase, time, 0.0, zeta);
 }
 
+void Exosystem::sizes(const Phase& phase, double time, const double* zeta, double* size) const {
+  for (int i = 0; i < states_; ++i) size[i] = std::abs(zeta[i]);
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    size[blocks_[static_cast<std::size_t>(tracks_[i].block)].first] = phase.cursors[i].size_at(time);
+  for (const Block& block : blocks_)
+    if (block.kind == Block::Kind::oscillation) {
+      const int i = block.first;
+      size[i] = size[i + 1] = std::hypot(zeta[i], zeta[i + 1]);
+    }
+}
+
 void Exosystem::evaluate_curved(const Phase& phase, double time, double late, double* zeta) const {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];

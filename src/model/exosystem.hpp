@@ -46,6 +46,8 @@ class Track {
     [[nodiscard]] double at(double time, double late) const {
       return slope == 0.0 ? value : value + slope * ((time - start) + (late - start_late));
     }
+    /// Magnitudes of the terms that `at` is a sum of.
+    [[nodiscard]] double size_at(double time) const { return std::abs(value) + std::abs(slope * (time - start)); }
   };
   /// Left limit at `time`: breakpoints at `time` itself are still to come.
   [[nodiscard]] Cursor before(double time) const;
@@ -116,6 +118,8 @@ class Exosystem {
   void evaluate(const Phase& phase, double time, double* zeta) const;
   /// The same of oscillations and decays alone, at time + late, where `late` is what rounding took off the time.
   void evaluate_curved(const Phase& phase, double time, double late, double* zeta) const;
+  /// Magnitudes of the terms that these ζ are sums of.
+  void sizes(const Phase& phase, double time, const double* zeta, double* size) const;
   /// Oscillations or decays: not all sources are piecewise linear.
   [[nodiscard]] bool has_curved() const { return curved_; }
 

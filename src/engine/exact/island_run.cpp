@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "base/largest.hpp"
 #include "base/rounded_sum.hpp"
@@ -27,7 +28,7 @@ std::span<const double> entries(const linalg::Vector& v) { return {v.data(), sta
 }  // namespace
 
 IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
-    : model_(island_model), system_(island_model.extraction.system), selector_(system_, several) {
+    : model_(island_model), system_(island_model.extraction.system), selector_(system_, several), source_departure_(*system_.exosystem) {
   const auto size = static_cast<std::size_t>(system_.size());
   x.assign(size, 0.0);
   scratch_.resize(size);
@@ -163,36 +164,18 @@ const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on
   return violated_;
 }
 
-double IslandRun::source_departure(const model::Control& control, bool is_on) {
-  const auto nz = static_cast<std::size_t>(system_.n_zeta);
-  const double level = is_on ? control.off_level : control.on_level;
-  const double sign = is_on ? 1.0 : -1.0;
-  const double* row = control.value.state.data() + system_.n;
-  const double* z = x.data() + system_.n;
-  double offset = level;
-  for (std::size_t order = 0; order <= nz; ++order) {
-    double value = -offset;
-    double size = std::abs(offset);
-    for (std::size_t i = 0; i < nz; ++i) {
-      value += row[i] * z[i];
-      size += std::abs(row[i] * z[i]);
-    }
-    if (std::abs(value) > model::threshold_noise * size) return sign * value;
-    linalg::multiply(system_.exosystem->a(), z, work_.data());
-    std::copy_n(work_.begin(), nz, scratch_.begin());
-    z = scratch_.data();
-    offset = 0.0;
-  }
-  return 0.0;
-}
-
-const std::vector<int>& IslandRun::violated_without_mode(const std::vector<char>& on, bool at_start) {
+const std::vector<int>& IslandRun::violated_without_mode(double time, const std::vector<char>& on, bool at_start) {
   violated_.clear();
+  bool taken = false;
   for (std::size_t i = 0; i < system_.controls.size(); ++i) {
     const model::Control& control = system_.controls[i];
     const bool is_on = on[static_cast<std::size_t>(control.driven)] != 0;
     double departure = 0.0;
-    if (control_reads_[i] == Reads::sources) departure = source_departure(control, is_on);
+    if (control_reads_[i] == Reads::sources) {
+      if (!std::exchange(taken, true)) source_departure_.take(phase_, time, x.data() + system_.n);
+      departure = source_departure_.of(control.value.state.data() + system_.n, is_on ? control.off_level : control.on_level);
+      if (!is_on) departure = -departure;
+    }
     if (control_reads_[i] == Reads::state && at_start) {
       const double value = control.value.state.dot(Eigen::Map<const model::Vector>(x.data(), system_.size()));
       departure = is_on ? value - control.off_level : control.on_level - value;

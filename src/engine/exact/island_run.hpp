@@ -8,6 +8,7 @@
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/locator.hpp"
 #include "model/selection.hpp"
+#include "model/source_departure.hpp"
 
 namespace pwlsim::engine {
 
@@ -55,7 +56,7 @@ class IslandRun {
   const std::vector<int>& violated_controls(const std::vector<char>& on);
   /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
-  const std::vector<int>& violated_without_mode(const std::vector<char>& on, bool at_start);
+  const std::vector<int>& violated_without_mode(double time, const std::vector<char>& on, bool at_start);
   /// Begins the new segment at `time` + `late`.
   void close(double time, double late, const std::vector<char>& on);
 
@@ -76,7 +77,6 @@ class IslandRun {
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
-  [[nodiscard]] double source_departure(const model::Control& control, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void take_limit(double time, double* out) const;
   void take_event(double end);
@@ -88,6 +88,7 @@ class IslandRun {
   const IslandModel& model_;
   const model::System& system_;
   model::Selector selector_;
+  model::SourceDeparture source_departure_;
   Locator locator_;
   model::Verifier verifier_;
   model::Exosystem::Phase phase_;

@@ -257,7 +257,7 @@ bool Transient::flip_without_mode(Instant& instant, bool at_start) {
   take_clocks(instant);
   for (IslandRun* island : steering_) {
     if (!island->is_open()) continue;
-    for (const int c : island->violated_without_mode(on_, at_start))
+    for (const int c : island->violated_without_mode(instant.time, on_, at_start))
       flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
   }
   return flip(instant);

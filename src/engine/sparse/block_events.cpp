@@ -242,11 +242,18 @@ bool Block::restart() {
   int level = level_ + restart_levels(reltol_);
   while (diagonal * ladder(level) > room_share * room) ++level;
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
+  const Position begun = point_.on;
   if (!find_position(instant, level, deepest)) return false;
+  const int refined = level - usual;
+  if (const int more = levels_too_long(diagonal * ladder(level)); more > 0 && level + more <= deepest) {
+    point_.on = begun;
+    level += more;
+    if (!find_position(instant, level, deepest)) return false;
+  }
   if (instant.jump) note_jump(time, diagonal * ladder(level));
   const bool has_impulses = instant.jump && request_.probes.sink != nullptr;
   if (has_impulses) note_first_step();
-  level_ += level - usual;
+  level_ += refined;
   instant.mode_change |= second_.on != position_before_;
   position_before_.clear();
   start_memory_.clear();
@@ -301,6 +308,16 @@ bool Block::find_position(Instant& instant, int& level, int deepest) {
     if (end) return false;
     level = std::min(level + refinement, deepest);
   }
+}
+
+/// Levels by which three Euler steps are too long: a control that passes within them would change sides late.
+int Block::levels_too_long(double h) const {
+  double soonest = 3.0 * h;
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const double first = margin(i, true, first_), fall = first - margin(i, true, second_);
+    if (fall > 0.0 && first > sign_tolerance * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
+  }
+  return static_cast<int>(std::ceil(std::log2(3.0 * h / soonest)));
 }
 
 bool Block::watch_crowd(double time) {

@@ -17,15 +17,22 @@ using model::LinearForm;
 using model::Network;
 using model::Term;
 
-/// The voltage of every node that a source to ground holds.
+/// The voltage of every node that sources hold, by themselves or one on the other.
 std::unordered_map<int, LinearForm> held_nodes(const Network& network) {
-  std::unordered_map<int, LinearForm> held;
-  for (const auto& b : network.branches) {
-    if ((b.p == ground) == (b.n == ground) || !model::is_independent(b.voltage)) continue;
-    LinearForm voltage = b.voltage;
-    if (b.p == ground)
-      for (Term& term : voltage) term.coefficient = -term.coefficient;
-    held.emplace(b.p == ground ? b.n : b.p, std::move(voltage));
+  std::vector<const model::Branch*> sources;
+  for (const auto& b : network.branches)
+    if (model::is_independent(b.voltage)) sources.push_back(&b);
+  std::unordered_map<int, LinearForm> held{{ground, {}}};
+  for (std::size_t before = 0; before < held.size();) {
+    before = held.size();
+    for (const model::Branch* b : sources) {
+      const auto p = held.find(b->p), n = held.find(b->n);
+      if ((p == held.end()) == (n == held.end())) continue;
+      const bool from_p = p != held.end();
+      LinearForm voltage = from_p ? p->second : n->second;
+      for (const Term& term : b->voltage) voltage.push_back({term.kind, term.index, from_p ? -term.coefficient : term.coefficient});
+      held.emplace(from_p ? b->n : b->p, std::move(voltage));
+    }
   }
   for (const auto& condition : network.node_conditions) held.erase(condition.node);
   return held;

@@ -1,0 +1,64 @@
+#include "model/source_departure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/clock.hpp"
+
+namespace pwlsim::model {
+
+SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosystem) {}
+
+void SourceDeparture::take(const Exosystem::Phase& phase, double time, const double* zeta) {
+  if (known_ == 0) {
+    derivatives_.resize(static_cast<std::size_t>(exosystem_.size()));
+    sizes_.resize(derivatives_.size());
+  }
+  others_vanish_ = false;
+  std::copy_n(zeta, exosystem_.size(), derivatives_.begin());
+  exosystem_.sizes(phase, time, zeta, sizes_.data());
+  known_ = 1;
+}
+
+/// One derivative more; false where it vanishes.
+bool SourceDeparture::extend() {
+  if (others_vanish_) return false;
+  const auto states = static_cast<std::size_t>(exosystem_.size());
+  if (derivatives_.size() == known_ * states) {
+    derivatives_.resize((known_ + 1) * states);
+    sizes_.resize(derivatives_.size());
+  }
+  const double* z = &derivatives_[(known_ - 1) * states];
+  const double* size = &sizes_[(known_ - 1) * states];
+  double* next = &derivatives_[known_ * states];
+  double* next_size = &sizes_[known_ * states];
+  const double* entry = exosystem_.a().data();
+  std::fill_n(next, states, 0.0);
+  std::fill_n(next_size, states, 0.0);
+  for (std::size_t j = 0; j < states; ++j)
+    for (std::size_t i = 0; i < states; ++i, ++entry) {
+      next[i] += *entry * z[j];
+      next_size[i] += std::abs(*entry) * size[j];
+    }
+  ++known_;
+  others_vanish_ = std::all_of(next_size, next_size + states, [](double s) { return s == 0.0; });
+  return !others_vanish_;
+}
+
+double SourceDeparture::of(const double* row, double level) {
+  const auto states = static_cast<std::size_t>(exosystem_.size());
+  double value = -level;
+  double size = std::abs(level);
+  for (std::size_t order = 0; order <= states; ++order) {
+    if (order == known_ && !extend()) return 0.0;
+    for (std::size_t i = 0; i < states; ++i) {
+      value += row[i] * derivatives_[order * states + i];
+      size += std::abs(row[i]) * sizes_[order * states + i];
+    }
+    if (std::abs(value) > threshold_noise * size) return value;
+    value = size = 0.0;
+  }
+  return 0.0;
+}
+
+}  // namespace pwlsim::model

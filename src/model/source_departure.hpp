@@ -1,0 +1,28 @@
+#pragma once
+/// On which side of a level a sum of sources is about to be: the first of row·ζ − level and its derivatives row·S^k ζ that is not rounding.
+
+#include <vector>
+
+#include "model/exosystem.hpp"
+
+namespace pwlsim::model {
+
+class SourceDeparture {
+ public:
+  explicit SourceDeparture(const Exosystem& exosystem);
+
+  /// ζ (exosystem.size() entries, kept by the caller) at `time` in that phase.
+  void take(const Exosystem::Phase& phase, double time, const double* zeta);
+  /// That value or derivative; 0 where all of them are rounding.
+  [[nodiscard]] double of(const double* row, double level);
+
+ private:
+  bool extend();
+
+  const Exosystem& exosystem_;
+  std::vector<double> derivatives_, sizes_;  ///< S^k ζ one behind the other, and sums of the magnitudes that each is a sum of
+  std::size_t known_ = 0;
+  bool others_vanish_ = false;  ///< all derivatives beyond
+};
+
+}  // namespace pwlsim::model
