@@ -13,7 +13,7 @@ using Wide = long double;
 using WideMatrix = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
 using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 
-/// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 10). y must not alias x.
+/// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 12). y must not alias x.
 void multiply(const Matrix& m, const double* x, double* y);
 
 /// z = M x + N y; z must not alias x or y.

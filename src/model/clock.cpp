@@ -34,13 +34,15 @@ Clock::Clock(std::vector<Term> terms, double constant, double on_level, double o
 Clock::Margin Clock::margin_at(double time, double late) const {
   const double level = is_on_ ? off_level_ : on_level_;
   double value = constant_ - level;
-  double slope = 0.0;
+  double slope = 0.0, slope_size = 0.0;
   double size = std::abs(constant_) + std::abs(level);
   for (const Term& term : terms_) {
     value += term.gain * term.cursor.at(time, late);
     size += std::abs(term.gain) * term.cursor.size_at(time);
     slope += term.gain * term.cursor.slope;
+    slope_size += std::abs(term.gain * term.cursor.slope);
   }
+  if (std::abs(slope) <= threshold_noise * slope_size) slope = 0.0;
   const double sign = is_on_ ? 1.0 : -1.0;
   return {sign * value, sign * slope, threshold_noise * size};
 }

@@ -12,9 +12,6 @@
 
 namespace pwlsim::model {
 
-/// A control this close to its threshold, against the terms it is made of, is on it; then its derivatives decide.
-constexpr double threshold_noise = 3e-14;
-
 class Clock {
  public:
   /// Time at which the sources are on a threshold and cross it, or jump.
@@ -51,7 +48,7 @@ class Clock {
   [[nodiscard]] int driven() const { return driven_; }
 
  private:
-  /// v − threshold or threshold − v, ≥ 0 while the switch stays, with its slope and the rounding of its terms.
+  /// v − threshold or threshold − v, ≥ 0 while the switch stays, with its slope (0 where that is rounding) and the rounding of its terms.
   struct Margin {
     double value = 0.0, slope = 0.0, noise = 0.0;
     /// Sign of the first of value and slope that is not rounding.

@@ -66,6 +66,9 @@ class Track {
 [[nodiscard]] Track make_track(const Pulse& pulse);
 [[nodiscard]] Track make_track(const Pwl& pwl);
 
+/// A sum of sources this close to a level, against the terms it is made of, is on it; then its derivatives decide, each against its own terms.
+constexpr double threshold_noise = 3e-14;
+
 class Exosystem {
  public:
   struct Block {

@@ -70,7 +70,7 @@ class Selector {
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
-  /// The state's coordinates in that mode, where the selection has reckoned them; null elsewhere.
+  /// Coordinates in that mode of x as `select` left it, where the selection has reckoned them; null elsewhere.
   [[nodiscard]] const double* coordinates(const Mode& mode) const { return coordinates_of_ == &mode ? y_.data() : nullptr; }
   /// Whether two modes, both consistent at x, go on as one solution.
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
@@ -104,7 +104,7 @@ class Selector {
   Several several_ = Several::stay;
   bool rational_only_ = false;
   RationalProblem rational_;
-  double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far
+  double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
   /// What is known of a set.
   struct Known {
     std::unique_ptr<Mode> mode;           ///< empty: not built yet
@@ -121,7 +121,7 @@ class Selector {
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;
   const Mode* departures_of_ = nullptr;
-  const Mode* coordinates_of_ = nullptr;  ///< y_
+  const Mode* coordinates_of_ = nullptr;  ///< the mode in whose coordinates y_ is
   int trigger_ = -1;  ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_, settled_;

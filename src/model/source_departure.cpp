@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/clock.hpp"
-
 namespace pwlsim::model {
 
 SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosystem) {}

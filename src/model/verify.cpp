@@ -86,7 +86,7 @@ void Verifier::prepare(const Mode& mode, const double* y) {
   known_ = 1;
 }
 
-/// Most that the rounding of a guard's value can be, against the guard's norm; its square, which needs no root.
+/// Square of the most that the rounding of a guard's value can be, in units of the guard's norm.
 double Verifier::square_of_most_rounding(const Mode& mode, const double* y) const {
   if (relaxation_ > 1.0) return INFINITY;
   const double most = mode.noise * (1.0 + share_of_norm * (1.0 + mode.n1));

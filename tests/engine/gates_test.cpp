@@ -50,6 +50,26 @@ TEST_CASE("a gate knows when its control passes its levels", "[unit]") {
   CHECK(gate.next() == model::forever);  // the next one is beyond the end
 }
 
+// v(g) stands on v(h), which stands on 0.5 V: their sum passes 0.75 where the triangle passes a quarter.
+TEST_CASE("a gate reads sources that stand on one another", "[unit]") {
+  Circuit c;
+  c.v("g", "h", triangle(3.0, 2.0));
+  c.v("h", "0", model::Dc{0.5});
+  c.s("a", "0", "g", "0", 0.75);
+  c.s("b", "0", "g", "h", 0.25);
+  c.r("a", "0", 1.0);
+  c.r("b", "0", 1.0);
+  c.save_v("a");
+  model::Network network = with_controls_of_sources(c.network());
+  CHECK(network.switches[1].control.size() == 1);  // v(h) cancels
+  std::vector<Gate> gates = take_gates(network);
+  REQUIRE(gates.size() == 2);
+  for (Gate& gate : gates) {
+    gate.begin(false, 12.0);
+    CHECK(gate.next() == Approx(3.0 + 0.25 * 2.0).epsilon(rounding));
+  }
+}
+
 TEST_CASE("what a gate's control asks for at the start is taken there", "[unit]") {
   Circuit c;
   c.v("g", "0", model::Dc{1.0});

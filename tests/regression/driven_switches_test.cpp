@@ -42,6 +42,30 @@ Pulse random_pulse(Random& random) {
 
 }  // namespace
 
+// From 0.1 s on the slopes of 10 V/s cancel, but for rounding, while the control lies on its threshold: it has not passed until V2 rests at 0.17 s.
+TEST_CASE("a control whose slopes cancel on its threshold has not passed", "[regression]") {
+  const std::string deck = R"(cancelling slopes
+V1 c d PWL(0 2 0.1 2.5 0.2 3.5)
+V2 d 0 PWL(0 0 0.1 0 0.17 -0.7 0.3 -0.7)
+S1 a 0 c 0 SWI
+I1 0 a 1
+R1 a 0 1
+.model SWI SW(Vt=2.5 Ron=0)
+.tran 10m 0.25 uic
+)";
+  for (const std::string save : {".save v(a)\n", ".save v(a) v(c)\n"})
+    for (const bool sparse : {false, true}) {
+      INFO(save << (sparse ? "sparse" : "exact"));
+      const DeckRun run = sparse ? test::run_text_sparse(deck + save, 1e-4) : test::run_text(deck + save);
+      REQUIRE(run.answer.outcome == engine::Outcome::completed);
+      for (const auto& row : run.rows) {
+        if (std::abs(row[0] - 0.17) < 1e-9) continue;
+        INFO("t = " << row[0]);
+        CHECK(row[1] == Approx(row[0] < 0.17 ? 1.0 : 0.0).margin(1e-12));
+      }
+    }
+}
+
 TEST_CASE("switches that pulses drive stand where the pulses are", "[regression]") {
   constexpr double clearly = 1e-8;  // V: a control this far from its threshold is on one side of it by the formula, too
   constexpr std::array<double, 6> thresholds{1e-9, -1e-9, 1e-11, 1e-6, 0.0, 2.5};

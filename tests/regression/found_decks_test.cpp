@@ -176,6 +176,29 @@ X1009 a sub4
   CHECK(run.answer.statistics.steps < many_intervals);
 }
 
+// At the start longer Euler steps found no position, and in shorter ones S14 found no rest: the steps were taken for made.
+TEST_CASE("a switch without rest where longer steps have no position ends the run with a message", "[regression]") {
+  const DeckRun run = run_text_sparse(R"(no rest
+.param p2=501m
+V1 0 out EXP(152p 54.5 733n 3.04e-06) Rser=52.7k
+.model mD2 D( )
+D3 a 0 mD2
+C4 b a 1.2e-10
+V5 out 0 EXP(210 177 1.52u 1.43e-06)
+C6 0 in 2.65e-10
+R7 out n1 594
+X9 n1 out b 0 xfmr
+R10 b in 179k Rser=256k Cpar=82.5p
+H11 n1 out V5 0.455
+R12 a 0 1.24k
+.model mSW13 SW( Vt=-101 Vh=1.69 )
+S14 a out a b mSW13
+.tran 7.08u uic
+)",
+                                      1e-4);
+  CHECK(run.answer.outcome == engine::Outcome::no_solution);
+}
+
 // The thyristor is fed by what it conducts: each step of more than 10⁻¹³ s has no position, and a run of 0.2 ms took 10⁹ of them.
 TEST_CASE("steps that are short because longer ones have no position are given up", "[regression]") {
   const DeckRun run = run_text_sparse(R"(no position

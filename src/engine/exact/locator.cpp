@@ -405,7 +405,9 @@ void Locator::straight_lines(Segment& s, double end, Located& located) {
   int row = -1;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const double slope = linalg::row_times(m.guards, s.rows[i], a1_.data());
-    if (!(slope < 0.0)) continue;
+    double size = 0.0;
+    for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(s.rows[i], k) * a1_[static_cast<std::size_t>(k)]);
+    if (!(slope < -model::threshold_noise * size)) continue;
     const double at = -linalg::row_times(m.guards, s.rows[i], s.y.data()) / slope;
     if (at < 0.0 || at >= first) continue;
     first = at;

@@ -24,7 +24,7 @@ void Locator::bound_bends(const Segment& s, double h) {
   }
 }
 
-/// Where what it is at the start, and K_3, tell more. Needs the third derivative, as all below.
+/// Where what it is at the start, and K_3, tell more. Needs the third derivative.
 void Locator::narrow_bends(const Segment& s, double h) {
   bound_bends(s, h);
   Bound b = bound_of(s, 3, derivatives_.data() + 3 * s.mode->ny, h);

@@ -86,8 +86,8 @@ class Transient {
   std::vector<IslandRun*> steering_;  ///< the running ones that drive switches
   std::vector<IslandRun*> order_;     ///< the running ones, those without states first
   std::vector<char> on_;              ///< switches
-  std::vector<int> flips_;            ///< switches that are to change, and those that did last
-  std::vector<int> last_flips_;
+  std::vector<int> flips_;            ///< switches that are to change
+  std::vector<int> last_flips_;       ///< and those that did last
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;

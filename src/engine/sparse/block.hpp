@@ -111,6 +111,7 @@ class Block {
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   [[nodiscard]] bool find_position(Instant& instant, int& level, int deepest);
   [[nodiscard]] int levels_too_long(double h) const;
+  void end_before_passage(const Position& begun, const Instant& begun_instant, Instant& instant, int& level);
   [[nodiscard]] Solved euler_steps(double h, Instant& instant);
   [[nodiscard]] bool jumps(double h, double motion);
   [[nodiscard]] const std::vector<double>& drawn_back();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
@@ -137,7 +138,7 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
 }
 
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
-/// until none moves. False: no position (trial_.solved), or no rest (`failure_` says so).
+/// until none moves. False: no position (trial_.solved); `failure_` says so where they find no rest.
 bool Block::settle(double h, Instant& instant, Point& first) {
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
@@ -152,6 +153,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
        fmt::format("the switches find no rest at t = {} s: each position undoes its own condition{}{}; try a hysteresis Vh", instant.time,
                    restless.empty() ? "" : ", of ", fmt::join(restless, ", ")),
        restless);
+  trial_.solved = Solved::no_position;
   return false;
 }
 
@@ -243,13 +245,10 @@ bool Block::restart() {
   while (diagonal * ladder(level) > room_share * room) ++level;
   const int usual = level, deepest = std::min(level + most_refinement, last_level);
   const Position begun = point_.on;
+  const Instant begun_instant = instant;
   if (!find_position(instant, level, deepest)) return false;
   const int refined = level - usual;
-  if (const int more = levels_too_long(diagonal * ladder(level)); more > 0 && level + more <= deepest) {
-    point_.on = begun;
-    level += more;
-    if (!find_position(instant, level, deepest)) return false;
-  }
+  end_before_passage(begun, begun_instant, instant, level);
   if (instant.jump) note_jump(time, diagonal * ladder(level));
   const bool has_impulses = instant.jump && request_.probes.sink != nullptr;
   if (has_impulses) note_first_step();
@@ -277,12 +276,14 @@ bool Block::restart() {
 /// Euler steps so short that the states either stay where they are or jump. False: failed.
 bool Block::find_position(Instant& instant, int& level, int deepest) {
   const Position begun = point_.on;
+  const Instant begun_instant = instant;
   double before = 0.0;
   bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
   while (true) {
     const double h = diagonal * ladder(level);
     const bool end = level >= deepest;
     point_.on = begun;
+    instant = begun_instant;
     trial_.solved = euler_steps(h, instant);
     if (!failure_.id.empty() && !tentative) return false;
     if (trial_.solved == Solved::yes) {
@@ -310,7 +311,7 @@ bool Block::find_position(Instant& instant, int& level, int deepest) {
   }
 }
 
-/// Levels by which three Euler steps are too long: a control that passes within them would change sides late.
+/// Levels (two at most) by which three Euler steps are too long: a control that passes behind the first of them would change sides late.
 int Block::levels_too_long(double h) const {
   double soonest = 3.0 * h;
   for (std::size_t i = 0; i < controls_.size(); ++i) {
@@ -318,6 +319,25 @@ int Block::levels_too_long(double h) const {
     if (fall > 0.0 && first > sign_tolerance * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
   }
   return static_cast<int>(std::ceil(std::log2(3.0 * h / soonest)));
+}
+
+/// The Euler steps anew where they are too long for that; those at hand stay where shorter ones find no position.
+void Block::end_before_passage(const Position& begun, const Instant& begun_instant, Instant& instant, int& level) {
+  const int more = levels_too_long(diagonal * ladder(level));
+  if (more == 0 || level + more > last_level) return;
+  const Point first = first_, second = second_;
+  const Position on = std::exchange(point_.on, begun);
+  const Instant found = std::exchange(instant, begun_instant);
+  int shorter = level + more;
+  if (find_position(instant, shorter, std::min(shorter + most_refinement, last_level))) {
+    level = shorter;
+    return;
+  }
+  failure_ = {};
+  first_ = first;
+  second_ = second;
+  point_.on = on;
+  instant = found;
 }
 
 bool Block::watch_crowd(double time) {

@@ -1,8 +1,10 @@
 #include "engine/sparse/gates.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -17,11 +19,21 @@ using model::LinearForm;
 using model::Network;
 using model::Term;
 
+void add(LinearForm& form, const Term& term, double factor) {
+  const auto same = std::find_if(form.begin(), form.end(), [&](const Term& t) { return t.kind == term.kind && t.index == term.index; });
+  if (same != form.end())
+    same->coefficient += factor * term.coefficient;
+  else
+    form.push_back({term.kind, term.index, factor * term.coefficient});
+}
+
 /// The voltage of every node that sources hold, by themselves or one on the other.
 std::unordered_map<int, LinearForm> held_nodes(const Network& network) {
   std::vector<const model::Branch*> sources;
   for (const auto& b : network.branches)
     if (model::is_independent(b.voltage)) sources.push_back(&b);
+  std::unordered_set<int> conditioned;
+  for (const auto& condition : network.node_conditions) conditioned.insert(condition.node);
   std::unordered_map<int, LinearForm> held{{ground, {}}};
   for (std::size_t before = 0; before < held.size();) {
     before = held.size();
@@ -29,12 +41,13 @@ std::unordered_map<int, LinearForm> held_nodes(const Network& network) {
       const auto p = held.find(b->p), n = held.find(b->n);
       if ((p == held.end()) == (n == held.end())) continue;
       const bool from_p = p != held.end();
+      const int node = from_p ? b->n : b->p;
+      if (conditioned.contains(node)) continue;
       LinearForm voltage = from_p ? p->second : n->second;
-      for (const Term& term : b->voltage) voltage.push_back({term.kind, term.index, from_p ? -term.coefficient : term.coefficient});
-      held.emplace(from_p ? b->n : b->p, std::move(voltage));
+      for (const Term& term : b->voltage) add(voltage, term, from_p ? -1.0 : 1.0);
+      held.emplace(node, std::move(voltage));
     }
   }
-  for (const auto& condition : network.node_conditions) held.erase(condition.node);
   return held;
 }
 
@@ -43,15 +56,16 @@ std::optional<LinearForm> by_sources(const LinearForm& form, const std::unordere
   LinearForm result;
   for (const Term& term : form) {
     if (model::is_independent(term)) {
-      result.push_back(term);
+      add(result, term, 1.0);
       continue;
     }
     if (term.kind != Term::Kind::node_voltage) return std::nullopt;
     if (term.index == ground) continue;
     const auto found = held.find(term.index);
     if (found == held.end()) return std::nullopt;
-    for (const Term& part : found->second) result.push_back({part.kind, part.index, term.coefficient * part.coefficient});
+    for (const Term& part : found->second) add(result, part, term.coefficient);
   }
+  std::erase_if(result, [](const Term& term) { return term.coefficient == 0.0; });
   return result;
 }
 

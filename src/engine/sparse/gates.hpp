@@ -33,7 +33,7 @@ class Gate {
   double stop_ = model::forever;
 };
 
-/// The network with the voltages of nodes that sources to ground hold written as these sources in the controls of switches.
+/// The network with the voltages of nodes that sources hold, by themselves or one on the other, written as these sources in the controls of switches.
 [[nodiscard]] model::Network with_controls_of_sources(model::Network network);
 
 /// The gates of a network. Sources that only they read rest at their first value in it from now on.
