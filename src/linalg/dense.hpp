@@ -31,6 +31,15 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return sum;
 }
 
+/// Of the terms of that sum, their magnitudes.
+inline double absolute_row_times(const Matrix& m, Eigen::Index i, const double* x) {
+  const Eigen::Index rows = m.rows();
+  const double* a = m.data() + i;
+  double sum = 0.0;
+  for (Eigen::Index j = 0; j < m.cols(); ++j, a += rows) sum += std::abs(*a * x[j]);
+  return sum;
+}
+
 /// ‖x‖₂².
 [[nodiscard]] inline double square(const double* x, Eigen::Index n) {
   double sum = 0.0;

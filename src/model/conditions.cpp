@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "model/exosystem.hpp"
+#include "model/forms.hpp"
 
 namespace pwlsim::model {
 
@@ -50,19 +51,15 @@ class HeldPotentials {
   static std::size_t place(NodeIndex node) { return static_cast<std::size_t>(node - ground); }
 
   void spread() {
-    bool spreads = true;
-    while (spreads) {
-      spreads = false;
-      for (const Step& step : steps_) {
-        auto &p = known_[place(step.p)], &n = known_[place(step.n)];
-        if (p.has_value() == n.has_value()) continue;
-        if (n)
-          p = *n + step.voltage;
-        else
-          n = *p - step.voltage;
-        spreads = true;
-      }
-    }
+    const auto is_known = [&](NodeIndex node) { return known_[place(node)].has_value(); };
+    spread_voltages(steps_, is_known, [&](const Step& step, bool from_p) {
+      auto &p = known_[place(step.p)], &n = known_[place(step.n)];
+      if (from_p)
+        n = *p - step.voltage;
+      else
+        p = *n + step.voltage;
+      return true;
+    });
   }
 
   std::vector<Step> steps_;

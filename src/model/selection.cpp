@@ -309,7 +309,7 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     if (guess != current) found = try_without_jump(x, guess);
   }
   // Of one diode there is only one other mode.
-  if (!found && system_.passive && system_.diodes == 1) found = try_without_jump(x, with_flipped(current, 0));
+  if (!found && system_.passive && system_.diodes == 1) found = from_neighbourhood(x, current, 1);
   if (!found) found = from_rcp(x, current, jumped);
   if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
   return found;

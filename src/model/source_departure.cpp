@@ -9,6 +9,7 @@ SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosys
 
 void SourceDeparture::take(const Exosystem::Phase& phase, double time, const double* zeta) {
   if (known_ == 0) {
+    absolute_ = exosystem_.a().cwiseAbs();
     derivatives_.resize(static_cast<std::size_t>(exosystem_.size()));
     sizes_.resize(derivatives_.size());
   }
@@ -26,20 +27,11 @@ bool SourceDeparture::extend() {
     derivatives_.resize((known_ + 1) * states);
     sizes_.resize(derivatives_.size());
   }
-  const double* z = &derivatives_[(known_ - 1) * states];
-  const double* size = &sizes_[(known_ - 1) * states];
-  double* next = &derivatives_[known_ * states];
-  double* next_size = &sizes_[known_ * states];
-  const double* entry = exosystem_.a().data();
-  std::fill_n(next, states, 0.0);
-  std::fill_n(next_size, states, 0.0);
-  for (std::size_t j = 0; j < states; ++j)
-    for (std::size_t i = 0; i < states; ++i, ++entry) {
-      next[i] += *entry * z[j];
-      next_size[i] += std::abs(*entry) * size[j];
-    }
+  const std::size_t from = (known_ - 1) * states, to = known_ * states;
+  linalg::multiply(exosystem_.a(), &derivatives_[from], &derivatives_[to]);
+  linalg::multiply(absolute_, &sizes_[from], &sizes_[to]);
   ++known_;
-  others_vanish_ = std::all_of(next_size, next_size + states, [](double s) { return s == 0.0; });
+  others_vanish_ = std::all_of(&sizes_[to], &sizes_[to] + states, [](double s) { return s == 0.0; });
   return !others_vanish_;
 }
 

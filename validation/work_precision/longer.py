@@ -1,6 +1,6 @@
 """What more of the same costs: every converter over its deck's own length and over ten times that, into longer.csv; run.py calls it.
 
-Of a run of a few hundred switching periods a third to a half is, in pwlsim, the building of modes and a cold start; what (long − short)/9 gives is what each further
+Of a run of a few hundred switching periods a quarter to a half is, in pwlsim, the building of modes and a cold start; what (long − short)/9 gives is what each further
 stretch of the deck's length costs. ngspice runs at its fastest settings below an error, as points.csv has them, with the same steps; its error is checked against
 the same reference, which ends where the deck does. The middle one of several runs of each, one after the other.
 """

@@ -10,6 +10,7 @@ import tempfile
 import threading
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -163,6 +164,7 @@ def empty_seconds(command, repeats=9):
         return runs[repeats // 2]
 
 
+@cache
 def empty_ngspice():
     return empty_seconds(["ngspice", "-n", "-b", "-r", "FOLDER/deck.raw"])
 

@@ -170,7 +170,7 @@ def longer_table():
         for target, value in zip(TARGETS, beside):
             ratios[target] += [] if value is None else [value]
     return ["### What more of the same costs", "",
-            f"Of a few hundred periods a third to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
+            f"Of a few hundred periods a quarter to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
             "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above:", "",
             "| circuit | exact | ngspice 1e-3 | ngspice 1e-4 | ratio 1e-3 | ratio 1e-4 |", "| --- | --- | --- | --- | --- | --- |",
             *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}.", ""]

@@ -59,9 +59,8 @@ double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::mi
 
 /// What rounding leaves of a guard at the interval's start: from the terms of its own sum, and from a share of the state's norm.
 double Locator::noise_of(const Segment& s, int row) const {
-  double size = 0.0;
-  for (int k = 0; k < s.mode->ny; ++k) size += std::abs(s.mode->guards(row, k) * s.y[static_cast<std::size_t>(k)]);
-  size = std::max(size, share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
+  const double size = std::max(linalg::absolute_row_times(s.mode->guards, row, s.y.data()),
+                               share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
   return (s.part ? parting_noise : 1.0) * std::max(graze_noise, s.mode->noise) * size;
 }
 
@@ -251,9 +250,7 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
     const double slope = linalg::row_times(m.guards, row, a1_.data());
     (value > 0.0 ? low : high) = at;
     // Against the terms of this very sum: a large part of the state that the row does not read says nothing here.
-    double size = 0.0;
-    for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(row, k) * at_[static_cast<std::size_t>(k)]);
-    if (std::abs(value) <= root_noise * size) break;
+    if (std::abs(value) <= root_noise * linalg::absolute_row_times(m.guards, row, at_.data())) break;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
     // Chebyshev's step: Newton's, and what the curvature adds to it.
     const double newton = -value / slope;
@@ -405,9 +402,7 @@ void Locator::straight_lines(Segment& s, double end, Located& located) {
   int row = -1;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const double slope = linalg::row_times(m.guards, s.rows[i], a1_.data());
-    double size = 0.0;
-    for (int k = 0; k < m.ny; ++k) size += std::abs(m.guards(s.rows[i], k) * a1_[static_cast<std::size_t>(k)]);
-    if (!(slope < -model::threshold_noise * size)) continue;
+    if (!(slope < -model::threshold_noise * linalg::absolute_row_times(m.guards, s.rows[i], a1_.data()))) continue;
     const double at = -linalg::row_times(m.guards, s.rows[i], s.y.data()) / slope;
     if (at < 0.0 || at >= first) continue;
     first = at;

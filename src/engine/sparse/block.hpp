@@ -109,9 +109,14 @@ class Block {
   bool take_gates(double until);
   bool settle(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
-  [[nodiscard]] bool find_position(Instant& instant, int& level, int deepest);
+  /// Before the Euler steps of an instant.
+  struct Beginning {
+    Position on;
+    Instant instant;
+  };
+  [[nodiscard]] bool find_position(const Beginning& beginning, Instant& instant, int& level);
   [[nodiscard]] int levels_too_long(double h) const;
-  void end_before_passage(const Position& begun, const Instant& begun_instant, Instant& instant, int& level);
+  void end_before_passage(const Beginning& beginning, Instant& instant, int& level);
   [[nodiscard]] Solved euler_steps(double h, Instant& instant);
   [[nodiscard]] bool jumps(double h, double motion);
   [[nodiscard]] const std::vector<double>& drawn_back();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
@@ -243,16 +242,14 @@ bool Block::restart() {
   const double room = std::min(next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
   int level = level_ + restart_levels(reltol_);
   while (diagonal * ladder(level) > room_share * room) ++level;
-  const int usual = level, deepest = std::min(level + most_refinement, last_level);
-  const Position begun = point_.on;
-  const Instant begun_instant = instant;
-  if (!find_position(instant, level, deepest)) return false;
-  const int refined = level - usual;
-  end_before_passage(begun, begun_instant, instant, level);
+  const int usual = level;
+  const Beginning beginning{point_.on, instant};
+  if (!find_position(beginning, instant, level)) return false;
+  level_ += level - usual;
+  end_before_passage(beginning, instant, level);
   if (instant.jump) note_jump(time, diagonal * ladder(level));
   const bool has_impulses = instant.jump && request_.probes.sink != nullptr;
   if (has_impulses) note_first_step();
-  level_ += refined;
   instant.mode_change |= second_.on != position_before_;
   position_before_.clear();
   start_memory_.clear();
@@ -274,16 +271,15 @@ bool Block::restart() {
 }
 
 /// Euler steps so short that the states either stay where they are or jump. False: failed.
-bool Block::find_position(Instant& instant, int& level, int deepest) {
-  const Position begun = point_.on;
-  const Instant begun_instant = instant;
+bool Block::find_position(const Beginning& beginning, Instant& instant, int& level) {
+  const int deepest = std::min(level + most_refinement, last_level);
   double before = 0.0;
   bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
   while (true) {
     const double h = diagonal * ladder(level);
     const bool end = level >= deepest;
-    point_.on = begun;
-    instant = begun_instant;
+    point_.on = beginning.on;
+    instant = beginning.instant;
     trial_.solved = euler_steps(h, instant);
     if (!failure_.id.empty() && !tentative) return false;
     if (trial_.solved == Solved::yes) {
@@ -322,14 +318,14 @@ int Block::levels_too_long(double h) const {
 }
 
 /// The Euler steps anew where they are too long for that; those at hand stay where shorter ones find no position.
-void Block::end_before_passage(const Position& begun, const Instant& begun_instant, Instant& instant, int& level) {
+void Block::end_before_passage(const Beginning& beginning, Instant& instant, int& level) {
   const int more = levels_too_long(diagonal * ladder(level));
   if (more == 0 || level + more > last_level) return;
   const Point first = first_, second = second_;
-  const Position on = std::exchange(point_.on, begun);
-  const Instant found = std::exchange(instant, begun_instant);
+  const Position on = point_.on;
+  const Instant found = instant;
   int shorter = level + more;
-  if (find_position(instant, shorter, std::min(shorter + most_refinement, last_level))) {
+  if (find_position(beginning, instant, shorter)) {
     level = shorter;
     return;
   }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "model/builder.hpp"
 #include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -19,36 +20,44 @@ using model::LinearForm;
 using model::Network;
 using model::Term;
 
-void add(LinearForm& form, const Term& term, double factor) {
-  const auto same = std::find_if(form.begin(), form.end(), [&](const Term& t) { return t.kind == term.kind && t.index == term.index; });
-  if (same != form.end())
-    same->coefficient += factor * term.coefficient;
-  else
-    form.push_back({term.kind, term.index, factor * term.coefficient});
-}
+struct HeldVoltage {
+  int p = ground, n = ground;
+  const LinearForm* voltage = nullptr;
+};
 
 /// The voltage of every node that sources hold, by themselves or one on the other.
 std::unordered_map<int, LinearForm> held_nodes(const Network& network) {
-  std::vector<const model::Branch*> sources;
+  std::vector<HeldVoltage> sources;
   for (const auto& b : network.branches)
-    if (model::is_independent(b.voltage)) sources.push_back(&b);
+    if (model::is_independent(b.voltage)) sources.push_back({b.p, b.n, &b.voltage});
   std::unordered_set<int> conditioned;
   for (const auto& condition : network.node_conditions) conditioned.insert(condition.node);
   std::unordered_map<int, LinearForm> held{{ground, {}}};
-  for (std::size_t before = 0; before < held.size();) {
-    before = held.size();
-    for (const model::Branch* b : sources) {
-      const auto p = held.find(b->p), n = held.find(b->n);
-      if ((p == held.end()) == (n == held.end())) continue;
-      const bool from_p = p != held.end();
-      const int node = from_p ? b->n : b->p;
-      if (conditioned.contains(node)) continue;
-      LinearForm voltage = from_p ? p->second : n->second;
-      for (const Term& term : b->voltage) add(voltage, term, from_p ? -1.0 : 1.0);
-      held.emplace(node, std::move(voltage));
-    }
-  }
+  const auto is_held = [&](int node) { return held.contains(node); };
+  model::spread_voltages(sources, is_held, [&](const HeldVoltage& source, bool from_p) {
+    const int node = from_p ? source.n : source.p;
+    if (conditioned.contains(node)) return false;
+    LinearForm voltage = held.at(from_p ? source.p : source.n);
+    model::accumulate(voltage, *source.voltage, from_p ? -1.0 : 1.0);
+    held.emplace(node, std::move(voltage));
+    return true;
+  });
   return held;
+}
+
+/// Terms of one quantity as one, without those that cancel.
+LinearForm collected(const LinearForm& form) {
+  LinearForm result;
+  for (const Term& term : form) {
+    const auto same =
+        std::find_if(result.begin(), result.end(), [&](const Term& t) { return t.kind == term.kind && t.index == term.index; });
+    if (same == result.end())
+      result.push_back(term);
+    else
+      same->coefficient += term.coefficient;
+  }
+  std::erase_if(result, [](const Term& term) { return term.coefficient == 0.0; });
+  return result;
 }
 
 /// The same form of sources and constants alone, where that is what it reads.
@@ -56,17 +65,16 @@ std::optional<LinearForm> by_sources(const LinearForm& form, const std::unordere
   LinearForm result;
   for (const Term& term : form) {
     if (model::is_independent(term)) {
-      add(result, term, 1.0);
+      result.push_back(term);
       continue;
     }
     if (term.kind != Term::Kind::node_voltage) return std::nullopt;
     if (term.index == ground) continue;
     const auto found = held.find(term.index);
     if (found == held.end()) return std::nullopt;
-    for (const Term& part : found->second) add(result, part, term.coefficient);
+    model::accumulate(result, found->second, term.coefficient);
   }
-  std::erase_if(result, [](const Term& term) { return term.coefficient == 0.0; });
-  return result;
+  return collected(result);
 }
 
 std::shared_ptr<const model::Track> continuous_track(const model::SourceFunction& function) {
