@@ -1,7 +1,9 @@
 #include "model/rcp.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lcp/lemke.hpp"
 
@@ -12,7 +14,12 @@ namespace {
 constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
 constexpr double tie_tolerance = 1e-12;
-constexpr double regularisation = 1e-8;  ///< of a problem whose diagonal is about 1
+/// In units of the rate, s at which G(s) shows what it is from there on.
+constexpr double large_s_factors[] = {1e4, 1e7};
+constexpr std::size_t most_ports_for_minors = 10;
+constexpr double clear_minor = 1e-6;      ///< of a pivot, against the terms it is a difference of
+constexpr double twin_tolerance = 1e-10;  ///< of rows and columns
+constexpr double regularisation = 1e-8;   ///< of a problem whose diagonal is about 1
 
 std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
   std::vector<int> active;
@@ -21,16 +28,57 @@ std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
   return active;
 }
 
+/// Of G(s) above what u does to the state: without ports that neither move anything nor are moved, and the first of every group of ports whose rows and
+/// columns are equal up to one sign.
+std::vector<int> ports_of_their_own(const Matrix& effects) {
+  const Eigen::Index k = effects.cols(), n = effects.rows() - k;
+  const Matrix m = effects.topRows(k), on_state = effects.bottomRows(n);
+  const auto differ = [](const Vector& a, const Vector& b) { return !((a - b).norm() <= twin_tolerance * a.norm()); };
+  const auto is_twin = [&](int i, int j) {
+    const double sign = m(i, j) < 0.0 ? -1.0 : 1.0;
+    return !differ(m.col(i), sign * m.col(j)) && !differ(m.row(i), sign * m.row(j)) && !differ(on_state.col(i), sign * on_state.col(j));
+  };
+  std::vector<int> ports;
+  for (int i = 0; i < k; ++i) {
+    if (effects.col(i).isZero(0.0) && m.row(i).isZero(0.0)) continue;
+    if (std::none_of(ports.begin(), ports.end(), [&](int j) { return is_twin(j, i); })) ports.push_back(i);
+  }
+  return ports;
+}
+
+/// A principal pivot on `ports` (their own block is invertible), of a matrix with more rows than ports: what cancels is zero.
+void exchange(Matrix& m, const std::vector<Eigen::Index>& ports) {
+  const Matrix inverse = Matrix(m(ports, ports)).inverse();
+  const Matrix rows = -inverse * m(ports, Eigen::all), row_sizes = inverse.cwiseAbs() * m(ports, Eigen::all).cwiseAbs();
+  const Matrix columns = m(Eigen::all, ports);
+  m = linalg::cleaned(m + columns * rows, m.cwiseAbs() + columns.cwiseAbs() * row_sizes);
+  m(Eigen::all, ports) = columns * inverse;
+  m(ports, Eigen::all) = rows;
+  m(ports, ports) = inverse;
+}
+
+/// Whether every principal minor is positive, clearly: of the first row, of what does not take it, and of what does
+/// (Tsatsomeros and Li, BIT 40 (2000), 347–351).
+bool is_clearly_p_matrix(const Matrix& m) {
+  const Eigen::Index rest = m.rows() - 1;
+  if (rest < 0) return true;
+  if (!(m(0, 0) > 0.0)) return false;
+  if (rest == 0) return true;
+  const Matrix taken = m.bottomLeftCorner(rest, 1) * m.topRightCorner(1, rest) / m(0, 0);
+  const Matrix without = m.bottomRightCorner(rest, rest), with = without - taken;
+  for (Eigen::Index i = 0; i < rest; ++i)
+    if (!(with(i, i) > clear_minor * (std::abs(without(i, i)) + std::abs(taken(i, i))))) return false;
+  return is_clearly_p_matrix(without) && is_clearly_p_matrix(with);
+}
+
 }  // namespace
 
 RationalProblem::RationalProblem(const System& system) : system_(system), rate_(linalg::rate_of(system.a)) {}
 
-/// M(s) = D + Σ C A^{j−1} B s^{−j} and q(s) = Σ C A^j x s^{−j}, every term that is rounding set to zero: uncleaned noise is
-/// amplified by a power of s, and s could then be neither large nor small enough.
-PortProblem RationalProblem::at(const double* x, double s) {
-  PortProblem problem;
+/// M(s) = D + Σ C A^{j−1} B s^{−j}, every term that is rounding set to zero: uncleaned noise is amplified by a power of s, and s could then be
+/// neither large nor small enough.
+Matrix RationalProblem::port_matrix(double s) {
   const int n = system_.n;
-  const int size = system_.size();
   const int k = system_.ports;
   if (markov_.empty() && k > 0) {
     Matrix w = system_.b;
@@ -47,12 +95,22 @@ PortProblem RationalProblem::at(const double* x, double s) {
       bound = size_a * bound / rate_;
     }
   }
-  problem.m = system_.d;
+  Matrix m = system_.d;
   double power = 1.0 / s;
   for (const Matrix& term : markov_) {
-    problem.m += term * power;
+    m += term * power;
     power *= rate_ / s;
   }
+  return m;
+}
+
+/// q(s) = Σ C A^j x s^{−j}, cleaned like M(s).
+PortProblem RationalProblem::at(const double* x, double s) {
+  PortProblem problem;
+  const int n = system_.n;
+  const int size = system_.size();
+  const int k = system_.ports;
+  problem.m = port_matrix(s);
   Vector z = Eigen::Map<const Vector>(x, size);
   Vector bound = z.cwiseAbs();
   bound.head(n).array() += share_of_norm * z.head(n).norm();
@@ -60,7 +118,7 @@ PortProblem RationalProblem::at(const double* x, double s) {
   const Matrix size_c = system_.c.cwiseAbs();
   const Vector row_norm = system_.c.rowwise().norm();
   problem.q = Vector::Zero(k);
-  power = 1.0;
+  double power = 1.0;
   for (int j = 0; j <= size; ++j) {
     const Vector value = system_.c * z;
     const Vector level = series_noise * (size_c * bound + share_of_norm * z.norm() * row_norm);
@@ -71,6 +129,47 @@ PortProblem RationalProblem::at(const double* x, double s) {
     power *= rate_ / s;
   }
   return problem;
+}
+
+/// G(s), and below it (sI − A)⁻¹ B: what u does to y and to the state, once the switch ports `active` are solved out. Where that takes diodes, u and y of
+/// these have changed places. Empty where nothing does it.
+Matrix RationalProblem::effects(double s, std::vector<int> active) {
+  const Eigen::Index d = system_.diodes, k = system_.ports, n = system_.n;
+  const Matrix pencil = s * Matrix::Identity(n, n) - system_.a.topLeftCorner(n, n);
+  const Matrix on_state = Eigen::PartialPivLU<Matrix>(pencil).solve(Matrix(system_.b.topRows(n)));
+  Matrix m(k + n, k);
+  m << port_matrix(s), on_state;
+  while (!active.empty()) {
+    const int port = active.back();
+    active.pop_back();
+    if (m(port, port) != 0.0) {
+      exchange(m, {port});
+      continue;
+    }
+    const auto weight = [&](Eigen::Index other) { return std::abs(m(port, other) * m(other, port)); };
+    int partner = 0;
+    for (int i = 1; i < k; ++i)
+      if (weight(i) > weight(partner)) partner = i;
+    const bool solvable = weight(partner) > 0.0 && (partner < d || std::erase(active, partner) == 1);
+    if (!solvable) return {};
+    exchange(m, {partner, port});
+  }
+  Matrix effects(d + n, d);
+  effects << m.topLeftCorner(d, d), m.bottomLeftCorner(n, d);
+  return effects;
+}
+
+bool RationalProblem::is_uniquely_solvable(const IndexSet& wanted) {
+  std::vector<int> first_ports;
+  for (const double factor : large_s_factors) {
+    const Matrix m = effects(rate_ * factor, active_switches(system_, wanted));
+    if (m.size() == 0 || !m.allFinite()) return false;
+    const std::vector<int> ports = ports_of_their_own(m);
+    if (ports.size() > most_ports_for_minors || (factor != large_s_factors[0] && ports != first_ports)) return false;
+    if (!is_clearly_p_matrix(m(ports, ports))) return false;
+    first_ports = ports;
+  }
+  return true;
 }
 
 std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, const IndexSet& wanted) {

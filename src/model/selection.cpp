@@ -295,14 +295,15 @@ const Mode* Selector::by_repeated_rule(double* x, IndexSet set) {
 
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
   if (rational_only_) return from_rcp(x, current, jumped);
-  // In a passive system the state that follows is unique, so any verified mode will do, and what followed last time comes first.
-  const Mode* found = system_.passive ? remembered(x, current) : nullptr;
+  // Where the state that follows is unique any verified mode will do, and what followed last time comes first.
+  const bool one_way = goes_on_one_way(current);
+  const Mode* found = one_way ? remembered(x, current) : nullptr;
   warm = found != nullptr;
   if (!found) {
     found = try_without_jump(x, current);
-    warm = found && !(system_.passive && !known(current).successors.empty());
+    warm = found && !(one_way && !known(current).successors.empty());
   }
-  if (!found && !system_.passive) found = remembered(x, current);
+  if (!found && !one_way) found = remembered(x, current);
   if (!found && trigger >= 0 && trigger < system_.diodes) found = by_repeated_rule(x, with_flipped(current, trigger));
   if (!found) {
     const IndexSet guess = by_rule(x, current);
@@ -313,6 +314,20 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
   if (!found) found = from_rcp(x, current, jumped);
   if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
   return found;
+}
+
+/// A passive system does; of others the rational problem tells, once for each position of the switches.
+bool Selector::goes_on_one_way(const IndexSet& set) {
+  if (system_.passive || system_.diodes == 0) return true;
+  signed char& answer = known(set).goes_on_one_way;
+  if (answer < 0) {
+    IndexSet switches = set;
+    for (int i = 0; i < system_.diodes; ++i) switches.set(i, false);
+    const auto [entry, is_new] = one_way_.try_emplace(switches);
+    if (is_new) entry->second = rational_.is_uniquely_solvable(switches);
+    answer = static_cast<signed char>(entry->second);
+  }
+  return answer != 0;
 }
 
 void Selector::note_impulse() {
@@ -371,7 +386,7 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
     if (!warm) remember(*current, *found);
     found = with_free_ports(x, *found);
     result.mode = found;
-    if (system_.passive || system_.diodes == 0) return result;
+    if (goes_on_one_way(found->active)) return result;
     details_.continuations = continuations(x, *found);
     if (details_.continuations.size() == 1) return result;
     result.details = &details_;

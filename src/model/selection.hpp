@@ -96,6 +96,7 @@ class Selector {
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
+  bool goes_on_one_way(const IndexSet& set);
   std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
   void note_impulse();
   [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
@@ -111,10 +112,12 @@ class Selector {
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
+    signed char goes_on_one_way = -1;     ///< for every x; −1: not asked yet
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& set);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
+  std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< by the switch ports alone
   std::array<Entry*, 4> recent_{};  ///< of them, those asked for last
   std::size_t next_recent_ = 0;
   Verifier verifier_;

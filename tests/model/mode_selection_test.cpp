@@ -93,6 +93,7 @@ struct Tally {
   int ends_unique = 0, ends_several = 0, ends_none = 0, ends_inexact = 0;
   int rational_found = 0, rational_several = 0, rational_none = 0;
   int rational_beyond = 0;  ///< a solution in a mode whose u is not unique, which the enumeration leaves out
+  int certified = 0;        ///< unique for every x by the rational problem's matrix alone
   std::vector<std::uint64_t> rational_wrong;
 
   void print() const {
@@ -104,7 +105,7 @@ struct Tally {
               << "\n  after all jumps: none " << ends_none << ", one " << ends_unique << ", several " << ends_several << ", not followed "
               << ends_inexact << "\n  rational problem: found " << rational_found << ", several " << rational_several << ", none "
               << rational_none << ", of these in a singular mode " << rational_beyond << ", not confirmed " << rational_wrong.size()
-              << "\n";
+              << "\n  unique for every x: " << certified << "\n";
   }
 };
 
@@ -176,6 +177,11 @@ void compare_rational(std::uint64_t seed, const RandomSystem& random, const Exac
   if (selected.choice == Choice::several) ++tally.rational_several;
   if (selected.choice == Choice::none) ++tally.rational_none;
   CHECK(counted_right(selected, exact));
+  if (model::RationalProblem(system).is_uniquely_solvable(model::IndexSet(k))) {
+    ++tally.certified;
+    if (exact.all_regular) CHECK(exact.solutions.size() == 1);
+    CHECK_FALSE(ends.branches);
+  }
   if (confirmed(selected, x, ends, k)) return;
   const bool has_mode = selected.choice == Choice::found || selected.choice == Choice::several;
   if (has_mode && !ends.regular)
@@ -218,6 +224,7 @@ TEST_CASE("cascade, rational problem and enumeration of modes agree on 1,000 ran
   const Tally tally = examine(1, 1000);
   CHECK(tally.hypothesis > 300);
   CHECK(tally.compared > 500);
+  CHECK(tally.certified > 200);
   CAPTURE(tally.rational_wrong);
   CHECK(tally.rational_wrong.empty());
 }
