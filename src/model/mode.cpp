@@ -6,6 +6,8 @@
 
 #include "linalg/constraint_basis.hpp"
 #include "linalg/elimination.hpp"
+#include "model/modal_form.hpp"
+#include "model/slow_part.hpp"
 #include "model/subspaces.hpp"
 
 namespace pwlsim::model {
@@ -355,6 +357,9 @@ void Builder::build_rows() {
 }
 
 }  // namespace
+
+Mode::Mode() = default;
+Mode::~Mode() = default;
 
 std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
 

@@ -17,6 +17,7 @@
 
 namespace pwlsim::model {
 
+struct ModalForm;
 struct SlowPart;
 
 struct Mode {
@@ -63,6 +64,8 @@ struct Mode {
   mutable double reach = 1.5;     ///< rate·h that the locator's series decided last in this mode
   mutable std::vector<std::unique_ptr<SlowPart>> slow_parts;  ///< found when a segment turns out long in the mode's own time
   mutable bool slow_parts_known = false;
+  mutable std::unique_ptr<ModalForm> modal_form;  ///< likewise
+  mutable bool modal_form_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
 };
 

@@ -125,9 +125,6 @@ std::unique_ptr<SlowPart> part_at(const System& system, const Mode& mode, const 
 
 }  // namespace
 
-Mode::Mode() = default;
-Mode::~Mode() = default;
-
 bool SlowPart::enter(const double* whole, double* slow) const {
   const auto n = basis.rows();
   const auto nz = lift.cols();

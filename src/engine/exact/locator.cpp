@@ -444,6 +444,9 @@ void Locator::march(Segment& s, double end, Located& located) {
     }
     derive(s);
     if (look_ahead(s, end, located)) return;
+    const Progress progress = has_to_sample(s, end) ? Progress::none : search_modal_form(s, end, shortest, located);
+    if (progress == Progress::to_end) return;
+    if (progress == Progress::some) continue;
     if (!s.mode->stiff || s.turns > 0) {
       if (s.turns > 0) --s.turns;
       if (march_by_series(s, end, located)) {

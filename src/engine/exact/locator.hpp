@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "engine/exact/modal_search.hpp"
 #include "model/mode.hpp"
 #include "model/slow_part.hpp"
 #include "model/verify.hpp"
@@ -101,6 +102,8 @@ class Locator {
   void straight_lines(Segment& segment, double end, Located& located);
   void accept(Segment& segment, double h, double end);
   void march(Segment& segment, double end, Located& located);
+  enum class Progress { none, some, to_end };
+  Progress search_modal_form(Segment& segment, double end, double shortest, Located& located);
   bool enter_slow_part(Segment& segment);
   void drop_idle_rows(Segment& segment);
   void leave_slow_part(const Segment& segment, Located& located);
@@ -133,6 +136,8 @@ class Locator {
   std::vector<double> derivatives_;             ///< A^j y at the interval's start, j = 0 … order + 1
   std::vector<double> guard_derivatives_;       ///< rows × (order + 1)
   std::vector<double> block_bound_;
+  ModalSearch modal_search_;
+  std::vector<ModalSearch::Guard> modal_guards_;
   std::uint64_t intervals_ = 0, sampled_ = 0;
 };
 

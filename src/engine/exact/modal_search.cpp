@@ -1,0 +1,314 @@
+#include "engine/exact/modal_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double epsilon = 2.220446049250313e-16;
+constexpr double coordinate_noise = 8.0 * epsilon;  ///< of z' against the terms it is a sum of
+constexpr double short_interval = 2.0;              ///< |λ|·h up to which a term is enclosed by its second derivative
+constexpr double series_reach = 0.5;                ///< |λ|·τ up to which e₂ is summed: beyond, differences lose next to nothing
+/// Terms of that sum by the exponent of |λ|·τ, to rounding.
+constexpr std::array<int, 6> series_terms{13, 10, 9, 8, 7, 6};
+constexpr int fewest_terms = 5;
+constexpr int most_depth = 40;  ///< of halving
+constexpr std::uint64_t most_intervals = 1000;
+constexpr std::size_t most_guards = 64;
+constexpr double last_step = 1e-13;  ///< of Newton's, relative to the root
+constexpr int most_iterations = 60;
+
+constexpr std::array<double, 16> reciprocal = [] {
+  std::array<double, 16> table{};
+  for (std::size_t i = 1; i < table.size(); ++i) table[i] = 1.0 / static_cast<double>(i);
+  return table;
+}();
+
+double real_of(const Complex& a, const Complex& b) { return a.real() * b.real() - a.imag() * b.imag(); }
+
+/// Without the treatment of infinities that the operator has.
+Complex product(const Complex& a, const Complex& b) { return {real_of(a, b), a.real() * b.imag() + a.imag() * b.real()}; }
+
+Complex quotient(const Complex& a, const Complex& b) {
+  const double square = std::norm(b);
+  return {(a.real() * b.real() + a.imag() * b.imag()) / square, (a.imag() * b.real() - a.real() * b.imag()) / square};
+}
+
+/// Second derivative times this is how far a function strays from its chord.
+double off_chord(double h) { return 0.125 * h * h; }
+
+}  // namespace
+
+void ModalSearch::evaluate(double tau, Exponents* out) const {
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Complex rate = form_->rates[k];
+    Exponents& e = out[k];
+    const Complex x{rate.real() * tau, rate.imag() * tau};
+    const double square = std::norm(x);
+    const bool is_real = rate.imag() == 0.0;
+    if (square > series_reach * series_reach) {
+      e.size = std::exp(x.real());
+      e.e0 = is_real ? Complex{e.size} : Complex{e.size * std::cos(x.imag()), e.size * std::sin(x.imag())};
+      e.e1 = quotient(e.e0 - 1.0, rate);
+      e.e2 = quotient(e.e1 - tau, rate);
+      continue;
+    }
+    // Half its binary exponent: |x| < 2^-(below + 1).
+    const int below = square > 0.0 ? -(std::ilogb(square) + 1) / 2 - 1 : most_depth;
+    const int terms =
+        below < static_cast<int>(series_terms.size()) ? series_terms[static_cast<std::size_t>(std::max(below, 0))] : fewest_terms;
+    if (is_real) {
+      double sum = 1.0;
+      for (int j = terms; j >= 1; --j) sum = 1.0 + sum * x.real() * reciprocal[static_cast<std::size_t>(j + 2)];
+      e.e2 = 0.5 * tau * tau * sum;
+      e.e1 = tau + rate.real() * e.e2.real();
+      e.e0 = e.size = 1.0 + rate.real() * e.e1.real();
+    } else {
+      Complex sum{1.0};
+      for (int j = terms; j >= 1; --j) sum = product(sum, x) * reciprocal[static_cast<std::size_t>(j + 2)] + 1.0;
+      e.e2 = sum * (0.5 * tau * tau);
+      e.e1 = product(rate, e.e2) + tau;
+      e.e0 = product(rate, e.e1) + 1.0;
+      e.size = std::sqrt(std::norm(e.e0));
+    }
+  }
+}
+
+/// Coefficients of every guard.
+void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
+  const model::ModalForm& form = *form_;
+  const auto rows = static_cast<std::size_t>(form.velocities.rows());
+  const Eigen::Index ny = form.velocities.cols();
+  if (z_.size() < rows + static_cast<std::size_t>(ny)) {
+    for (auto* v : {&z_, &push_, &size_}) v->resize(rows + static_cast<std::size_t>(ny));
+  }
+  if (points_.size() < count_ * (most_depth + 3)) {
+    points_.resize(count_ * (most_depth + 3));
+    trial_.resize(count_);
+    longest_.resize(count_);
+  }
+  if (coefficients_.size() < guards.size() * count_) coefficients_.resize(guards.size() * count_);
+  if (drift_.size() < guards.size()) drift_.resize(guards.size());
+
+  for (std::size_t k = 0; k < count_; ++k) longest_[k] = 2.0 / std::sqrt(std::norm(form.rates[k]));
+  double* magnitudes = &size_[rows];
+  for (Eigen::Index i = 0; i < ny; ++i) magnitudes[i] = std::abs(y[i]);
+  linalg::multiply(form.velocities, y, z_.data());
+  linalg::multiply(form.pushes, y, push_.data());
+  linalg::multiply(form.absolute_velocities, magnitudes, size_.data());
+  for (std::size_t g = 0; g < guards.size(); ++g) {
+    drift_[g] = linalg::row_times(form.drift, guards[g].row, y);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const Complex rate = form.rates[k];
+      const double* weight = &form.weights(static_cast<Eigen::Index>(2 * k), guards[g].row);
+      const Complex p{weight[0], weight[1]};
+      Coefficients& c = coefficients_[g * count_ + k];
+      c.velocity = product(p, {z_[2 * k], z_[2 * k + 1]});
+      c.push = product(p, {push_[2 * k], push_[2 * k + 1]});
+      c.bend = product(rate, c.velocity) + c.push;
+      c.bend_size = std::sqrt(std::norm(c.bend));
+      c.noise = coordinate_noise * std::sqrt(std::norm(p)) * (size_[2 * k] + size_[2 * k + 1]);
+    }
+  }
+}
+
+/// What rounding leaves of a guard and its slope anywhere in the interval.
+ModalSearch::Noise ModalSearch::noise_of(std::size_t guard, const Interval& in) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  Noise noise{guards_[guard].noise, epsilon * std::abs(drift_[guard])};
+  for (std::size_t k = 0; k < count_; ++k) {
+    const double own = c[k].noise * std::max(1.0, in.at_right[k].size);
+    noise.slope += own;
+    noise.value += own * std::min(in.right, longest_[k]);
+  }
+  return noise;
+}
+
+double ModalSearch::value(std::size_t guard, double tau, const Exponents* at) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  double sum = guards_[guard].value + drift_[guard] * tau;
+  for (std::size_t k = 0; k < count_; ++k) sum += real_of(c[k].velocity, at[k].e1) + real_of(c[k].push, at[k].e2);
+  return sum;
+}
+
+double ModalSearch::slope(std::size_t guard, const Exponents* at) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  double sum = drift_[guard];
+  for (std::size_t k = 0; k < count_; ++k) sum += real_of(c[k].velocity, at[k].e0) + real_of(c[k].push, at[k].e1);
+  return sum;
+}
+
+ModalSearch::Bend ModalSearch::bend(std::size_t guard, const Exponents* at) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  Bend sum;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Complex own = product(c[k].bend, at[k].e0);
+    sum.second += own.real();
+    sum.third += real_of(own, form_->rates[k]);
+  }
+  return sum;
+}
+
+/// A straight line below the guard, at its lower end.
+double ModalSearch::least_value(std::size_t guard, const Interval& in) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  const double h = in.right - in.left;
+  Line line{value(guard, in.left, in.at_left), value(guard, in.right, in.at_right)};
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Complex rate = form_->rates[k];
+    const bool is_real = rate.imag() == 0.0;
+    if (is_real && c[k].bend.real() <= 0.0) continue;  // above its chord
+    const double square = std::norm(rate), bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
+    if (square * h * h <= short_interval * short_interval || (is_real && rate.real() > 0.0)) {
+      line.at_left -= bend * off_chord(h);
+      line.at_right -= bend * off_chord(h);
+    } else if (is_real) {  // above its tangent at the right end
+      const double change = c[k].velocity.real() * (in.at_right[k].e1.real() - in.at_left[k].e1.real()) +
+                            c[k].push.real() * (in.at_right[k].e2.real() - in.at_left[k].e2.real());
+      const double end_slope = c[k].velocity.real() * in.at_right[k].e0.real() + c[k].push.real() * in.at_right[k].e1.real();
+      line.at_left -= std::max(0.0, end_slope * h - change);
+    } else {  // within its own magnitude about a straight line
+      const Complex own = quotient(c[k].bend, product(rate, rate));
+      line.at_left -= real_of(own, in.at_left[k].e0) + bend / square;
+      line.at_right -= real_of(own, in.at_right[k].e0) + bend / square;
+    }
+  }
+  return line.least();
+}
+
+/// Straight lines below and above its slope.
+void ModalSearch::bound_slope(std::size_t guard, const Interval& in, Line& least, Line& most) const {
+  const Coefficients* c = &coefficients_[guard * count_];
+  const double h = in.right - in.left;
+  least = most = {slope(guard, in.at_left), slope(guard, in.at_right)};
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Complex rate = form_->rates[k];
+    const bool is_real = rate.imag() == 0.0;
+    const double size = std::sqrt(std::norm(rate)), bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
+    const bool is_convex = c[k].bend.real() * rate.real() > 0.0;
+    double left = 0.0, right = 0.0;  // how far it may be from its chord
+    if (size * h <= short_interval || (is_real && rate.real() > 0.0)) {
+      left = right = bend * size * off_chord(h);
+    } else if (is_real) {
+      const double change = c[k].velocity.real() * (in.at_right[k].e0.real() - in.at_left[k].e0.real()) +
+                            c[k].push.real() * (in.at_right[k].e1.real() - in.at_left[k].e1.real());
+      left = std::abs(c[k].bend.real() * in.at_right[k].e0.real() * h - change);
+    } else {
+      const Complex own = quotient(c[k].bend, rate);
+      const double at_left = real_of(own, in.at_left[k].e0), at_right = real_of(own, in.at_right[k].e0);
+      least.at_left -= at_left + bend / size;
+      least.at_right -= at_right + bend / size;
+      most.at_left += bend / size - at_left;
+      most.at_right += bend / size - at_right;
+      continue;
+    }
+    if (!is_real || is_convex) {
+      least.at_left -= left;
+      least.at_right -= right;
+    }
+    if (!is_real || !is_convex) {
+      most.at_left += left;
+      most.at_right += right;
+    }
+  }
+}
+
+ModalSearch::Verdict ModalSearch::judge(std::size_t g, const Interval& in) const {
+  const bool leaves_zero = guards_[g].leaves_zero && in.left == 0.0;
+  const Noise noise = noise_of(g, in);
+  if (!leaves_zero) {
+    if (!(value(g, in.left, in.at_left) > noise.value)) return Verdict::undecided;
+    if (least_value(g, in) > noise.value) return Verdict::positive;
+  }
+  Line least, most;
+  bound_slope(g, in, least, most);
+  if (least.least() > noise.slope) return Verdict::positive;
+  if (leaves_zero || !(most.most() < -noise.slope)) return Verdict::undecided;
+  const double end = value(g, in.right, in.at_right);
+  if (end > noise.value) return Verdict::positive;
+  return end < -noise.value ? Verdict::root : Verdict::undecided;
+}
+
+/// Newton's method kept inside the interval.
+double ModalSearch::root(std::size_t g, const Interval& in) {
+  double low = in.left, high = in.right;
+  const double at_low = value(g, low, in.at_left), at_high = value(g, high, in.at_right);
+  double at = low + (high - low) * at_low / (at_low - at_high);
+  for (int i = 0; i < most_iterations; ++i) {
+    evaluate(at, trial_.data());
+    const double now = value(g, at, trial_.data());
+    (now > 0.0 ? low : high) = at;
+    const double steepness = slope(g, trial_.data());
+    const Bend curvature = bend(g, trial_.data());
+    // Chebyshev's step: Newton's, and what the curvature adds to it.
+    const double newton = -now / steepness, bent = 0.5 * newton * curvature.second / steepness;
+    const double next = at + newton * (1.0 - bent);
+    const bool inside = next > low && next < high;
+    at = inside ? next : 0.5 * (low + high);
+    // What it leaves for the next one, to leading order.
+    const double left = 2.0 * bent * bent + newton * newton * std::abs(curvature.third / (6.0 * steepness));
+    if (inside && std::abs(newton) * left <= last_step * at) break;
+  }
+  return at;
+}
+
+/// Of guards that fall throughout the interval and are below zero at its end.
+ModalSearch::Found ModalSearch::first_root(const Interval& in, std::uint64_t falling) {
+  Found found{Verdict::root, 0, in.left, in.right, in.right};
+  for (bool any = false; falling != 0; falling &= falling - 1, any = true) {
+    const auto g = static_cast<std::size_t>(std::countr_zero(falling));
+    if (any) {
+      evaluate(found.at, trial_.data());
+      if (value(g, found.at, trial_.data()) > 0.0) continue;
+    }
+    found.guard = g;
+    found.at = root(g, in);
+  }
+  return found;
+}
+
+ModalSearch::Found ModalSearch::examine(const Interval& in, std::uint64_t open, int depth) {
+  ++intervals_;
+  std::uint64_t falling = 0, undecided = 0;
+  for (std::uint64_t left = open; left != 0; left &= left - 1) {
+    const auto g = static_cast<std::size_t>(std::countr_zero(left));
+    const std::uint64_t bit = left & (~left + 1);
+    const Verdict verdict = judge(g, in);
+    if (verdict == Verdict::root) falling |= bit;
+    if (verdict == Verdict::undecided) undecided |= bit;
+  }
+  if ((undecided | falling) == 0) {
+    positive_until_ = in.right;
+    return {Verdict::positive};
+  }
+  if (undecided == 0) return first_root(in, falling);
+  if (depth == most_depth || intervals_ >= last_interval_) return {Verdict::undecided, 0, positive_until_};
+  const double middle = 0.5 * (in.left + in.right);
+  Exponents* at_middle = &points_[static_cast<std::size_t>(depth + 2) * count_];
+  evaluate(middle, at_middle);
+  const Found first = examine({in.left, middle, in.at_left, at_middle}, undecided | falling, depth + 1);
+  if (first.verdict != Verdict::positive) return first;
+  return examine({middle, in.right, at_middle, in.at_right}, undecided | falling, depth + 1);
+}
+
+ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<const Guard> guards, const double* y, double h) {
+  if (guards.size() > most_guards) return {};
+  form_ = &form;
+  guards_ = guards;
+  count_ = form.rates.size();
+  positive_until_ = 0.0;
+  last_interval_ = intervals_ + most_intervals;
+  begin(guards, y);
+  evaluate(0.0, points_.data());
+  evaluate(h, &points_[count_]);
+  const std::uint64_t all = guards.size() == most_guards ? ~std::uint64_t{0} : (std::uint64_t{1} << guards.size()) - 1;
+  return examine({0.0, h, points_.data(), &points_[count_]}, all, 0);
+}
+
+}  // namespace pwlsim::engine

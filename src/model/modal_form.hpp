@@ -1,0 +1,31 @@
+#pragma once
+/// A mode in the coordinates of its eigenvectors.
+///
+/// What moves by a rate of its own is x = (c, ζ of oscillations and decays):  x' = M x + L l,  l the levels and ramps, l'' = 0 up to the next corner of a source.
+/// With M V = V Λ every coordinate of z = V⁻¹ x moves alone, and so does its part of a guard p·x + q·l, p V = (p_k):
+///
+///     g(τ) = g + q·l' τ + Σ_k Re p_k (z_k' e₁(λ_k, τ) + f_k' e₂(λ_k, τ)),   f' = V⁻¹ L l',   e₁ = (e^{λτ} − 1)/λ,  e₂ = (e₁ − τ)/λ,
+///
+/// without cancellation for rates of any size (Higham, Functions of Matrices (2008), §4.5, for diagonalization and its condition). Of a complex pair one λ_k stands for both.
+
+#include <complex>
+#include <memory>
+#include <vector>
+
+#include "model/mode.hpp"
+
+namespace pwlsim::model {
+
+struct ModalForm {
+  std::vector<std::complex<double>> rates;  ///< λ_k, 1/s
+  /// Real and imaginary parts in rows (columns) 2k and 2k + 1.
+  Matrix velocities, absolute_velocities;  ///< z' = velocities·y (2·rates × ny)
+  Matrix pushes;                           ///< f' = pushes·y (2·rates × ny)
+  Matrix weights;                          ///< p_k of each guard (2·rates × guards)
+  Matrix drift;                            ///< q·l' = drift·y (guards × ny)
+};
+
+/// Null where the eigenvectors are too near to one another, or too many, for it to be worth having. Computed in extended precision.
+[[nodiscard]] std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode);
+
+}  // namespace pwlsim::model

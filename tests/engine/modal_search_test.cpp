@@ -1,0 +1,203 @@
+/// Roots of sums of exponentials, against the flow itself: e^{Aτ} y by the series and by squaring (linalg/exponential.hpp), sampled.
+#include "engine/exact/modal_search.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
+
+#include "model/handmade_systems.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using namespace pwlsim;
+using engine::ModalSearch;
+using linalg::Matrix;
+using linalg::Vector;
+using model::Mode;
+
+constexpr double noise = 1e-13;       ///< of guards, against the terms they are sums of
+constexpr double agreement = 1e-8;    ///< of guards, against the largest state so far: squaring loses ‖A‖τ units of its last place
+constexpr double beside_root = 1e-5;  ///< against its time
+
+/// Rates of both kinds from 1 to 10⁶ 1/s, a few of them growing (not far within the seconds looked at), in mixed coordinates.
+Matrix random_flow(test::Random& random, int n) {
+  Matrix rates = Matrix::Zero(n, n);
+  for (int i = 0; i < n; ++i) {
+    const double rate = std::pow(10.0, random.between(0.0, 6.0)), angle = random.between(0.0, 1.5);
+    rates(i, i) = random.chance(0.1) ? random.between(0.0, 5.0) : -rate;
+    if (i + 1 == n || random.chance(0.5)) continue;
+    rates(i + 1, i + 1) = rates(i, i) = -rate * std::sin(angle);
+    rates(i, i + 1) = rate * std::cos(angle);
+    rates(i + 1, i) = -rates(i, i + 1);
+    ++i;
+  }
+  const Matrix mix = Matrix::NullaryExpr(n, n, [&] { return random.between(-1.0, 1.0); }) + 1.5 * Matrix::Identity(n, n);
+  return mix * rates * mix.inverse();
+}
+
+void begin_sources(const model::Exosystem& exosystem, double* zeta) {
+  auto phase = exosystem.start();
+  exosystem.advance(phase, 0.0, 0.0);
+  exosystem.evaluate(phase, 0.0, zeta);
+}
+
+/// Guards are the rows of C: the diodes of the system take no part.
+struct Scene {
+  model::System system;
+  std::unique_ptr<Mode> mode;
+  Vector y;
+  std::vector<ModalSearch::Guard> guards;
+
+  Scene(test::Random& random, int n, int guards_count, bool with_sources) {
+    std::vector<model::SourceFunction> sources;
+    if (with_sources) {
+      sources.emplace_back(model::Sin{.offset = 0.3, .amplitude = 1.0, .frequency = std::pow(10.0, random.between(0.0, 4.0))});
+      sources.emplace_back(model::Pwl{.points = {{0.0, random.between(-1.0, 1.0)}, {100.0, random.between(-1e4, 1e4)}}});
+    }
+    const model::Exosystem exosystem(sources, true);
+    const int size = n + exosystem.size();
+    Matrix a = Matrix::Zero(size, size);
+    a.topLeftCorner(n, n) = random_flow(random, n);
+    a.bottomRightCorner(exosystem.size(), exosystem.size()) = exosystem.a();
+    const Matrix inputs = Matrix::NullaryExpr(n, exosystem.rows().rows(), [&] { return random.between(-1e3, 1e3); });
+    a.topRightCorner(n, exosystem.size()) = inputs * exosystem.rows();
+    Matrix c = Matrix::NullaryExpr(guards_count, size, [&] { return random.chance(0.3) ? 0.0 : random.between(-1.0, 1.0); });
+    c.col(0).setConstant(0.5);
+    system = test::handmade(a, Matrix::Zero(size, guards_count), c, Matrix::Zero(guards_count, guards_count), sources, true);
+    mode = model::build_mode(system, model::IndexSet(guards_count));
+    Vector x = Vector::NullaryExpr(size, [&] { return random.between(-1.0, 1.0); });
+    begin_sources(*system.exosystem, x.data() + n);
+    y.resize(mode->ny);
+    model::to_mode(system, *mode, x.data(), y.data());
+    for (int row = 0; row < guards_count; ++row) {
+      const double value = linalg::row_times(mode->guards, row, y.data());
+      if (value <= 0.0) mode->guards.row(row) *= -1.0;
+      guards.push_back({row, std::abs(value), noise * size_of(row, y), false});
+    }
+  }
+
+  [[nodiscard]] double size_of(int row, const Vector& at) const { return linalg::absolute_row_times(mode->guards, row, at.data()); }
+  [[nodiscard]] Vector at(double tau) const {
+    Vector state = y, work(2 * y.size());
+    mode->flow.apply_once(tau, state.data(), work.data());
+    return state;
+  }
+};
+
+struct Tally {
+  int positive = 0, root = 0, undecided = 0, without_form = 0;
+};
+
+void compare(const Scene& scene, double h, Tally& tally) {
+  const auto form = model::modal_form(scene.system, *scene.mode);
+  if (!form) {
+    ++tally.without_form;
+    return;
+  }
+  ModalSearch search;
+  const ModalSearch::Found found = search.search(*form, scene.guards, scene.y.data(), h);
+  if (found.verdict == ModalSearch::Verdict::undecided) {
+    ++tally.undecided;
+    return;
+  }
+  const bool has_root = found.verdict == ModalSearch::Verdict::root;
+  ++(has_root ? tally.root : tally.positive);
+  const double end = has_root ? found.at : h;
+  CHECK(end <= h);
+  double largest = scene.y.norm();
+  for (int k = 1; k < 400; ++k) {
+    const double tau = end * (1.0 - beside_root) * (k < 200 ? std::pow(10.0, -(200 - k) / 25.0) : k / 400.0);
+    const Vector y = scene.at(tau);
+    largest = std::max(largest, y.norm());
+    for (const auto& guard : scene.guards) {
+      const double value = linalg::row_times(scene.mode->guards, guard.row, y.data());
+      if (value < -agreement * largest) {
+        CAPTURE(tau, end, guard.row, value, has_root);
+        CHECK(value >= -agreement * largest);
+        return;
+      }
+    }
+  }
+  if (!has_root) return;
+  const int row = scene.guards[found.guard].row;
+  CHECK(std::abs(linalg::row_times(scene.mode->guards, row, scene.at(found.at).data())) <= agreement * largest);
+  CHECK(found.lower <= found.at);
+  CHECK(found.at <= found.upper);
+  CHECK(linalg::row_times(scene.mode->guards, row, scene.at(found.upper).data()) <= 0.0);
+}
+
+}  // namespace
+
+TEST_CASE("roots by eigenvectors: as the flow has them, with rates over six decades", "[property]") {
+  Tally tally;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    CAPTURE(seed);
+    test::Random random(seed);
+    Scene scene(random, random.whole(1, 6), random.whole(1, 4), random.chance(0.5));
+    compare(scene, std::pow(10.0, random.between(-6.0, 0.5)), tally);
+  }
+  CAPTURE(tally.positive, tally.root, tally.undecided, tally.without_form);
+  CHECK(tally.positive > 300);
+  CHECK(tally.root > 1000);
+  CHECK(tally.undecided + tally.without_form < 60);  // guards that decay to less than their noise
+}
+
+TEST_CASE("roots by eigenvectors: guards that leave zero", "[property]") {
+  Tally tally;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    CAPTURE(seed);
+    test::Random random(seed);
+    const int n = random.whole(2, 6);
+    Scene scene(random, n, 2, random.chance(0.5));
+    // The first guard begins at zero: the constant state, which the row reads, takes away what it is.
+    auto& guard = scene.guards[0];
+    const int constant = scene.mode->n1 + scene.system.exosystem->constant();
+    scene.mode->guards(0, constant) -= guard.value / scene.y[constant];
+    Vector slope(scene.y.size());
+    linalg::multiply(scene.mode->flow.a(), scene.y.data(), slope.data());
+    if (linalg::row_times(scene.mode->guards, 0, slope.data()) < 0.0) scene.mode->guards.row(0) *= -1.0;
+    guard = {0, linalg::row_times(scene.mode->guards, 0, scene.y.data()), noise * scene.size_of(0, scene.y), true};
+    compare(scene, std::pow(10.0, random.between(-6.0, 0.5)), tally);
+  }
+  CAPTURE(tally.positive, tally.root, tally.undecided, tally.without_form);
+  CHECK(tally.positive > 100);
+  CHECK(tally.root > 300);
+  CHECK(tally.undecided + tally.without_form < 50);
+}
+
+TEST_CASE("roots by eigenvectors: a fast transient beside a slow guard costs no intervals", "[unit]") {
+  // g = 1 + 1e-3·e^{−10⁹ t} − t/2, from two states that decay and a ramp: one interval for the three of them, and the root at 2 s.
+  const std::vector<model::SourceFunction> sources{model::Pwl{.points = {{0.0, 0.0}, {100.0, -50.0}}}};
+  const model::Exosystem exosystem(sources, true);
+  const int size = 1 + exosystem.size();
+  Matrix flow = Matrix::Zero(size, size), c = Matrix::Zero(1, size);
+  flow(0, 0) = -1e9;
+  flow.bottomRightCorner(size - 1, size - 1) = exosystem.a();
+  c(0, 0) = 1e-3;
+  c.rightCols(size - 1) = exosystem.rows();
+  c(0, 1 + exosystem.constant()) += 1.0;
+  const model::System system = test::handmade(flow, Matrix::Zero(size, 1), c, Matrix::Zero(1, 1), sources, true);
+  const auto mode = model::build_mode(system, model::IndexSet(1));
+  Vector y = Vector::Zero(size);
+  y[0] = 1.0;
+  begin_sources(*system.exosystem, y.data() + 1);
+  const auto form = model::modal_form(system, *mode);
+  REQUIRE(form);
+  const std::vector<ModalSearch::Guard> guards{{0, linalg::row_times(mode->guards, 0, y.data()), noise, false}};
+  ModalSearch search;
+  CHECK(search.search(*form, guards, y.data(), 1.9).verdict == ModalSearch::Verdict::positive);
+  const ModalSearch::Found found = search.search(*form, guards, y.data(), 10.0);
+  CHECK(found.verdict == ModalSearch::Verdict::root);
+  CHECK(found.at == Approx(2.0).epsilon(1e-13));
+  CHECK(search.intervals() <= 6);
+}
+
+TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
+  Matrix a(2, 2);
+  a << -1.0, 1.0, 0.0, -1.0;
+  const model::System system = test::handmade(a, Matrix::Zero(2, 1), Matrix::Ones(1, 2), Matrix::Zero(1, 1));
+  CHECK_FALSE(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
+}
