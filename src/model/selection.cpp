@@ -36,6 +36,9 @@ bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept&
 }  // namespace
 
 Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system) {
+  const auto reads_ports = [](const OutputRow& row) { return !row.input.isZero(0.0); };
+  ports_are_read_ = std::any_of(system.outputs.begin(), system.outputs.end(), reads_ports) ||
+                    std::any_of(system.controls.begin(), system.controls.end(), [&](const Control& c) { return reads_ports(c.value); });
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
   departures_.resize(static_cast<std::size_t>(system.diodes));
   y_.resize(static_cast<std::size_t>(system.size()));
@@ -234,8 +237,9 @@ const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int 
 }
 
 /// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then
-/// decided by least norm (parallel diodes) instead of by the order of pivots.
+/// decided by least norm (parallel diodes) instead of by the order of pivots. Where no signal reads what ports carry there is nothing to share.
 const Mode* Selector::with_free_ports(double* x, const Mode& found) {
+  if (!ports_are_read_) return &found;
   Known& about = known(found.active);
   if (!about.richer_is_known) {
     about.richer_is_known = true;

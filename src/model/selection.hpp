@@ -56,6 +56,8 @@ class Selector {
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
+  /// Ports that share freely are all told to conduct, though no signal reads their share.
+  void share_in_any_case() { ports_are_read_ = true; }
   /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
   void rational_only(bool only) { rational_only_ = only; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
@@ -104,6 +106,7 @@ class Selector {
   const System& system_;
   Several several_ = Several::stay;
   bool rational_only_ = false;
+  bool ports_are_read_ = false;  ///< by a signal or a control
   RationalProblem rational_;
   double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
   /// What is known of a set.

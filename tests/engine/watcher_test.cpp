@@ -87,3 +87,21 @@ TEST_CASE("a switch in a part of its own is told to close by the edge of a sourc
   CHECK(told.start[1] == 0);
   CHECK(told.positions[0] == Flags{1, 1});
 }
+
+TEST_CASE("a diode across a closed switch is told to conduct, though no signal reads its share", "[unit]") {
+  test::Circuit circuit;
+  circuit.v("dc", "0", model::Dc{1.0});
+  circuit.v("g", "0", model::Pulse{.initial = 1.0, .delay = 1.0});
+  circuit.v("h", "0", model::Pulse{.pulsed = 1.0, .delay = 1.0});
+  circuit.d("a", "dc");
+  circuit.d("0", "a");
+  circuit.s("dc", "a", "g", "0", 0.5);
+  circuit.s("a", "0", "h", "0", 0.5);
+  circuit.l("a", "m", 1.0);
+  circuit.r("m", "0", 1.0);
+  circuit.save_i_l(0);
+  const Told told = watched(circuit.network(), 2.0, false);
+  CHECK(told.elements == std::vector<std::string>{"D1", "D2", "SW1", "SW2"});
+  // From 1 on the inductor's current comes out of ground, through the switch and the diode across it.
+  CHECK(told.positions == std::vector<Flags>{{0, 1, 0, 1}});
+}

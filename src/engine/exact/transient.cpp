@@ -34,6 +34,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   islands_.reserve(model_.islands.size());
   for (const auto& island : model_.islands)
     islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
+  if (request.watcher != nullptr)
+    for (auto& island : islands_) island.selector().share_in_any_case();
   tolerance_ = merge_fraction * request.stop;
   make_clocks();
   order_ = running_;
