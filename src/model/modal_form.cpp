@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 namespace pwlsim::model {
 
@@ -14,7 +15,8 @@ using Places = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index largest_form = 24;  ///< states; beyond, the search would cost more than it saves
 constexpr Wide largest_condition = 1e7L;   ///< ‖V‖‖V⁻¹‖: what extended precision has to spare goes into it
-constexpr Wide invariance = 1e-14L;        ///< ‖M V − V Λ‖ against ‖M‖‖V‖
+constexpr Wide rate_error = 1e-10L;        ///< of a row of V⁻¹(M V − V Λ), against its rate,
+constexpr Wide still = 1e-14L;             ///< or the slowest rate that is more than this share of ‖M‖
 
 /// Of y, what moves by a rate of its own, and levels and ramps.
 void sort_places(const System& system, const Mode& mode, Places& moved, Places& given) {
@@ -23,6 +25,29 @@ void sort_places(const System& system, const Mode& mode, Places& moved, Places& 
     Places& places = block.is_curved() ? moved : given;
     for (int i = 0; i < block.size(); ++i) places.push_back(mode.n1 + block.first + i);
   }
+}
+
+/// Whether no coordinate is pushed by the others' rounding faster than its own rate tells.
+bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide least) {
+  Wide slowest = INFINITY;
+  for (Eigen::Index i = 0; i < lambda.rows(); ++i)
+    if (const Wide rate = lambda.row(i).norm(); rate > least) slowest = std::min(slowest, rate);
+  if (slowest == static_cast<Wide>(INFINITY)) slowest = least;
+  for (Eigen::Index i = 0; i < lambda.rows(); ++i)
+    if (!(rest.row(i).norm() <= rate_error * std::max(lambda.row(i).norm(), slowest))) return false;
+  return true;
+}
+
+/// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
+Matrix in_pairs(const WideMatrix& from, const std::vector<std::complex<double>>& rates, Wide sign) {
+  Matrix result = Matrix::Zero(2 * static_cast<Eigen::Index>(rates.size()), from.cols());
+  Eigen::Index i = 0;
+  for (std::size_t k = 0; k < rates.size(); ++k, ++i) {
+    const auto row = static_cast<Eigen::Index>(2 * k);
+    result.row(row) = from.row(i).cast<double>();
+    if (rates[k].imag() != 0.0) result.row(row + 1) = (sign * from.row(++i)).cast<double>();
+  }
+  return result;
 }
 
 }  // namespace
@@ -38,42 +63,28 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   if (solver.info() != Eigen::Success) return nullptr;
   // Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ).
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
-  if (!((m * v - v * lambda).norm() <= invariance * m.norm() * v.norm())) return nullptr;
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
   if (!(w.norm() * v.norm() < largest_condition)) return nullptr;
+  if (!knows_every_rate(w * (m * v - v * lambda), lambda, still * m.norm())) return nullptr;
 
+  auto form = std::make_unique<ModalForm>();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const bool pair = i + 1 < n && lambda(i, i + 1) != 0.0L;
+    form->rates.emplace_back(static_cast<double>(lambda(i, i)), pair ? static_cast<double>(lambda(i, i + 1)) : 0.0);
+    if (pair) ++i;
+  }
   WideMatrix velocities = WideMatrix::Zero(n, mode.ny), pushes = velocities;
   velocities(Eigen::all, moved) = lambda * w;
   velocities(Eigen::all, given) = w * on_given;
   pushes(Eigen::all, given) = w * on_given * given_rates;
   const WideMatrix guards = mode.guards.cast<Wide>();
-  const WideMatrix weights = guards(Eigen::all, moved) * v;
-
-  auto form = std::make_unique<ModalForm>();
+  // With coordinates s, t of the two columns of a pair z = s − i t, and p·(Re v s + Im v t) = Re (p·v) z.
+  form->velocities = in_pairs(velocities, form->rates, -1);
+  form->pushes = in_pairs(pushes, form->rates, -1);
+  form->weights = in_pairs((guards(Eigen::all, moved) * v).transpose(), form->rates, 1);
+  form->absolute_velocities = form->velocities.cwiseAbs();
   form->drift = Matrix::Zero(guards.rows(), mode.ny);
   form->drift(Eigen::all, given) = (guards(Eigen::all, given) * given_rates).cast<double>();
-  Places first;  // columns at which a coordinate's real part stands
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool pair = i + 1 < n && lambda(i, i + 1) != 0.0L;
-    first.push_back(i);
-    form->rates.emplace_back(static_cast<double>(lambda(i, i)), pair ? static_cast<double>(lambda(i, i + 1)) : 0.0);
-    if (pair) ++i;
-  }
-  const auto count = static_cast<Eigen::Index>(first.size());
-  form->velocities = form->pushes = Matrix::Zero(2 * count, mode.ny);
-  form->weights = Matrix::Zero(2 * count, guards.rows());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index i = first[static_cast<std::size_t>(k)];
-    form->velocities.row(2 * k) = velocities.row(i).cast<double>();
-    form->pushes.row(2 * k) = pushes.row(i).cast<double>();
-    form->weights.row(2 * k) = weights.col(i).transpose().cast<double>();
-    if (form->rates[static_cast<std::size_t>(k)].imag() == 0.0) continue;
-    // With coordinates s, t of the two columns z = s − i t, and p·(Re v s + Im v t) = Re (p·v) z.
-    form->velocities.row(2 * k + 1) = -velocities.row(i + 1).cast<double>();
-    form->pushes.row(2 * k + 1) = -pushes.row(i + 1).cast<double>();
-    form->weights.row(2 * k + 1) = weights.col(i + 1).transpose().cast<double>();
-  }
-  form->absolute_velocities = form->velocities.cwiseAbs();
   return form;
 }
 

@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "lcp/lemke.hpp"
+#include "model/certificate.hpp"
 
 namespace pwlsim::model {
 
@@ -14,10 +14,9 @@ namespace {
 constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
 constexpr double tie_tolerance = 1e-12;
-/// In units of the rate, s at which G(s) shows what it is from there on.
-constexpr double large_s_factors[] = {1e4, 1e7};
-constexpr std::size_t most_ports_for_minors = 10;
-constexpr double clear_minor = 1e-6;      ///< of a pivot, against the terms it is a difference of
+/// In units of the rate, s at which G(s) shows what it is from there on, and far enough for what is small in D to show, too.
+constexpr double large_s_factors[] = {1e4, 1e10, 1e16};
+constexpr std::size_t most_own_ports = 10;
 constexpr double twin_tolerance = 1e-10;  ///< of rows and columns
 constexpr double regularisation = 1e-8;   ///< of a problem whose diagonal is about 1
 
@@ -28,7 +27,7 @@ std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
   return active;
 }
 
-/// Of G(s) above what u does to the state: without ports that neither move anything nor are moved, and the first of every group of ports whose rows and
+/// Of G(s) above what u does to x': without ports that neither move anything nor are moved, and the first of every group of ports whose rows and
 /// columns are equal up to one sign.
 std::vector<int> ports_of_their_own(const Matrix& effects) {
   const Eigen::Index k = effects.cols(), n = effects.rows() - k;
@@ -39,7 +38,7 @@ std::vector<int> ports_of_their_own(const Matrix& effects) {
     return !differ(m.col(i), sign * m.col(j)) && !differ(m.row(i), sign * m.row(j)) && !differ(on_state.col(i), sign * on_state.col(j));
   };
   std::vector<int> ports;
-  for (int i = 0; i < k; ++i) {
+  for (int i = 0; i < k && ports.size() <= most_own_ports; ++i) {
     if (effects.col(i).isZero(0.0) && m.row(i).isZero(0.0)) continue;
     if (std::none_of(ports.begin(), ports.end(), [&](int j) { return is_twin(j, i); })) ports.push_back(i);
   }
@@ -55,20 +54,6 @@ void exchange(Matrix& m, const std::vector<Eigen::Index>& ports) {
   m(Eigen::all, ports) = columns * inverse;
   m(ports, Eigen::all) = rows;
   m(ports, ports) = inverse;
-}
-
-/// Whether every principal minor is positive, clearly: of the first row, of what does not take it, and of what does
-/// (Tsatsomeros and Li, BIT 40 (2000), 347–351).
-bool is_clearly_p_matrix(const Matrix& m) {
-  const Eigen::Index rest = m.rows() - 1;
-  if (rest < 0) return true;
-  if (!(m(0, 0) > 0.0)) return false;
-  if (rest == 0) return true;
-  const Matrix taken = m.bottomLeftCorner(rest, 1) * m.topRightCorner(1, rest) / m(0, 0);
-  const Matrix without = m.bottomRightCorner(rest, rest), with = without - taken;
-  for (Eigen::Index i = 0; i < rest; ++i)
-    if (!(with(i, i) > clear_minor * (std::abs(without(i, i)) + std::abs(taken(i, i))))) return false;
-  return is_clearly_p_matrix(without) && is_clearly_p_matrix(with);
 }
 
 }  // namespace
@@ -131,14 +116,12 @@ PortProblem RationalProblem::at(const double* x, double s) {
   return problem;
 }
 
-/// G(s), and below it (sI − A)⁻¹ B: what u does to y and to the state, once the switch ports `active` are solved out. Where that takes diodes, u and y of
+/// G(s), and below it B: what u does to y and to x', once the switch ports `active` are solved out. Where that takes diodes, u and y of
 /// these have changed places. Empty where nothing does it.
 Matrix RationalProblem::effects(double s, std::vector<int> active) {
   const Eigen::Index d = system_.diodes, k = system_.ports, n = system_.n;
-  const Matrix pencil = s * Matrix::Identity(n, n) - system_.a.topLeftCorner(n, n);
-  const Matrix on_state = Eigen::PartialPivLU<Matrix>(pencil).solve(Matrix(system_.b.topRows(n)));
   Matrix m(k + n, k);
-  m << port_matrix(s), on_state;
+  m << port_matrix(s), system_.b.topRows(n);
   while (!active.empty()) {
     const int port = active.back();
     active.pop_back();
@@ -146,12 +129,17 @@ Matrix RationalProblem::effects(double s, std::vector<int> active) {
       exchange(m, {port});
       continue;
     }
-    const auto weight = [&](Eigen::Index other) { return std::abs(m(port, other) * m(other, port)); };
-    int partner = 0;
-    for (int i = 1; i < k; ++i)
-      if (weight(i) > weight(partner)) partner = i;
-    const bool solvable = weight(partner) > 0.0 && (partner < d || std::erase(active, partner) == 1);
-    if (!solvable) return {};
+    Eigen::Index partner = port;
+    double most = 0.0;
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const double weight = std::abs(m(port, i) * m(i, port));
+      const bool is_free = i < d || std::find(active.begin(), active.end(), i) != active.end();
+      if (!is_free || weight <= most) continue;
+      most = weight;
+      partner = i;
+    }
+    if (partner == port) return {};
+    std::erase(active, static_cast<int>(partner));
     exchange(m, {partner, port});
   }
   Matrix effects(d + n, d);
@@ -165,8 +153,8 @@ bool RationalProblem::is_uniquely_solvable(const IndexSet& wanted) {
     const Matrix m = effects(rate_ * factor, active_switches(system_, wanted));
     if (m.size() == 0 || !m.allFinite()) return false;
     const std::vector<int> ports = ports_of_their_own(m);
-    if (ports.size() > most_ports_for_minors || (factor != large_s_factors[0] && ports != first_ports)) return false;
-    if (!is_clearly_p_matrix(m(ports, ports))) return false;
+    if (ports.size() > most_own_ports || (factor != large_s_factors[0] && ports != first_ports)) return false;
+    if (!has_positive_principal_minors(m(ports, ports))) return false;
     first_ports = ports;
   }
   return true;

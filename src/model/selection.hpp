@@ -1,7 +1,7 @@
 #pragma once
 /// Which mode follows from a state, and the jump into it.
 ///
-/// Warm mode first, then modes that followed it before, then one flip, then candidates from the rational complementarity
+/// Warm mode first, then modes that followed it before (these first where the solution is known to be unique), then one flip, then candidates from the rational complementarity
 /// problem (RCP) at growing s (Lemke), at last the neighbourhood of the previous mode. A mode is taken only when verified
 /// in its own differential equation (Verifier), so that any relative degree is decided right.
 

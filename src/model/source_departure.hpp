@@ -20,7 +20,7 @@ class SourceDeparture {
   bool extend();
 
   const Exosystem& exosystem_;
-  linalg::Matrix absolute_;  ///< |S|
+  linalg::Matrix absolute_;                  ///< |S|
   std::vector<double> derivatives_, sizes_;  ///< S^k ζ one behind the other, and sums of the magnitudes that each is a sum of
   std::size_t known_ = 0;
   bool others_vanish_ = false;  ///< all derivatives beyond

@@ -41,6 +41,7 @@ TEST_CASE("one solution: the first derivative that u reaches decides", "[unit]")
   const Matrix one = Matrix::Identity(1, 1);
   CHECK(is_unique(of_one_state(one, one, Matrix::Zero(1, 1))));         // y' = … + u
   CHECK_FALSE(is_unique(of_one_state(-one, one, Matrix::Zero(1, 1))));  // y' = … − u
+  CHECK_FALSE(is_unique(of_one_state(one, one, -1e-9 * one)));          // y = … − 1e-9·u before all
   CHECK(is_unique(test::triple_integrator()));                          // y''' = u
   CHECK(is_unique(test::carts()));
   CHECK_FALSE(is_unique(test::relay(1.0)));  // x' = sgn x: three solutions from 0 (paper, section 4.2)

@@ -254,7 +254,7 @@ void IslandRun::begin_segment(double time, double late) {
   linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;
-  segment_.turns = 0;
+  segment_.turns = segment_.turns_without_modal_form = 0;
   segment_.sampled = false;
 }
 

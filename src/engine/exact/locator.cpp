@@ -434,7 +434,8 @@ void Locator::march(Segment& s, double end, Located& located) {
   const double shortest = std::max(smallest_interval * end, 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
-    if (s.intervals >= intervals_before_parts && enter_slow_part(s)) {
+    const bool by_modal_form = s.mode->modal_form && s.turns_without_modal_form == 0;
+    if (s.intervals >= intervals_before_parts && !by_modal_form && enter_slow_part(s)) {
       if (s.rows.empty()) {
         s.certified = end;
         return;

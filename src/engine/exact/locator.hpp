@@ -7,7 +7,8 @@
 ///     |g^{(j)}| ≤ K_j = ‖row_c‖·e^{μ⁺h}(‖c^{(j)}‖ + h·max‖E₁ζ^{(j)}‖) + max|row_ζ ζ^{(j)}|,
 ///
 /// which is insensitive to stiffness because energy coordinates make e^{A₁τ} a contraction for passive circuits. Guards that
-/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m.
+/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m. Where that takes many intervals,
+/// eigenvectors take the guard apart (modal_search.hpp), or the slow part of the mode is followed alone (model/slow_part.hpp).
 
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Segment {
   std::uint64_t intervals = 0;  ///< examined so far
   bool sampled = false;         ///< some of it by signs at the ends only
   double step = 0.0;            ///< length of the last interval decided, 0: none yet
+  int turns_without_modal_form = 0;
   int turns = 0;                ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
 };
 

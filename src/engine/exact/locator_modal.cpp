@@ -10,39 +10,58 @@ namespace {
 
 /// So many intervals in, eigenvectors are worth looking for.
 constexpr std::uint64_t intervals_before_modal_form = 3;
+/// So few of a search are made again where the segment goes on: stepping to their end costs more.
+constexpr std::uint64_t few_intervals = 4;
+/// Where eigenvectors had nothing to say, turns until they are asked again; and where a guard comes near to zero, which other tests tell from a crossing.
+constexpr int turns_without = 2, turns_beside_zero = 64;
 
 }  // namespace
 
 /// To the end of the segment, or its first event; some way, with no event before; or none, where eigenvectors have nothing to say. Needs first derivatives.
 Locator::Progress Locator::search_modal_form(Segment& s, double end, double shortest, Located& located) {
   const model::Mode& m = *s.mode;
-  if (s.part) return Progress::none;
+  if (s.part || --s.turns_without_modal_form >= 0) return Progress::none;
+  s.turns_without_modal_form = 0;
   if (!m.modal_form_known) {
     if (s.intervals < intervals_before_modal_form) return Progress::none;
     m.modal_form = model::modal_form(*s.system, m);
     m.modal_form_known = true;
   }
   if (!m.modal_form) return Progress::none;
+  const auto nothing = [&s](int turns) {
+    s.turns_without_modal_form = turns;
+    return Progress::none;
+  };
   modal_guards_.clear();
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int order = s.tau == 0.0 ? s.departures[i].order : 0;
-    if (order > 1 || is_at_rest(s, i)) return Progress::none;
+    if (order > 1 || is_at_rest(s, i)) return nothing(turns_without);
     modal_guards_.push_back({s.rows[i], g_[i], noise_of(s, s.rows[i]), order == 1});
   }
+  const double h = end - s.tau;
   const std::uint64_t before = modal_search_.intervals();
-  const ModalSearch::Found found = modal_search_.search(*m.modal_form, modal_guards_, s.y.data(), end - s.tau);
-  intervals_ += modal_search_.intervals() - before;
-  s.intervals += modal_search_.intervals() - before;
-  if (found.verdict == ModalSearch::Verdict::positive) {
-    s.certified = end;
-    return Progress::to_end;
+  const ModalSearch::Found found = modal_search_.search(*m.modal_form, modal_guards_, s.y.data(), h);
+  const std::uint64_t used = modal_search_.intervals() - before;
+  intervals_ += used;
+  if (found.verdict != ModalSearch::Verdict::root) {
+    const bool is_whole = found.verdict == ModalSearch::Verdict::positive;
+    if (is_whole && used <= few_intervals) {
+      s.certified = end;
+      return Progress::to_end;
+    }
+    const double step = is_whole ? h : found.lower;
+    if (step < shortest) return nothing(turns_without);
+    s.intervals += used;
+    state_at(s, step, ye_.data());
+    const bool is_clear = std::all_of(modal_guards_.begin(), modal_guards_.end(), [&](const ModalSearch::Guard& guard) {
+      return linalg::row_times(m.guards, guard.row, ye_.data()) > leaving_zero * guard.noise;
+    });
+    if (!is_whole && !is_clear) return nothing(turns_beside_zero);
+    if (is_clear) accept(s, step, end);
+    if (is_whole) s.certified = end;
+    return is_whole ? Progress::to_end : Progress::some;
   }
-  if (found.verdict == ModalSearch::Verdict::undecided) {
-    if (found.lower < shortest) return Progress::none;
-    state_at(s, found.lower, ye_.data());
-    accept(s, found.lower, end);
-    return Progress::some;
-  }
+  ++s.intervals;
   state_at(s, found.at, event_.data());
   double tau = s.tau + found.at;
   if (!polish(s, s.rows[found.guard], tau)) {

@@ -118,14 +118,18 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
   }
 }
 
-/// What rounding leaves of a guard and its slope anywhere in the interval.
+/// What rounding leaves of a guard and its slope anywhere in the interval: from z' and f', and from the phase λτ of what moves on.
 ModalSearch::Noise ModalSearch::noise_of(std::size_t guard, const Interval& in) const {
   const Coefficients* c = &coefficients_[guard * count_];
-  Noise noise{guards_[guard].noise, epsilon * std::abs(drift_[guard])};
+  const double drift = epsilon * std::abs(drift_[guard]);
+  Noise noise{guards_[guard].noise + drift * in.right, drift};
   for (std::size_t k = 0; k < count_; ++k) {
-    const double own = c[k].noise * std::max(1.0, in.at_right[k].size);
-    noise.slope += own;
-    noise.value += own * std::min(in.right, longest_[k]);
+    const double growth = std::max(1.0, in.at_right[k].size), lasting = std::min(in.right, longest_[k]);
+    const double push = coordinate_noise * (std::abs(c[k].push.real()) + std::abs(c[k].push.imag()));
+    const double damping = -form_->rates[k].real();
+    const double phase = epsilon * c[k].bend_size * (damping * in.right > 1.0 ? 1.0 / damping : in.right * growth);
+    noise.slope += growth * (c[k].noise + push * lasting) + phase;
+    noise.value += (growth * (c[k].noise + push * in.right) + phase) * lasting;
   }
   return noise;
 }
@@ -219,11 +223,13 @@ void ModalSearch::bound_slope(std::size_t guard, const Interval& in, Line& least
   }
 }
 
-ModalSearch::Verdict ModalSearch::judge(std::size_t g, const Interval& in) const {
+ModalSearch::Verdict ModalSearch::judge(std::size_t g, const Interval& in) {
   const bool leaves_zero = guards_[g].leaves_zero && in.left == 0.0;
   const Noise noise = noise_of(g, in);
   if (!leaves_zero) {
-    if (!(value(g, in.left, in.at_left) > noise.value)) return Verdict::undecided;
+    const double start = value(g, in.left, in.at_left);
+    is_stuck_ |= start <= guards_[g].noise;
+    if (!(start > noise.value)) return Verdict::undecided;
     if (least_value(g, in) > noise.value) return Verdict::positive;
   }
   Line least, most;
@@ -288,7 +294,7 @@ ModalSearch::Found ModalSearch::examine(const Interval& in, std::uint64_t open, 
     return {Verdict::positive};
   }
   if (undecided == 0) return first_root(in, falling);
-  if (depth == most_depth || intervals_ >= last_interval_) return {Verdict::undecided, 0, positive_until_};
+  if (is_stuck_ || depth == most_depth || intervals_ >= last_interval_) return {Verdict::undecided, 0, positive_until_};
   const double middle = 0.5 * (in.left + in.right);
   Exponents* at_middle = &points_[static_cast<std::size_t>(depth + 2) * count_];
   evaluate(middle, at_middle);
@@ -303,6 +309,7 @@ ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<c
   guards_ = guards;
   count_ = form.rates.size();
   positive_until_ = 0.0;
+  is_stuck_ = false;
   last_interval_ = intervals_ + most_intervals;
   begin(guards, y);
   evaluate(0.0, points_.data());

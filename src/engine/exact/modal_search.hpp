@@ -5,7 +5,9 @@
 /// ±|second derivative|(r − l)²/8 about the chord where it is slow, by its own decaying magnitude where it is fast. A term that decays in no time costs nothing but that, so
 /// that the interval need not be of its length. An interval that is not decided so is halved.
 
+#include <algorithm>
 #include <complex>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -73,7 +75,7 @@ class ModalSearch {
   [[nodiscard]] double least_value(std::size_t guard, const Interval& interval) const;
   void bound_slope(std::size_t guard, const Interval& interval, Line& least, Line& most) const;
   [[nodiscard]] Noise noise_of(std::size_t guard, const Interval& interval) const;
-  Verdict judge(std::size_t guard, const Interval& interval) const;
+  Verdict judge(std::size_t guard, const Interval& interval);
   Found examine(const Interval& interval, std::uint64_t open, int depth);
   Found first_root(const Interval& interval, std::uint64_t falling);
   double root(std::size_t guard, const Interval& interval);
@@ -88,6 +90,7 @@ class ModalSearch {
   std::vector<Exponents> points_;           ///< at the start, at the end and where intervals of each depth were halved
   std::vector<Exponents> trial_;
   double positive_until_ = 0.0;
+  bool is_stuck_ = false;  ///< at a guard that is rounding where an interval begins: no shorter one tells more
   std::uint64_t intervals_ = 0, last_interval_ = 0;  ///< all so far, and at which of them this search gives up
 };
 
