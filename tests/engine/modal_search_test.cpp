@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "model/handmade_systems.hpp"
+#include "support/circuit.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -200,4 +202,55 @@ TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
   a << -1.0, 1.0, 0.0, -1.0;
   const model::System system = test::handmade(a, Matrix::Zero(2, 1), Matrix::Ones(1, 2), Matrix::Zero(1, 1));
   CHECK_FALSE(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
+}
+
+// v(a) = t + cos ωt from a lossless tank that rides on a ramp, behind a diode to 5 V: the first t at which it gets there, beside 600,000 periods before.
+TEST_CASE("a fast ring beside a diode that blocks is not followed period by period", "[unit]") {
+  constexpr long double omega = 0x1p20L, level = 5.0L;
+  const auto above = [](long double t) { return t + std::cos(omega * t) - level; };
+  const long double period = 2 * std::numbers::pi_v<long double> / omega;
+  long double peak = (std::floor((level - 1.01L) / period) * 2 * std::numbers::pi_v<long double> + std::asin(1 / omega)) / omega;
+  while (above(peak) < 0) peak += period;
+  long double low = peak - period / 2, high = peak;
+  for (int i = 0; i < 100; ++i) {
+    const long double middle = (low + high) / 2;
+    (above(middle) < 0 ? low : high) = middle;
+  }
+  test::Circuit c;
+  c.v("s", "0", model::Pwl{.points = {{0.0, 0.0}, {100.0, 100.0}}});
+  c.c("a", "s", 0x1p-20, 1.0);
+  c.l("a", "s", 0x1p-20);
+  c.d("a", "k");
+  c.r("k", "m", 1.0);
+  c.v("m", "0", model::Dc{5.0});
+  c.save_v("a");
+  const test::Run run = test::simulate(c.network(), {static_cast<double>(high) + 1e-7, 1, true, true});
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.remarks.empty());
+  REQUIRE(run.rows.size() > 2);
+  // Rounding of the phase, ωt·10⁻¹⁶ rad, over the slope there.
+  const auto slope = static_cast<double>(1 - omega * std::sin(omega * high));
+  CHECK(std::abs(run.rows[1][0] - static_cast<double>(high)) <= 1e-8 / slope);
+  CHECK(run.answer.statistics.steps < 20'000);
+}
+
+// x' = 2x + y, y' = 10⁹(x − y): e^{3·400 s} is no number any more, which must not hide that x passes 1 after 0.77 s.
+TEST_CASE("a passage in a mode that would grow beyond all numbers", "[unit]") {
+  test::Circuit c;
+  c.c("x", "0", 1.0, 0.1);
+  c.r("x", "0", -1.0 / 3.0);
+  c.c("y", "0", 1e-9, 1.0);
+  c.r("y", "x", 1.0);
+  c.d("x", "k");
+  c.v("k", "0", model::Dc{1.0});
+  c.save_v("x");
+  const test::Run run = test::simulate(c.network(), {400.0, 1, true, true});
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.remarks.empty());
+  const long double trace = 2.0L - 1e9L, root = std::sqrt(trace * trace + 12e9L);
+  const long double fast = (trace - root) / 2, slow = -3e9L / fast;  // their product is the determinant
+  const long double amplitude = (1.2L - fast * 0.1L) / (slow - fast);
+  REQUIRE(run.rows.size() > 2);
+  CHECK(run.rows[1][0] == Approx(static_cast<double>(-std::log(amplitude) / slow)).epsilon(1e-12));
+  CHECK(run.answer.statistics.steps < 1000);
 }
