@@ -4,6 +4,7 @@
     python3 validation/work_precision/run.py --pwlsim build/pwlsim           all of it: points.csv, longer.csv, diagrams, docs/validation/report.md
     python3 validation/work_precision/run.py --pwlsim build/pwlsim buck      this case; the others keep their points
     python3 validation/work_precision/run.py --pwlsim build/pwlsim --only pwlsim     this program (or ngspice, gnucap, siconos); the others keep their points
+    python3 validation/work_precision/run.py --pwlsim build/pwlsim --only exact      times of its exact engine alone, in rounds over some minutes
     python3 validation/work_precision/run.py --pwlsim build/pwlsim --only longer     converters over longer runs alone, see longer.py
     python3 validation/work_precision/run.py --report                        diagrams and report from the points there are
 
@@ -36,7 +37,7 @@ from programs import Point  # noqa: E402
 HERE = Path(__file__).resolve().parent
 POINTS = HERE / "points.csv"
 ORDER = ["pwlsim", "ngspice", "gnucap", "siconos"]
-LONGER = "longer"
+LONGER, EXACT = "longer", "exact"
 COLUMNS = ["case", "program", "setting", "seconds", "error", "message"]
 
 SPARSE = [10.0 ** -k for k in range(2, 10)]
@@ -48,6 +49,7 @@ FINER_STEPS = [1000, 5000, 20000, 100000, 400000]
 GNUCAP_DIVIDE = [1, 10, 100]
 SICONOS_METHODS = [(1.0, None), (0.5, None), (0.5, 0.5)]  # theta and gamma of EulerMoreauOSI
 SICONOS_DIVIDE = [1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 30000]
+ROUNDS, REPEATS_IN_ROUND, BETWEEN_ROUNDS = 15, 5, 5.0  # s
 REPEATS = 3
 OWN_REPEATS = 25  # of the exact engine: fractions of a millisecond, which a machine that is shared doubles now and then
 ENOUGH = 60.0  # s of ngspice a case: finer steps are then left out
@@ -79,6 +81,19 @@ def measure_pwlsim(program, case):
     settle(points[:1], lambda point: runs[point.setting](), OWN_REPEATS)
     settle(points[1:], lambda point: runs[point.setting]())
     return points
+
+
+def measure_exact_in_rounds(program, names, points):
+    """The median time of the exact engine over rounds of all cases: a run takes less than a millisecond, and a machine that is shared may be slow for minutes."""
+    chosen = [cases.load(name) for name in names]
+    times = {case.name: [] for case in chosen}
+    for _ in range(ROUNDS):
+        for case in chosen:
+            times[case.name] += [programs.run_pwlsim(program, case, "exact").seconds for _ in range(REPEATS_IN_ROUND)]
+        time.sleep(BETWEEN_ROUNDS)
+    for point in points:
+        if point.case in times and point.program == "pwlsim exact":
+            point.seconds = statistics.median(times[point.case])
 
 
 def measure_ngspice(program, case, empty):
@@ -216,7 +231,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*")
     parser.add_argument("--pwlsim", help="the program to measure")
-    parser.add_argument("--only", choices=[*ORDER, LONGER])
+    parser.add_argument("--only", choices=[*ORDER, EXACT, LONGER])
     parser.add_argument("--report", action="store_true", help="no runs")
     options = parser.parse_args()
     points = read_points()
@@ -226,6 +241,9 @@ def main():
         if options.only == LONGER and not shutil.which("ngspice"):
             parser.error("longer runs are measured beside ngspice, which is not installed")
         measured = measurements(options.pwlsim, options.only)
+        if options.only == EXACT:
+            measure_exact_in_rounds(options.pwlsim, options.cases or cases.names(), points)
+            write_points(points)
         empty = programs.empty_ngspice() if options.only in (None, LONGER) and shutil.which("ngspice") else None
         for name in options.cases or cases.names():
             case = cases.load(name)
