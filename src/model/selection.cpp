@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace pwlsim::model {
@@ -36,9 +37,8 @@ bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept&
 }  // namespace
 
 Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system) {
-  const auto reads_ports = [](const OutputRow& row) { return !row.input.isZero(0.0); };
-  ports_are_read_ = std::any_of(system.outputs.begin(), system.outputs.end(), reads_ports) ||
-                    std::any_of(system.controls.begin(), system.controls.end(), [&](const Control& c) { return reads_ports(c.value); });
+  ports_are_read_ = std::any_of(system.outputs.begin(), system.outputs.end(), std::mem_fn(&OutputRow::reads_ports)) ||
+                    std::any_of(system.controls.begin(), system.controls.end(), [](const Control& c) { return c.value.reads_ports(); });
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
   departures_.resize(static_cast<std::size_t>(system.diodes));
   y_.resize(static_cast<std::size_t>(system.size()));
@@ -323,15 +323,11 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
 /// A passive system does; of others the rational problem tells, once for each position of the switches.
 bool Selector::goes_on_one_way(const IndexSet& set) {
   if (system_.passive || system_.diodes == 0) return true;
-  signed char& answer = known(set).goes_on_one_way;
-  if (answer < 0) {
-    IndexSet switches = set;
-    for (int i = 0; i < system_.diodes; ++i) switches.set(i, false);
-    const auto [entry, is_new] = one_way_.try_emplace(switches);
-    if (is_new) entry->second = rational_.is_uniquely_solvable(switches);
-    answer = static_cast<signed char>(entry->second);
-  }
-  return answer != 0;
+  IndexSet switches = set;
+  for (int i = 0; i < system_.diodes; ++i) switches.set(i, false);
+  const auto [entry, is_new] = one_way_.try_emplace(switches);
+  if (is_new) entry->second = rational_.is_uniquely_solvable(switches);
+  return entry->second;
 }
 
 void Selector::note_impulse() {

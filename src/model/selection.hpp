@@ -1,9 +1,10 @@
 #pragma once
 /// Which mode follows from a state, and the jump into it.
 ///
-/// Warm mode first, then modes that followed it before (these first where the solution is known to be unique), then one flip, then candidates from the rational complementarity
-/// problem (RCP) at growing s (Lemke), at last the neighbourhood of the previous mode. A mode is taken only when verified
-/// in its own differential equation (Verifier), so that any relative degree is decided right.
+/// Warm mode first, then modes that followed it before (these first where the solution is known to be unique), then one flip,
+/// then candidates from the rational complementarity problem (RCP) at growing s (Lemke), at last the neighbourhood of the
+/// previous mode. A mode is taken only when verified in its own differential equation (Verifier), so that any relative degree is
+/// decided right.
 
 #include <array>
 #include <memory>
@@ -115,12 +116,11 @@ class Selector {
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
-    signed char goes_on_one_way = -1;     ///< for every x; −1: not asked yet
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& set);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
-  std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< by the switch ports alone
+  std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes goes on in one way from every x
   std::array<Entry*, 4> recent_{};  ///< of them, those asked for last
   std::size_t next_recent_ = 0;
   Verifier verifier_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "model/selection.hpp"
@@ -46,9 +47,7 @@ Matrix Selector::open_directions(const Mode& mode) const {
 
 std::vector<std::size_t> Selector::open_outputs() const {
   std::vector<char> open(system_.outputs.size(), 0);
-  const bool any_reads_ports =
-      std::any_of(system_.outputs.begin(), system_.outputs.end(), [](const OutputRow& row) { return !row.input.isZero(0.0); });
-  if (!any_reads_ports) return {};
+  if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
   for (const auto& [set, known] : known_) {
     if (!known.mode || known.mode->visits == 0) continue;
     const Matrix directions = open_directions(*known.mode);

@@ -26,6 +26,8 @@ struct OutputRow {
   Vector state;      ///< n + n_ζ
   Vector input;      ///< ports
   Vector edge = {};  ///< n_ζ: of capacitors across sources and inductors in series with them
+
+  [[nodiscard]] bool reads_ports() const { return !input.isZero(0.0); }
 };
 
 struct Port {

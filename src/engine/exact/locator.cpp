@@ -297,6 +297,15 @@ double Locator::go_to_root(const Segment& s, std::size_t i, double lower, double
   return at;
 }
 
+/// The time of the one root of guard i in (lower, upper), near `at`, whose state event_ holds; on return the state at the root.
+double Locator::polish_or_search(const Segment& s, std::size_t i, double lower, double upper, double at) {
+  double tau = s.tau + at;
+  if (polish(s, s.rows[i], tau)) return tau;
+  tau = s.tau + go_to_root(s, i, lower, upper, at, 0.0);
+  polish(s, s.rows[i], tau);
+  return tau;
+}
+
 /// The segment ends at the event whose state event_ holds, or at `end` where that is sooner.
 void Locator::end_at_event(Segment& s, std::size_t i, double tau, double end, Located& located) {
   s.certified = std::min(tau, end);

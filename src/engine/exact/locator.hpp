@@ -37,7 +37,7 @@ struct Segment {
   std::uint64_t intervals = 0;  ///< examined so far
   bool sampled = false;         ///< some of it by signs at the ends only
   double step = 0.0;            ///< length of the last interval decided, 0: none yet
-  int turns_without_modal_form = 0;
+  int turns_without_modal_form = 0;  ///< to come, in which eigenvectors are not asked
   int turns = 0;                ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
 };
 
@@ -98,6 +98,7 @@ class Locator {
   [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   double go_to_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
+  double polish_or_search(const Segment& segment, std::size_t i, double lower, double upper, double at);
   void end_at_event(Segment& segment, std::size_t i, double tau, double end, Located& located);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);

@@ -91,11 +91,7 @@ bool Locator::falling(Segment& s, std::size_t i, double h, double end, Located& 
   double at = cubic_root(s, i);
   if (!(at > 0.0 && at < h)) at = 0.5 * h;
   if (!s.mode->flow.continue_series(derivatives_.data(), 3, at, event_.data())) state_at(s, at, event_.data());
-  double tau = s.tau + at;
-  if (!polish(s, s.rows[i], tau)) {
-    tau = s.tau + go_to_root(s, i, 0.0, h, at, 0.0);
-    polish(s, s.rows[i], tau);
-  }
+  const double tau = polish_or_search(s, i, 0.0, h, at);
   for (std::size_t k = 0; k < s.rows.size(); ++k) {
     if (k == i || (s.tau == 0.0 && s.departures[k].order != 0) || stays_positive(k, h)) continue;
     if (linalg::row_times(s.mode->guards, s.rows[k], event_.data()) <= noise_of(s, s.rows[k])) return false;

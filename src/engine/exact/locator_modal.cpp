@@ -63,12 +63,7 @@ Locator::Progress Locator::search_modal_form(Segment& s, double end, double shor
   }
   ++s.intervals;
   state_at(s, found.at, event_.data());
-  double tau = s.tau + found.at;
-  if (!polish(s, s.rows[found.guard], tau)) {
-    tau = s.tau + go_to_root(s, found.guard, found.lower, found.upper, found.at, 0.0);
-    polish(s, s.rows[found.guard], tau);
-  }
-  end_at_event(s, found.guard, tau, end, located);
+  end_at_event(s, found.guard, polish_or_search(s, found.guard, found.lower, found.upper, found.at), end, located);
   return Progress::to_end;
 }
 

@@ -159,11 +159,10 @@ ModalSearch::Bend ModalSearch::bend(std::size_t guard, const Exponents* at) cons
   return sum;
 }
 
-/// A straight line below the guard, at its lower end.
-double ModalSearch::least_value(std::size_t guard, const Interval& in) const {
+/// A straight line below the guard, at its lower end. `line` is the chord, and is lowered.
+double ModalSearch::least_value(std::size_t guard, const Interval& in, Line line) const {
   const Coefficients* c = &coefficients_[guard * count_];
   const double h = in.right - in.left;
-  Line line{value(guard, in.left, in.at_left), value(guard, in.right, in.at_right)};
   for (std::size_t k = 0; k < count_; ++k) {
     const Complex rate = form_->rates[k];
     const bool is_real = rate.imag() == 0.0;
@@ -226,19 +225,20 @@ void ModalSearch::bound_slope(std::size_t guard, const Interval& in, Line& least
 ModalSearch::Verdict ModalSearch::judge(std::size_t g, const Interval& in) {
   const bool leaves_zero = guards_[g].leaves_zero && in.left == 0.0;
   const Noise noise = noise_of(g, in);
+  Line chord;
   if (!leaves_zero) {
-    const double start = value(g, in.left, in.at_left);
-    is_stuck_ |= start <= guards_[g].noise;
-    if (!(start > noise.value)) return Verdict::undecided;
-    if (least_value(g, in) > noise.value) return Verdict::positive;
+    chord.at_left = value(g, in.left, in.at_left);
+    is_stuck_ |= chord.at_left <= guards_[g].noise;
+    if (!(chord.at_left > noise.value)) return Verdict::undecided;
+    chord.at_right = value(g, in.right, in.at_right);
+    if (least_value(g, in, chord) > noise.value) return Verdict::positive;
   }
   Line least, most;
   bound_slope(g, in, least, most);
   if (least.least() > noise.slope) return Verdict::positive;
   if (leaves_zero || !(most.most() < -noise.slope)) return Verdict::undecided;
-  const double end = value(g, in.right, in.at_right);
-  if (end > noise.value) return Verdict::positive;
-  return end < -noise.value ? Verdict::root : Verdict::undecided;
+  if (chord.at_right > noise.value) return Verdict::positive;
+  return chord.at_right < -noise.value ? Verdict::root : Verdict::undecided;
 }
 
 /// Newton's method kept inside the interval.

@@ -12,7 +12,7 @@ constexpr double rounding = 1e-12;
 
 /// Whether ports whose impulses are of that order give the signal one: directly, or, beyond the first, by way of states, x = Σ A^{j−2} B u^{−j} δ + ….
 bool may_act(const model::System& system, const model::OutputRow& row, int order) {
-  if (!row.input.isZero(0.0)) return true;
+  if (row.reads_ports()) return true;
   model::Vector reads = row.state;
   for (int k = 2; k <= order; ++k) {
     const model::Vector share = system.b.transpose() * reads, terms = system.b.cwiseAbs().transpose() * reads.cwiseAbs();
