@@ -13,7 +13,10 @@ constexpr double radius = 1.0;        ///< rate·τ up to which the series is su
 constexpr double negligible = 1e-18;  ///< of the largest term: one that cannot change the sum
 constexpr int most_terms = 60;
 constexpr double same_interval = 1e-8;  ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
-constexpr std::uint32_t worth_a_matrix = 4;
+/// A matrix costs as much as going over so many intervals without it, at least, and one for each state.
+constexpr Eigen::Index least_worth_a_matrix = 4;
+/// What an interval that recurs is worth against those that do not: a use, and the most of it that counts.
+constexpr std::uint32_t worth_of_a_use = 4, most_worth = 64;
 
 /// term + (Aτ)/first·term + (Aτ)²/(first (first + 1))·term + …, until one changes nothing.
 template <int length>
@@ -116,12 +119,13 @@ void Exponential::taylor(double tau, double* y, double* work) const {
 }
 
 bool Exponential::apply_recurring(double tau, double* y, double* work) const {
+  const Eigen::Index n = a_.rows(), worth_a_matrix = std::max(least_worth_a_matrix, n);
   for (auto& entry : recurring_) {
     const double rest = tau - entry.tau;
-    if (entry.uses == 0 || std::abs(rest) * rate_ > same_interval || std::abs(rest) > same_interval * tau) continue;
-    if (++entry.uses < worth_a_matrix) return false;
-    if (entry.uses == worth_a_matrix) entry.x = minus_identity(entry.tau);
-    const Eigen::Index n = a_.rows();
+    if (entry.worth == 0 || std::abs(rest) * rate_ > same_interval || std::abs(rest) > same_interval * tau) continue;
+    entry.worth = std::min(entry.worth + worth_of_a_use, most_worth);
+    if (entry.uses < worth_a_matrix && ++entry.uses < worth_a_matrix) return false;
+    if (entry.x.size() == 0) entry.x = minus_identity(entry.tau);
     multiply(entry.x, y, work);
     for (Eigen::Index i = 0; i < n; ++i) y[i] += work[i];
     if (rest == 0.0) return true;
@@ -129,13 +133,15 @@ bool Exponential::apply_recurring(double tau, double* y, double* work) const {
     for (Eigen::Index i = 0; i < n; ++i) y[i] += rest * work[i];
     return true;
   }
-  // Not seen lately: it takes the place of the least used of the others, in turn.
+  // Not seen lately: it takes the place of another one that is not worth more, in turn.
   Recurring& entry = recurring_[victim_++ % recurring_.size()];
-  if (entry.uses > worth_a_matrix) {
-    entry.uses -= entry.uses / 8 + 1;
+  if (entry.worth > worth_of_a_use) {
+    entry.worth -= entry.worth / 8 + 1;
   } else {
     entry.tau = tau;
     entry.uses = 1;
+    entry.worth = worth_of_a_use;
+    entry.x.resize(0, 0);
   }
   return false;
 }

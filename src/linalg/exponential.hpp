@@ -46,7 +46,8 @@ class Exponential {
   /// Intervals that recur up to rounding (a switching period) get a matrix of their own; the rounding is made up for to first order.
   struct Recurring {
     double tau = 0.0;
-    std::uint32_t uses = 0;
+    Eigen::Index uses = 0;    ///< up to those that are worth a matrix
+    std::uint32_t worth = 0;  ///< by its uses, less of those long ago; 0: none yet
     Matrix x;
   };
   [[nodiscard]] bool apply_recurring(double tau, double* y, double* work) const;

@@ -227,7 +227,7 @@ void Exosystem::sizes(const Phase& phase, double time, const double* zeta, doubl
   for (const Block& block : blocks_)
     if (block.kind == Block::Kind::oscillation) {
       const int i = block.first;
-      size[i] = size[i + 1] = std::hypot(zeta[i], zeta[i + 1]);
+      size[i] = size[i + 1] = std::sqrt(zeta[i] * zeta[i] + zeta[i + 1] * zeta[i + 1]);
     }
 }
 

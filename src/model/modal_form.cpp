@@ -39,15 +39,21 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
 }
 
 /// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
-Matrix in_pairs(const WideMatrix& from, const std::vector<std::complex<double>>& rates, Wide sign) {
+Matrix in_pairs(const WideMatrix& from, const std::vector<ModalRate>& rates, Wide sign) {
   Matrix result = Matrix::Zero(2 * static_cast<Eigen::Index>(rates.size()), from.cols());
   Eigen::Index i = 0;
   for (std::size_t k = 0; k < rates.size(); ++k, ++i) {
     const auto row = static_cast<Eigen::Index>(2 * k);
     result.row(row) = from.row(i).cast<double>();
-    if (rates[k].imag() != 0.0) result.row(row + 1) = (sign * from.row(++i)).cast<double>();
+    if (!rates[k].is_real) result.row(row + 1) = (sign * from.row(++i)).cast<double>();
   }
   return result;
+}
+
+ModalRate rate_of(std::complex<double> value) {
+  const std::complex<double> inverse = value == 0.0 ? 0.0 : 1.0 / value;
+  const double size = std::abs(value);
+  return {value, inverse, size, 1.0 / size, -1.0 / value.real(), value.imag() == 0.0};
 }
 
 }  // namespace
@@ -70,7 +76,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   auto form = std::make_unique<ModalForm>();
   for (Eigen::Index i = 0; i < n; ++i) {
     const bool pair = i + 1 < n && lambda(i, i + 1) != 0.0L;
-    form->rates.emplace_back(static_cast<double>(lambda(i, i)), pair ? static_cast<double>(lambda(i, i + 1)) : 0.0);
+    form->rates.push_back(rate_of({static_cast<double>(lambda(i, i)), pair ? static_cast<double>(lambda(i, i + 1)) : 0.0}));
     if (pair) ++i;
   }
   WideMatrix velocities = WideMatrix::Zero(n, mode.ny), pushes = velocities;
@@ -82,6 +88,9 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   form->velocities = in_pairs(velocities, form->rates, -1);
   form->pushes = in_pairs(pushes, form->rates, -1);
   form->weights = in_pairs((guards(Eigen::all, moved) * v).transpose(), form->rates, 1);
+  form->weight_sizes = Matrix(form->weights.rows() / 2, form->weights.cols());
+  for (Eigen::Index k = 0; k < form->weight_sizes.rows(); ++k)
+    form->weight_sizes.row(k) = form->weights.middleRows(2 * k, 2).colwise().norm();
   form->absolute_velocities = form->velocities.cwiseAbs();
   form->drift = Matrix::Zero(guards.rows(), mode.ny);
   form->drift(Eigen::all, given) = (guards(Eigen::all, given) * given_rates).cast<double>();

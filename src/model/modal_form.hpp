@@ -16,12 +16,21 @@
 
 namespace pwlsim::model {
 
+/// λ_k, 1/s, and what is often asked of it.
+struct ModalRate {
+  std::complex<double> value, inverse;  ///< inverse: 0 of 0
+  double size = 0.0, time = 0.0;        ///< |λ|, 1/|λ|
+  double decay_time = 0.0;              ///< −1/Re λ
+  bool is_real = true;
+};
+
 struct ModalForm {
-  std::vector<std::complex<double>> rates;  ///< λ_k, 1/s
+  std::vector<ModalRate> rates;
   /// Real and imaginary parts in rows (columns) 2k and 2k + 1.
   Matrix velocities, absolute_velocities;  ///< z' = velocities·y (2·rates × ny)
   Matrix pushes;                           ///< f' = pushes·y (2·rates × ny)
   Matrix weights;                          ///< p_k of each guard (2·rates × guards)
+  Matrix weight_sizes;                     ///< |p_k| (rates × guards)
   Matrix drift;                            ///< q·l' = drift·y (guards × ny)
 };
 

@@ -63,7 +63,8 @@ class Selector {
   void rational_only(bool only) { rational_only_ = only; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
-  [[nodiscard]] double largest_state() const { return largest_; }
+  /// At the level of rounding that the last selection needed.
+  [[nodiscard]] Verifier& verifier() { return verifier_; }
   void mark_visited(const Mode& mode);
   /// The rule J = (I \ Γ2) ∪ Γ1 of van der Schaft & Schumacher's earlier paper: from I every port changes sides whose guard is about to fall
   /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: where it asks for a jump it may be adhesive.

@@ -7,7 +7,9 @@ namespace pwlsim::model {
 
 SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosystem) {}
 
-void SourceDeparture::take(const Exosystem::Phase& phase, double time, const double* zeta) {
+bool SourceDeparture::take(const Exosystem::Phase& phase, double time, const double* zeta) {
+  if (known_ > 0 && time == time_ && std::equal(zeta, zeta + exosystem_.size(), derivatives_.begin())) return false;
+  time_ = time;
   if (known_ == 0) {
     absolute_ = exosystem_.a().cwiseAbs();
     derivatives_.resize(static_cast<std::size_t>(exosystem_.size()));
@@ -17,6 +19,7 @@ void SourceDeparture::take(const Exosystem::Phase& phase, double time, const dou
   std::copy_n(zeta, exosystem_.size(), derivatives_.begin());
   exosystem_.sizes(phase, time, zeta, sizes_.data());
   known_ = 1;
+  return true;
 }
 
 /// One derivative more; false where it vanishes.

@@ -11,8 +11,8 @@ class SourceDeparture {
  public:
   explicit SourceDeparture(const Exosystem& exosystem);
 
-  /// ζ (exosystem.size() entries, kept by the caller) at `time` in that phase.
-  void take(const Exosystem::Phase& phase, double time, const double* zeta);
+  /// ζ (exosystem.size() entries) at `time` in that phase; false where it is what was taken last.
+  bool take(const Exosystem::Phase& phase, double time, const double* zeta);
   /// That value or derivative; 0 where all of them are rounding.
   [[nodiscard]] double of(const double* row, double level);
 
@@ -23,6 +23,7 @@ class SourceDeparture {
   linalg::Matrix absolute_;                  ///< |S|
   std::vector<double> derivatives_, sizes_;  ///< S^k ζ one behind the other, and sums of the magnitudes that each is a sum of
   std::size_t known_ = 0;
+  double time_ = 0.0;
   bool others_vanish_ = false;  ///< all derivatives beyond
 };
 

@@ -1,5 +1,6 @@
 #include "model/verify.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pwlsim::model {
@@ -69,21 +70,33 @@ Departure Verifier::departure(const Mode& mode, int row) {
   return {-1, 0.0};
 }
 
-void Verifier::prepare(const Mode& mode, const double* y) {
+/// Values of all guards at once: few need more than a look, and fewer a derivative.
+void Verifier::take(const Mode& mode, const double* y) {
+  mode_ = &mode;
   ny_ = mode.ny;
-  const auto ny = static_cast<std::size_t>(ny_);
-  if (z_.size() < ny || norm_.empty()) {
+  known_ = 0;
+  const auto ny = static_cast<std::size_t>(ny_), guards = static_cast<std::size_t>(mode.guards.rows());
+  if (z_.size() < ny) {
     z_.resize(ny);
     size_.resize(ny);
-    norm_.resize(1);
   }
-  const double c_norm = linalg::norm(y, mode.n1);
-  for (std::size_t i = 0; i < ny; ++i) {
-    z_[i] = y[i];
-    size_[i] = std::abs(y[i]) + (static_cast<int>(i) < mode.n1 ? share_of_norm * c_norm : 0.0);
+  if (values_.size() < 2 * guards) values_.resize(2 * guards);
+  linalg::copy(y, ny_, z_.data());
+  linalg::multiply(mode.guards, y, values_.data());
+}
+
+/// What is needed of a state at which some guard is near to zero.
+void Verifier::prepare() {
+  const Mode& mode = *mode_;
+  if (norm_.empty()) norm_.resize(1);
+  const double c_norm = linalg::norm(z_.data(), mode.n1);
+  for (int i = 0; i < ny_; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    size_[k] = std::abs(z_[k]) + (i < mode.n1 ? share_of_norm * c_norm : 0.0);
   }
-  norm_[0] = linalg::norm(y, ny_);
+  norm_[0] = linalg::norm(z_.data(), ny_);
   known_ = 1;
+  linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + mode.guards.rows());
 }
 
 /// Square of the most that the rounding of a guard's value can be, in units of the guard's norm.
@@ -94,12 +107,9 @@ double Verifier::square_of_most_rounding(const Mode& mode, const double* y) cons
 }
 
 void Verifier::departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out) {
-  // Values of all guards at once: few need more than a look, and fewer a derivative.
+  if (mode_ != &mode || !std::equal(y, y + mode.ny, z_.data())) take(mode, y);
   const auto guards = static_cast<std::size_t>(mode.guards.rows());
-  if (values_.size() < 2 * guards) values_.resize(2 * guards);
-  linalg::multiply(mode.guards, y, values_.data());
   const double most = square_of_most_rounding(mode, y);
-  bool prepared = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto row = static_cast<std::size_t>(rows[i]);
     const double value = values_[row];
@@ -108,11 +118,7 @@ void Verifier::departures(const Mode& mode, const double* y, const std::vector<i
       out[i] = {0, value};
       continue;
     }
-    if (!prepared) {
-      prepared = true;
-      prepare(mode, y);
-      linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + guards);
-    }
+    if (known_ == 0) prepare();
     const bool decided = std::abs(value) > rounding(mode, rows[i], 0, values_[guards + row]);
     out[i] = decided ? Departure{0, value} : departure(mode, rows[i]);
   }

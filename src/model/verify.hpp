@@ -30,7 +30,8 @@ class Verifier {
   [[nodiscard]] double relaxation() const { return relaxation_; }
 
  private:
-  void prepare(const Mode& mode, const double* y);
+  void take(const Mode& mode, const double* y);
+  void prepare();
   [[nodiscard]] double square_of_most_rounding(const Mode& mode, const double* y) const;
   Departure departure(const Mode& mode, int row);  ///< of a row whose value is rounding
   [[nodiscard]] double rounding(const Mode& mode, int row, int order, double size) const;
@@ -38,10 +39,13 @@ class Verifier {
   void extend(const Mode& mode, int order);
 
   double relaxation_ = 1.0, largest_ = 0.0;
+  /// The state that was asked about last, since the next question is often about the same one: `mode_`, and z_ up to ny.
+  const Mode* mode_ = nullptr;
   int ny_ = 0;
-  int known_ = 0;                 ///< derivatives computed so far
+  int known_ = 0;                 ///< derivatives computed so far, the value among them
   std::vector<double> z_, size_;  ///< A^j y/‖A‖^j and its bound, j = 0 …
-  std::vector<double> norm_, values_;
+  std::vector<double> norm_;
+  std::vector<double> values_;  ///< of every guard; behind them the sizes of their terms, where known_ > 0
 };
 
 }  // namespace pwlsim::model

@@ -142,6 +142,25 @@ TEST_CASE("intervals that come again differ from a first one by nothing", "[unit
     }
 }
 
+TEST_CASE("an interval that comes again among others that do not", "[unit]") {
+  std::mt19937_64 engine(7);
+  const auto number = [&] { return static_cast<double>(engine() >> 11U) * 0x1p-53 - 0.5; };
+  for (const int n : {2, 7, 14}) {
+    const Matrix a = Matrix::NullaryExpr(n, n, number);
+    const Exponential used(a, norm_bound(a));
+    const Vector start = Vector::NullaryExpr(n, number);
+    for (int round = 0; round < 60; ++round)
+      // Two that drift by less than what is made up for to first order, one for a while only, and two others.
+      for (const double tau :
+           {0.7 * (1.0 + 1e-10 * round), 3.0 * (1.0 - 1e-10 * round), round < 30 ? 0.3 : 0.31, 1.0 + number(), 2.0 + number()}) {
+        const Exponential fresh(a, norm_bound(a));
+        INFO(n << " states, tau " << tau << ", round " << round);
+        const Vector expected = applied(fresh, tau, start);
+        CHECK((applied(used, tau, start) - expected).norm() <= 1e-14 * (1.0 + n * tau) * expected.norm());
+      }
+  }
+}
+
 TEST_CASE("vector and matrix forms agree, and add up", "[unit]") {
   std::mt19937_64 engine(9);
   const auto number = [&] { return static_cast<double>(engine() >> 11U) * 0x1p-53 - 0.5; };

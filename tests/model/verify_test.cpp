@@ -45,6 +45,30 @@ TEST_CASE("derivatives of the distance to the stop", "[unit]") {
   CHECK(departure(system, free, {0.0, 0.0, 0.0, 0.0}).order == -1);
 }
 
+TEST_CASE("one verifier, asked of several states and modes in turn", "[unit]") {
+  const model::System system = carts();
+  const auto free = model::build_mode(system, set_of(1, {})), stuck = model::build_mode(system, set_of(1, {0}));
+  struct Case {
+    const model::Mode& mode;
+    std::vector<double> x;
+    Departure expected;
+  };
+  // As above; the first one twice, the second time when its derivatives are known.
+  const std::vector<Case> cases{{*free, {0.0, 0.0, 0.0, -7.0}, {3, -7.0}}, {*free, {0.0, 0.0, 0.0, -7.0}, {3, -7.0}},
+                                {*free, {0.0, 5.0, -3.0, 1.0}, {1, -3.0}}, {*stuck, {0.0, -4.0, 0.0, 1.0}, {0, 4.0}},
+                                {*stuck, {0.0, 0.0, 0.0, 2.0}, {1, -2.0}}, {*free, {0.0, 0.0, 0.0, 2.0}, {3, 2.0}},
+                                {*free, {2.0, 0.0, 0.0, 0.0}, {0, 2.0}},   {*free, {0.0, 5.0, 0.0, -1.0}, {2, 5.0}}};
+  model::Verifier verifier;
+  for (const Case& c : cases) {
+    std::vector<double> y(static_cast<std::size_t>(c.mode.ny));
+    model::to_mode(system, c.mode, c.x.data(), y.data());
+    Departure d;
+    verifier.departures(c.mode, y.data(), {0}, &d);
+    CHECK(d.order == c.expected.order);
+    CHECK(d.value == Approx(c.expected.value));
+  }
+}
+
 // At the stop the force is u = −x2, with derivative −x4.
 TEST_CASE("derivatives of the force of the stop", "[unit]") {
   const model::System system = carts();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -45,7 +46,20 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
     const bool reads_ports = largest(entries(control.value.input)) > noise;
     const bool reads_state = largest(entries(control.value.state).first(static_cast<std::size_t>(system_.n))) > noise;
     control_reads_.push_back(reads_ports ? Reads::ports : reads_state ? Reads::state : Reads::sources);
+    alike_.push_back(first_alike(alike_.size()));
   }
+  source_departures_.resize(2 * system_.controls.size());
+}
+
+IslandRun::Alike IslandRun::first_alike(std::size_t control) const {
+  const model::Control& c = system_.controls[control];
+  for (std::size_t i = 0; i < control; ++i) {
+    const model::Control& other = system_.controls[i];
+    if (control_reads_[i] != Reads::sources) continue;
+    if (c.value.state == other.value.state && c.on_level == other.on_level && c.off_level == other.off_level) return {i, false};
+    if (c.value.state == -other.value.state && c.on_level == -other.off_level && c.off_level == -other.on_level) return {i, true};
+  }
+  return {control, false};
 }
 
 void IslandRun::set_switch(int port, bool closed) {
@@ -133,7 +147,6 @@ const model::Selected& IslandRun::select() {
   rests_ = same ? trigger : -1;
   all_rest_ = same && undecided_;
   trigger = -1;
-  verifier_.relax(result.relaxation, selector_.largest_state());
   if (result.mode) {
     mode = result.mode;
     wanted = mode->active;
@@ -158,10 +171,21 @@ const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on
   }
   if (control_rows_.empty()) return violated_;
   model::to_mode(system_, *mode, x.data(), scratch_.data());
-  verifier_.departures(*mode, scratch_.data(), control_rows_, control_departures_.data());
+  selector_.verifier().departures(*mode, scratch_.data(), control_rows_, control_departures_.data());
   for (std::size_t i = 0; i < control_rows_.size(); ++i)
     if (control_departures_[i].value < 0.0) violated_.push_back(control_numbers_[i]);
   return violated_;
+}
+
+/// Of a control that reads sources, as they are taken: negative where its switch must change.
+double IslandRun::source_departure_of(std::size_t i, bool is_on) {
+  const Alike alike = alike_[i];
+  is_on = is_on != alike.is_mirrored;
+  double& departure = source_departures_[2 * alike.control + (is_on ? 1 : 0)];
+  if (!std::isnan(departure)) return departure;
+  const model::Control& control = system_.controls[alike.control];
+  const double value = source_departure_.of(control.value.state.data() + system_.n, is_on ? control.off_level : control.on_level);
+  return departure = is_on ? value : -value;
 }
 
 const std::vector<int>& IslandRun::violated_without_mode(double time, const std::vector<char>& on, bool at_start) {
@@ -172,9 +196,9 @@ const std::vector<int>& IslandRun::violated_without_mode(double time, const std:
     const bool is_on = on[static_cast<std::size_t>(control.driven)] != 0;
     double departure = 0.0;
     if (control_reads_[i] == Reads::sources) {
-      if (!std::exchange(taken, true)) source_departure_.take(phase_, time, x.data() + system_.n);
-      departure = source_departure_.of(control.value.state.data() + system_.n, is_on ? control.off_level : control.on_level);
-      if (!is_on) departure = -departure;
+      if (!std::exchange(taken, true) && source_departure_.take(phase_, time, x.data() + system_.n))
+        std::fill(source_departures_.begin(), source_departures_.end(), std::numeric_limits<double>::quiet_NaN());
+      departure = source_departure_of(i, is_on);
     }
     if (control_reads_[i] == Reads::state && at_start) {
       const double value = control.value.state.dot(Eigen::Map<const model::Vector>(x.data(), system_.size()));
@@ -219,7 +243,7 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
     return;
   }
   departures_.resize(control_rows_.size());
-  verifier_.departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
+  selector_.verifier().departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
   for (std::size_t i = 0; i < control_rows_.size(); ++i) {
     if (departures_[i].order < 0 && mode->guard_norm[control_rows_[i]] == 0.0) continue;
     rows.push_back(control_rows_[i]);
@@ -325,7 +349,7 @@ bool IslandRun::changes_visibly(const model::Mode& before) {
     departures_.resize(static_cast<std::size_t>(system_.diodes));
     if (!known) {
       model::to_mode(system_, *mode, x.data(), scratch_.data());
-      verifier_.departures(*mode, scratch_.data(), control_rows_, departures_.data());
+      selector_.verifier().departures(*mode, scratch_.data(), control_rows_, departures_.data());
     }
     for (std::size_t i = 0; i < control_rows_.size(); ++i)
       if ((known ? selector_.departures()[static_cast<std::size_t>(control_rows_[i])] : departures_[i]).order >= 0) return true;

@@ -77,6 +77,7 @@ class IslandRun {
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
+  double source_departure_of(std::size_t i, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
   void take_limit(double time, double* out) const;
   void take_event(double end);
@@ -90,7 +91,6 @@ class IslandRun {
   model::Selector selector_;
   model::SourceDeparture source_departure_;
   Locator locator_;
-  model::Verifier verifier_;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
   Segment segment_;
@@ -119,6 +119,14 @@ class IslandRun {
   std::vector<std::pair<const model::Mode*, const model::Mode*>> visible_changes_;
   enum class Reads { sources, state, ports };
   std::vector<Reads> control_reads_;
+  /// A control that reads the same as this one, or as its negative with levels to match: then it is on where the other is off.
+  struct Alike {
+    std::size_t control = 0;
+    bool is_mirrored = false;
+  };
+  [[nodiscard]] Alike first_alike(std::size_t control) const;
+  std::vector<Alike> alike_;
+  std::vector<double> source_departures_;  ///< of controls that read sources, off and on; NaN: not known
   std::vector<int> control_rows_, control_numbers_, violated_;
   std::vector<model::Departure> control_departures_, departures_;
 };

@@ -235,15 +235,20 @@ double Locator::parabola_root(std::size_t i) const {
   return discriminant >= 0.0 ? 2.0 * g_[i] / (-gd_[i] + std::sqrt(discriminant)) : -1.0;
 }
 
-/// The one root of guard i (where it is −`below`) in (lower, upper): Newton kept inside its bracket. Leaves the state there in at_.
+/// The one root of guard i (where it is −`below`) in (lower, upper). Leaves the state there in at_.
 double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
+  double at = guess;
+  if (!(at > lower && at < upper)) at = 0.5 * (lower + upper);
+  state_at(s, at, at_.data());
+  return approach_root(s, i, lower, upper, at, below);
+}
+
+/// The same from `at`, whose state at_ holds: Newton's method kept inside its bracket.
+double Locator::approach_root(const Segment& s, std::size_t i, double lower, double upper, double at, double below) {
   const Mode& m = *s.mode;
   const int row = s.rows[i];
   double low = lower;
   double high = upper;
-  double at = guess;
-  if (!(at > low && at < high)) at = 0.5 * (low + high);
-  state_at(s, at, at_.data());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     linalg::multiply(m.flow.a(), at_.data(), a1_.data());
     const double value = linalg::row_times(m.guards, row, at_.data()) + below;
@@ -301,7 +306,14 @@ double Locator::go_to_root(const Segment& s, std::size_t i, double lower, double
 double Locator::polish_or_search(const Segment& s, std::size_t i, double lower, double upper, double at) {
   double tau = s.tau + at;
   if (polish(s, s.rows[i], tau)) return tau;
-  tau = s.tau + go_to_root(s, i, lower, upper, at, 0.0);
+  at = tau - s.tau;
+  if (at > lower && at < upper) {
+    linalg::copy(event_.data(), s.mode->ny, at_.data());
+    tau = s.tau + approach_root(s, i, lower, upper, at, 0.0);
+    linalg::copy(at_.data(), s.mode->ny, event_.data());
+  } else {
+    tau = s.tau + go_to_root(s, i, lower, upper, at, 0.0);
+  }
   polish(s, s.rows[i], tau);
   return tau;
 }

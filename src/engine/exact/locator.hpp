@@ -33,12 +33,12 @@ struct Segment {
 
   double tau = 0.0;  ///< marched so far; y is the state there
   std::vector<double> y;
-  double certified = 0.0;       ///< no guard falls below zero before
-  std::uint64_t intervals = 0;  ///< examined so far
-  bool sampled = false;         ///< some of it by signs at the ends only
-  double step = 0.0;            ///< length of the last interval decided, 0: none yet
+  double certified = 0.0;            ///< no guard falls below zero before
+  std::uint64_t intervals = 0;       ///< examined so far
+  bool sampled = false;              ///< some of it by signs at the ends only
+  double step = 0.0;                 ///< length of the last interval decided, 0: none yet
   int turns_without_modal_form = 0;  ///< to come, in which eigenvectors are not asked
-  int turns = 0;                ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
+  int turns = 0;                     ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
 };
 
 struct Located {
@@ -97,6 +97,7 @@ class Locator {
   [[nodiscard]] double parabola_root(std::size_t i) const;
   [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
+  double approach_root(const Segment& segment, std::size_t i, double lower, double upper, double at, double below);
   double go_to_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   double polish_or_search(const Segment& segment, std::size_t i, double lower, double upper, double at);
   void end_at_event(Segment& segment, std::size_t i, double tau, double end, Located& located);

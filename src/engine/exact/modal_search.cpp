@@ -35,48 +35,56 @@ double real_of(const Complex& a, const Complex& b) { return a.real() * b.real() 
 /// Without the treatment of infinities that the operator has.
 Complex product(const Complex& a, const Complex& b) { return {real_of(a, b), a.real() * b.imag() + a.imag() * b.real()}; }
 
-Complex quotient(const Complex& a, const Complex& b) {
-  const double square = std::norm(b);
-  return {(a.real() * b.real() + a.imag() * b.imag()) / square, (a.imag() * b.real() - a.real() * b.imag()) / square};
-}
-
 /// Second derivative times this is how far a function strays from its chord.
 double off_chord(double h) { return 0.125 * h * h; }
 
 }  // namespace
 
+void ModalSearch::evaluate(const model::ModalRate& rate, double tau, Exponents& out) {
+  const Complex x = rate.value * tau;
+  const double square = std::norm(x);
+  if (square > series_reach * series_reach) {
+    out.size = std::exp(x.real());
+    if (rate.is_real) {
+      out.e0 = out.size;
+      out.e1 = (out.size - 1.0) * rate.inverse.real();
+      out.e2 = (out.e1.real() - tau) * rate.inverse.real();
+    } else {
+      out.e0 = {out.size * std::cos(x.imag()), out.size * std::sin(x.imag())};
+      out.e1 = product(out.e0 - 1.0, rate.inverse);
+      out.e2 = product(out.e1 - tau, rate.inverse);
+    }
+    return;
+  }
+  // Half its binary exponent: |x| < 2^-(below + 1).
+  const int below = square > 0.0 ? -(std::ilogb(square) + 1) / 2 - 1 : most_depth;
+  const int terms =
+      below < static_cast<int>(series_terms.size()) ? series_terms[static_cast<std::size_t>(std::max(below, 0))] : fewest_terms;
+  if (rate.is_real) {
+    double sum = 1.0;
+    for (int j = terms; j >= 1; --j) sum = 1.0 + sum * x.real() * reciprocal[static_cast<std::size_t>(j + 2)];
+    out.e2 = 0.5 * tau * tau * sum;
+    out.e1 = tau + rate.value.real() * out.e2.real();
+    out.e0 = out.size = 1.0 + rate.value.real() * out.e1.real();
+  } else {
+    Complex sum{1.0};
+    for (int j = terms; j >= 1; --j) sum = product(sum, x) * reciprocal[static_cast<std::size_t>(j + 2)] + 1.0;
+    out.e2 = sum * (0.5 * tau * tau);
+    out.e1 = product(rate.value, out.e2) + tau;
+    out.e0 = product(rate.value, out.e1) + 1.0;
+    out.size = std::sqrt(std::norm(out.e0));
+  }
+}
+
 void ModalSearch::evaluate(double tau, Exponents* out) const {
   for (std::size_t k = 0; k < count_; ++k) {
-    const Complex rate = form_->rates[k];
+    const model::ModalRate& rate = form_->rates[k];
     Exponents& e = out[k];
-    const Complex x{rate.real() * tau, rate.imag() * tau};
-    const double square = std::norm(x);
-    const bool is_real = rate.imag() == 0.0;
-    if (square > series_reach * series_reach) {
-      e.size = std::exp(x.real());
-      e.e0 = is_real ? Complex{e.size} : Complex{e.size * std::cos(x.imag()), e.size * std::sin(x.imag())};
-      e.e1 = quotient(e.e0 - 1.0, rate);
-      e.e2 = quotient(e.e1 - tau, rate);
-      continue;
-    }
-    // Half its binary exponent: |x| < 2^-(below + 1).
-    const int below = square > 0.0 ? -(std::ilogb(square) + 1) / 2 - 1 : most_depth;
-    const int terms =
-        below < static_cast<int>(series_terms.size()) ? series_terms[static_cast<std::size_t>(std::max(below, 0))] : fewest_terms;
-    if (is_real) {
-      double sum = 1.0;
-      for (int j = terms; j >= 1; --j) sum = 1.0 + sum * x.real() * reciprocal[static_cast<std::size_t>(j + 2)];
-      e.e2 = 0.5 * tau * tau * sum;
-      e.e1 = tau + rate.real() * e.e2.real();
-      e.e0 = e.size = 1.0 + rate.real() * e.e1.real();
-    } else {
-      Complex sum{1.0};
-      for (int j = terms; j >= 1; --j) sum = product(sum, x) * reciprocal[static_cast<std::size_t>(j + 2)] + 1.0;
-      e.e2 = sum * (0.5 * tau * tau);
-      e.e1 = product(rate, e.e2) + tau;
-      e.e0 = product(rate, e.e1) + 1.0;
-      e.size = std::sqrt(std::norm(e.e0));
-    }
+    evaluate(rate, tau, e);
+    e.growth = std::max(1.0, e.size);
+    e.lasting = std::min(tau, 2.0 * rate.time);
+    const bool has_decayed = rate.decay_time > 0.0 && tau > rate.decay_time;
+    e.moving = has_decayed ? rate.decay_time : tau * e.growth;
   }
 }
 
@@ -91,12 +99,10 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
   if (points_.size() < count_ * (most_depth + 3)) {
     points_.resize(count_ * (most_depth + 3));
     trial_.resize(count_);
-    longest_.resize(count_);
   }
   if (coefficients_.size() < guards.size() * count_) coefficients_.resize(guards.size() * count_);
   if (drift_.size() < guards.size()) drift_.resize(guards.size());
 
-  for (std::size_t k = 0; k < count_; ++k) longest_[k] = 2.0 / std::sqrt(std::norm(form.rates[k]));
   double* magnitudes = &size_[rows];
   for (Eigen::Index i = 0; i < ny; ++i) magnitudes[i] = std::abs(y[i]);
   linalg::multiply(form.velocities, y, z_.data());
@@ -104,16 +110,24 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
   linalg::multiply(form.absolute_velocities, magnitudes, size_.data());
   for (std::size_t g = 0; g < guards.size(); ++g) {
     drift_[g] = linalg::row_times(form.drift, guards[g].row, y);
+    const double* weights = &form.weights(0, guards[g].row);
+    const double* weight_sizes = &form.weight_sizes(0, guards[g].row);
     for (std::size_t k = 0; k < count_; ++k) {
-      const Complex rate = form.rates[k];
-      const double* weight = &form.weights(static_cast<Eigen::Index>(2 * k), guards[g].row);
-      const Complex p{weight[0], weight[1]};
+      const model::ModalRate& rate = form.rates[k];
       Coefficients& c = coefficients_[g * count_ + k];
-      c.velocity = product(p, {z_[2 * k], z_[2 * k + 1]});
-      c.push = product(p, {push_[2 * k], push_[2 * k + 1]});
-      c.bend = product(rate, c.velocity) + c.push;
-      c.bend_size = std::sqrt(std::norm(c.bend));
-      c.noise = coordinate_noise * std::sqrt(std::norm(p)) * (size_[2 * k] + size_[2 * k + 1]);
+      if (rate.is_real) {
+        c.velocity = weights[2 * k] * z_[2 * k];
+        c.push = weights[2 * k] * push_[2 * k];
+        c.bend = rate.value.real() * c.velocity.real() + c.push.real();
+        c.bend_size = std::abs(c.bend.real());
+      } else {
+        const Complex p{weights[2 * k], weights[2 * k + 1]};
+        c.velocity = product(p, {z_[2 * k], z_[2 * k + 1]});
+        c.push = product(p, {push_[2 * k], push_[2 * k + 1]});
+        c.bend = product(rate.value, c.velocity) + c.push;
+        c.bend_size = std::sqrt(std::norm(c.bend));
+      }
+      c.noise = coordinate_noise * weight_sizes[k] * (size_[2 * k] + size_[2 * k + 1]);
     }
   }
 }
@@ -124,12 +138,11 @@ ModalSearch::Noise ModalSearch::noise_of(std::size_t guard, const Interval& in) 
   const double drift = epsilon * std::abs(drift_[guard]);
   Noise noise{guards_[guard].noise + drift * in.right, drift};
   for (std::size_t k = 0; k < count_; ++k) {
-    const double growth = std::max(1.0, in.at_right[k].size), lasting = std::min(in.right, longest_[k]);
+    const Exponents& at = in.at_right[k];
     const double push = coordinate_noise * (std::abs(c[k].push.real()) + std::abs(c[k].push.imag()));
-    const double damping = -form_->rates[k].real();
-    const double phase = epsilon * c[k].bend_size * (damping * in.right > 1.0 ? 1.0 / damping : in.right * growth);
-    noise.slope += growth * (c[k].noise + push * lasting) + phase;
-    noise.value += (growth * (c[k].noise + push * in.right) + phase) * lasting;
+    const double phase = epsilon * c[k].bend_size * at.moving;
+    noise.slope += at.growth * (c[k].noise + push * at.lasting) + phase;
+    noise.value += (at.growth * (c[k].noise + push * in.right) + phase) * at.lasting;
   }
   return noise;
 }
@@ -154,7 +167,7 @@ ModalSearch::Bend ModalSearch::bend(std::size_t guard, const Exponents* at) cons
   for (std::size_t k = 0; k < count_; ++k) {
     const Complex own = product(c[k].bend, at[k].e0);
     sum.second += own.real();
-    sum.third += real_of(own, form_->rates[k]);
+    sum.third += real_of(own, form_->rates[k].value);
   }
   return sum;
 }
@@ -164,22 +177,22 @@ double ModalSearch::least_value(std::size_t guard, const Interval& in, Line line
   const Coefficients* c = &coefficients_[guard * count_];
   const double h = in.right - in.left;
   for (std::size_t k = 0; k < count_; ++k) {
-    const Complex rate = form_->rates[k];
-    const bool is_real = rate.imag() == 0.0;
-    if (is_real && c[k].bend.real() <= 0.0) continue;  // above its chord
-    const double square = std::norm(rate), bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
-    if (square * h * h <= short_interval * short_interval || (is_real && rate.real() > 0.0)) {
+    const model::ModalRate& rate = form_->rates[k];
+    if (rate.is_real && c[k].bend.real() <= 0.0) continue;  // above its chord
+    const double bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
+    if (rate.size * h <= short_interval || (rate.is_real && rate.value.real() > 0.0)) {
       line.at_left -= bend * off_chord(h);
       line.at_right -= bend * off_chord(h);
-    } else if (is_real) {  // above its tangent at the right end
+    } else if (rate.is_real) {  // above its tangent at the right end
       const double change = c[k].velocity.real() * (in.at_right[k].e1.real() - in.at_left[k].e1.real()) +
                             c[k].push.real() * (in.at_right[k].e2.real() - in.at_left[k].e2.real());
       const double end_slope = c[k].velocity.real() * in.at_right[k].e0.real() + c[k].push.real() * in.at_right[k].e1.real();
       line.at_left -= std::max(0.0, end_slope * h - change);
     } else {  // within its own magnitude about a straight line
-      const Complex own = quotient(c[k].bend, product(rate, rate));
-      line.at_left -= real_of(own, in.at_left[k].e0) + bend / square;
-      line.at_right -= real_of(own, in.at_right[k].e0) + bend / square;
+      const Complex own = product(c[k].bend, product(rate.inverse, rate.inverse));
+      const double most = bend * rate.time * rate.time;
+      line.at_left -= real_of(own, in.at_left[k].e0) + most;
+      line.at_right -= real_of(own, in.at_right[k].e0) + most;
     }
   }
   return line.least();
@@ -191,31 +204,30 @@ void ModalSearch::bound_slope(std::size_t guard, const Interval& in, Line& least
   const double h = in.right - in.left;
   least = most = {slope(guard, in.at_left), slope(guard, in.at_right)};
   for (std::size_t k = 0; k < count_; ++k) {
-    const Complex rate = form_->rates[k];
-    const bool is_real = rate.imag() == 0.0;
-    const double size = std::sqrt(std::norm(rate)), bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
-    const bool is_convex = c[k].bend.real() * rate.real() > 0.0;
+    const model::ModalRate& rate = form_->rates[k];
+    const double bend = c[k].bend_size * std::max(in.at_left[k].size, in.at_right[k].size);
+    const bool is_convex = c[k].bend.real() * rate.value.real() > 0.0;
     double left = 0.0, right = 0.0;  // how far it may be from its chord
-    if (size * h <= short_interval || (is_real && rate.real() > 0.0)) {
-      left = right = bend * size * off_chord(h);
-    } else if (is_real) {
+    if (rate.size * h <= short_interval || (rate.is_real && rate.value.real() > 0.0)) {
+      left = right = bend * rate.size * off_chord(h);
+    } else if (rate.is_real) {
       const double change = c[k].velocity.real() * (in.at_right[k].e0.real() - in.at_left[k].e0.real()) +
                             c[k].push.real() * (in.at_right[k].e1.real() - in.at_left[k].e1.real());
       left = std::abs(c[k].bend.real() * in.at_right[k].e0.real() * h - change);
     } else {
-      const Complex own = quotient(c[k].bend, rate);
-      const double at_left = real_of(own, in.at_left[k].e0), at_right = real_of(own, in.at_right[k].e0);
-      least.at_left -= at_left + bend / size;
-      least.at_right -= at_right + bend / size;
-      most.at_left += bend / size - at_left;
-      most.at_right += bend / size - at_right;
+      const Complex own = product(c[k].bend, rate.inverse);
+      const double at_left = real_of(own, in.at_left[k].e0), at_right = real_of(own, in.at_right[k].e0), both = bend * rate.time;
+      least.at_left -= at_left + both;
+      least.at_right -= at_right + both;
+      most.at_left += both - at_left;
+      most.at_right += both - at_right;
       continue;
     }
-    if (!is_real || is_convex) {
+    if (!rate.is_real || is_convex) {
       least.at_left -= left;
       least.at_right -= right;
     }
-    if (!is_real || !is_convex) {
+    if (!rate.is_real || !is_convex) {
       most.at_left += left;
       most.at_right += right;
     }
@@ -312,7 +324,7 @@ ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<c
   is_stuck_ = false;
   last_interval_ = intervals_ + most_intervals;
   begin(guards, y);
-  evaluate(0.0, points_.data());
+  std::fill_n(points_.data(), count_, Exponents{1.0, 0.0, 0.0, 1.0});
   evaluate(h, &points_[count_]);
   const std::uint64_t all = guards.size() == most_guards ? ~std::uint64_t{0} : (std::uint64_t{1} << guards.size()) - 1;
   return examine({0.0, h, points_.data(), &points_[count_]}, all, 0);

@@ -42,7 +42,10 @@ class ModalSearch {
   /// Of one rate at one time: e^{λτ}, (e^{λτ} − 1)/λ and (that − τ)/λ.
   struct Exponents {
     Complex e0, e1, e2;
-    double size = 0.0;  ///< |e^{λτ}|
+    double size = 0.0;     ///< |e^{λτ}|
+    double growth = 1.0;   ///< the same, at least 1
+    double lasting = 0.0;  ///< that the error of a velocity adds up, unless it grows: up to τ
+    double moving = 0.0;   ///< that the error of a phase does
   };
   struct Coefficients {
     Complex velocity, push, bend;  ///< p z', p f' and p (λ z' + f')
@@ -68,6 +71,7 @@ class ModalSearch {
   };
 
   void begin(std::span<const Guard> guards, const double* y);
+  static void evaluate(const model::ModalRate& rate, double tau, Exponents& out);
   void evaluate(double tau, Exponents* out) const;
   [[nodiscard]] double value(std::size_t guard, double tau, const Exponents* at) const;
   [[nodiscard]] double slope(std::size_t guard, const Exponents* at) const;
@@ -86,7 +90,6 @@ class ModalSearch {
   std::vector<double> z_, push_, size_;     ///< z', f', and magnitudes of the terms of z'
   std::vector<Coefficients> coefficients_;  ///< guards × rates
   std::vector<double> drift_;               ///< of guards
-  std::vector<double> longest_;             ///< that the error of a rate's velocity adds up, unless it grows
   std::vector<Exponents> points_;           ///< at the start, at the end and where intervals of each depth were halved
   std::vector<Exponents> trial_;
   double positive_until_ = 0.0;
