@@ -2,11 +2,11 @@
 
 Of a run of a few hundred switching periods a quarter to a half is, in pwlsim, the building of modes and a cold start; what (long − short)/9 gives is what each further
 stretch of the deck's length costs. ngspice runs at its fastest settings below an error, as points.csv has them, with the same steps; its error is checked against
-the same reference, which ends where the deck does. The middle one of several runs of each, one after the other.
+the same reference, which ends where the deck does. The least time of each, from rounds of all of them over some minutes: what shares the machine can only add
+to a time, and adds more to a program that keeps all of a core busy.
 """
 import csv
 import re
-import statistics
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +16,7 @@ import programs
 FILE = Path(__file__).resolve().parent / "longer.csv"
 COLUMNS = ["case", "program", "error", "setting", "short", "long"]  # error: that was asked for; seconds
 TIMES = 10
-REPEATS, OWN_REPEATS = 3, 5
+ROUNDS, OWN_REPEATS = 6, 5  # of pwlsim's runs in a round; ngspice has one
 SLACK = 1.1  # of the error, which moves a little with the length of the run
 LIMIT = 120.0  # s of wall time a run
 
@@ -54,7 +54,7 @@ def write(costs):
 def lengthened(case, folder):
     text, count = re.subn(r"(?m)^(\.tran \S+) \S+", lambda m: f"{m[1]} {case.stop * TIMES!r}", case.deck.read_text(encoding="utf-8"))
     assert count == 1
-    deck = Path(folder) / "longer.net"
+    deck = Path(folder) / f"{case.name}.net"
     deck.write_text(text, encoding="utf-8")
     return replace(case, deck=deck, stop=case.stop * TIMES)
 
@@ -71,31 +71,38 @@ def ngspice_run(program, case, setting, error, empty):
     return run
 
 
-def medians(pairs):
-    """Of the short and of the long runs; None where one failed."""
-    return None if any(t is None for pair in pairs for t in pair) else [statistics.median(column) for column in zip(*pairs)]
+class Measured:
+    """The least times of the deck and of the longer one, over as many runs as there are; None once one failed."""
+
+    def __init__(self, runs):
+        self.runs, self.least = runs, [float("inf")] * len(runs)
+
+    def run(self):
+        if self.least is None:
+            return
+        times = [run() for run in self.runs]
+        self.least = None if None in times else [min(pair) for pair in zip(self.least, times)]
 
 
-def measure(program, case, fastest, empty):
-    """`fastest`: {error: setting of ngspice}. A machine that is shared may be slow for seconds: pwlsim runs before, between and after the others."""
+def measure(program, chosen, empty):
+    """`chosen`: [(case, {error: fastest setting of ngspice})]."""
     with tempfile.TemporaryDirectory() as folder, programs.limit(LIMIT):
-        both, own, others = (case, lengthened(case, folder)), [], []
-        def run_own():
-            own.extend([programs.run_pwlsim(program, c, "exact").seconds for c in both] for _ in range(OWN_REPEATS))
-        run_own()
-        for error, setting in fastest.items():
-            runs, pairs = [ngspice_run(program, c, setting, error, empty) for c in both], []
-            for _ in range(REPEATS):
-                pairs.append([run() for run in runs])
-                run_own()
-            found = medians(pairs)
-            if found:
-                others.append(Cost(case.name, "ngspice", error, setting, *found))
-        return [Cost(case.name, "pwlsim exact", None, "exact", *medians(own)), *others]
+        measured = []
+        for case, fastest in chosen:
+            both = (case, lengthened(case, folder))
+            measured.append((case.name, None, "exact", Measured([lambda c=c: programs.run_pwlsim(program, c, "exact").seconds for c in both])))
+            measured += [(case.name, error, setting, Measured([ngspice_run(program, c, setting, error, empty) for c in both]))
+                         for error, setting in fastest.items()]
+        for _ in range(ROUNDS):
+            for _, error, _, times in measured:
+                for _ in range(OWN_REPEATS if error is None else 1):
+                    times.run()
+        return [Cost(name, "ngspice" if error else "pwlsim exact", error, setting, *times.least) for name, error, setting, times in measured if times.least]
 
 
-def measure_again(program, case, fastest, empty):
-    """The case's costs anew, the other cases' as they are in the file; the new ones in words."""
-    new = measure(program, case, fastest, empty)
-    write([c for c in read() if c.case != case.name] + new)
-    return ", ".join(f"{c.program}{f' {c.error:g}' if c.error else ''} {c.further() * 1e3:.4g} ms" for c in new)
+def measure_again(program, chosen, empty):
+    """The costs of these cases anew, the other cases' as they are in the file; the new ones in words, a line a case."""
+    new = measure(program, chosen, empty)
+    names = [case.name for case, _ in chosen]
+    write([c for c in read() if c.case not in names] + new)
+    return [f"{name}, longer: " + ", ".join(f"{c.program}{f' {c.error:g}' if c.error else ''} {c.further() * 1e3:.4g} ms" for c in new if c.case == name) for name in names]

@@ -172,10 +172,11 @@ def longer_table():
             short_ratios[target] += [] if other is None else [other.short / own.short]
     return ["### What more of the same costs", "",
             f"Of a few hundred periods a quarter to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
-            "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above:", "",
+            "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above. The least times of each program, from rounds over minutes: what shares "
+            "the machine can only add to them:", "",
             "| circuit | exact | ngspice 1e-3 | ngspice 1e-4 | ratio 1e-3 | ratio 1e-4 |", "| --- | --- | --- | --- | --- | --- |",
-            *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}. Over the deck's own length, measured beside one another in the same minutes: {means_in_words(short_ratios)}; "
-            "the table above has times of pwlsim and of ngspice from different ones, in which the machine may have been slow.", ""]
+            *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}. Over the deck's own length, measured so: {means_in_words(short_ratios)}; "
+            "the table above has the middle one of fewer runs, of pwlsim and of ngspice from different minutes, in which the machine may have been slow.", ""]
 
 
 # ---- the page

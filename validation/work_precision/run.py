@@ -190,9 +190,13 @@ def measurements(program, wanted):
     return {name: measure for name, measure in found.items() if wanted in (None, name)}
 
 
-def measure_longer(program, case, points, empty):
-    best = {target: report.fastest(report.of(points, case.name, "ngspice"), target) for target in report.TARGETS}
-    return longer.measure_again(program, case, {target: point.setting for target, point in best.items() if point}, empty)
+def measure_longer(program, names, points, empty):
+    """Of the converters among these cases."""
+    chosen = []
+    for case in (case for case in map(cases.load, names) if case.kind == "converter"):
+        best = {target: report.fastest(report.of(points, case.name, "ngspice"), target) for target in report.TARGETS}
+        chosen.append((case, {target: point.setting for target, point in best.items() if point}))
+    return longer.measure_again(program, chosen, empty)
 
 
 def read_points():
@@ -244,7 +248,6 @@ def main():
         if options.only == EXACT:
             measure_exact_in_rounds(options.pwlsim, options.cases or cases.names(), points)
             write_points(points)
-        empty = programs.empty_ngspice() if options.only in (None, LONGER) and shutil.which("ngspice") else None
         for name in options.cases or cases.names():
             case = cases.load(name)
             if measured:
@@ -253,8 +256,8 @@ def main():
                 points = [p for p in points if p.case != name or p.program.split()[0] not in measured] + new
                 write_points(points)
                 print(f"{name}: {sum(p.error is not None for p in new)} of {len(new)} settings reached the end{compared}", flush=True)
-            if empty is not None and case.kind == "converter":
-                print(f"{name}, longer: {measure_longer(options.pwlsim, case, points, empty)}", flush=True)
+        if options.only in (None, LONGER) and shutil.which("ngspice"):
+            print(*measure_longer(options.pwlsim, options.cases or cases.names(), points, programs.empty_ngspice()), sep="\n", flush=True)
     report.write(points, front)
 
 
