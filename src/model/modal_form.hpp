@@ -32,6 +32,10 @@ struct ModalForm {
   Matrix weights;                          ///< p_k of each guard (2·rates × guards)
   Matrix weight_sizes;                     ///< |p_k| (rates × guards)
   Matrix drift;                            ///< q·l' = drift·y (guards × ny)
+  /// What those who search remember: where the first root of a guard was last, s from where it was looked for (0: none yet); and how many segments to come are
+  /// searched so from their start.
+  mutable double last_root = 0.0;
+  mutable int segments_at_once = 0;
 };
 
 /// Null where the eigenvectors are too near to one another, or too many, for it to be worth having. Computed in extended precision.

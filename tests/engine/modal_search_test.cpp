@@ -197,6 +197,28 @@ TEST_CASE("roots by eigenvectors: a fast transient beside a slow guard costs no 
   CHECK(search.intervals() <= 6);
 }
 
+// 1/2 + cos τ, whose first root is 2π/3, with the rest of a long run before it; then from where it is zero, until it is so again.
+TEST_CASE("how far there is to go does not count before an event", "[unit]") {
+  Matrix a = Matrix::Zero(3, 3), c(1, 3);
+  a(0, 1) = 1.0;
+  a(1, 0) = -1.0;
+  c << 1.0, 0.0, 0.5;
+  const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1));
+  const auto mode = model::build_mode(system, model::IndexSet(1));
+  const auto form = model::modal_form(system, *mode);
+  REQUIRE(form);
+  const Vector y = (Vector(3) << 1.0, 0.0, 1.0).finished();
+  const std::vector<ModalSearch::Guard> guards{{0, 1.5, noise, false}};
+  ModalSearch search;
+  for (const double rest : {10.0, 1e3, 1e6, 1e9}) {
+    const std::uint64_t before = search.intervals();
+    const ModalSearch::Found found = search.search(*form, guards, y.data(), rest);
+    CHECK(found.verdict == ModalSearch::Verdict::root);
+    CHECK(found.at == Approx(2.0 * std::numbers::pi / 3.0).epsilon(1e-13));
+    CHECK(search.intervals() - before <= 8);
+  }
+}
+
 TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
   Matrix a(2, 2);
   a << -1.0, 1.0, 0.0, -1.0;

@@ -106,6 +106,7 @@ class Locator {
   void straight_lines(Segment& segment, double end, Located& located);
   void accept(Segment& segment, double h, double end);
   void march(Segment& segment, double end, Located& located);
+  static bool is_worth_eigenvectors(const Segment& segment);
   enum class Progress { none, some, to_end };
   Progress search_modal_form(Segment& segment, double end, double shortest, Located& located);
   bool enter_slow_part(Segment& segment);

@@ -8,8 +8,9 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// So many intervals in, eigenvectors are worth looking for.
+/// So many intervals in, eigenvectors are worth looking for; and for so many segments after one that came to that, from the first one on.
 constexpr std::uint64_t intervals_before_modal_form = 3;
+constexpr int segments_at_once = 64;
 /// So few of a search are made again where the segment goes on: stepping to their end costs more.
 constexpr std::uint64_t few_intervals = 4;
 /// Where eigenvectors had nothing to say, turns until they are asked again; and where a guard comes near to zero, which other tests tell from a crossing.
@@ -17,17 +18,27 @@ constexpr int turns_without = 2, turns_beside_zero = 64;
 
 }  // namespace
 
+/// Whether the mode has them, and the segment, or one before it, took many intervals without them.
+bool Locator::is_worth_eigenvectors(const Segment& s) {
+  const model::Mode& m = *s.mode;
+  const bool is_long = s.intervals >= intervals_before_modal_form;
+  if (!m.modal_form_known && is_long) {
+    m.modal_form = model::modal_form(*s.system, m);
+    m.modal_form_known = true;
+  }
+  if (!m.modal_form) return false;
+  int& left = m.modal_form->segments_at_once;
+  if (left > 0 && s.intervals == 0) --left;
+  if (left == 0 && is_long) left = segments_at_once;
+  return left > 0;
+}
+
 /// To the end of the segment, or its first event; some way, with no event before; or none, where eigenvectors have nothing to say. Needs first derivatives.
 Locator::Progress Locator::search_modal_form(Segment& s, double end, double shortest, Located& located) {
   const model::Mode& m = *s.mode;
   if (s.part || --s.turns_without_modal_form >= 0) return Progress::none;
   s.turns_without_modal_form = 0;
-  if (!m.modal_form_known) {
-    if (s.intervals < intervals_before_modal_form) return Progress::none;
-    m.modal_form = model::modal_form(*s.system, m);
-    m.modal_form_known = true;
-  }
-  if (!m.modal_form) return Progress::none;
+  if (!is_worth_eigenvectors(s)) return Progress::none;
   const auto nothing = [&s](int turns) {
     s.turns_without_modal_form = turns;
     return Progress::none;

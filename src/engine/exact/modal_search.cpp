@@ -21,6 +21,7 @@ constexpr int fewest_terms = 5;
 constexpr int most_depth = 40;  ///< of halving
 constexpr std::uint64_t most_intervals = 1000;
 constexpr std::size_t most_guards = 64;
+constexpr double beyond_last_root = 1.25;  ///< where a root is looked for, against where the last one was
 constexpr double last_step = 1e-13;  ///< of Newton's, relative to the root
 constexpr int most_iterations = 60;
 
@@ -315,6 +316,14 @@ ModalSearch::Found ModalSearch::examine(const Interval& in, std::uint64_t open, 
   return examine({middle, in.right, at_middle, in.at_right}, undecided | falling, depth + 1);
 }
 
+/// Up to where the slowest oscillation has turned: an interval that goes beyond is seldom decided.
+double ModalSearch::turn() const {
+  double time = 0.0;
+  for (const model::ModalRate& rate : form_->rates)
+    if (!rate.is_real) time = std::max(time, rate.time);
+  return time > 0.0 ? short_interval * time : INFINITY;
+}
+
 ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<const Guard> guards, const double* y, double h) {
   if (guards.size() > most_guards) return {};
   form_ = &form;
@@ -324,10 +333,26 @@ ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<c
   is_stuck_ = false;
   last_interval_ = intervals_ + most_intervals;
   begin(guards, y);
-  std::fill_n(points_.data(), count_, Exponents{1.0, 0.0, 0.0, 1.0});
-  evaluate(h, &points_[count_]);
+  Exponents *at_left = points_.data(), *at_right = at_left + count_;
+  std::fill_n(at_left, count_, Exponents{1.0, 0.0, 0.0, 1.0});
   const std::uint64_t all = guards.size() == most_guards ? ~std::uint64_t{0} : (std::uint64_t{1} << guards.size()) - 1;
-  return examine({0.0, h, points_.data(), &points_[count_]}, all, 0);
+
+  double length = form.last_root > 0.0 ? beyond_last_root * form.last_root : h;
+  if (const double short_one = turn(); form.last_root == 0.0 && short_one < h) {
+    evaluate(h, at_right);
+    const Found whole = examine({0.0, h, at_left, at_right}, all, most_depth);
+    if (whole.verdict != Verdict::undecided || is_stuck_) return whole;
+    length = short_one;
+  }
+  for (double left = 0.0;; length *= 2.0) {
+    const double right = h - left < 2.0 * length ? h : left + length;
+    evaluate(right, at_right);
+    const Found found = examine({left, right, at_left, at_right}, all, 0);
+    if (found.verdict == Verdict::root) form.last_root = found.at;
+    if (found.verdict != Verdict::positive || right == h) return found;
+    std::copy_n(at_right, count_, at_left);
+    left = right;
+  }
 }
 
 }  // namespace pwlsim::engine

@@ -3,7 +3,8 @@
 ///
 /// Over [l, r] each term is enclosed between straight lines: by its chord, its tangents and the sign of its second derivative where the rate is real, by
 /// ±|second derivative|(r − l)²/8 about the chord where it is slow, by its own decaying magnitude where it is fast. A term that decays in no time costs nothing but that, so
-/// that the interval need not be of its length. An interval that is not decided so is halved.
+/// that the interval need not be of its length. An interval that is not decided so is halved. What there is to search may be the rest of a long run: it begins with a length that holds the
+/// root that was found last in the mode, and goes on in doubled ones.
 
 #include <algorithm>
 #include <complex>
@@ -70,6 +71,7 @@ class ModalSearch {
     double second = 0.0, third = 0.0;  ///< derivatives
   };
 
+  [[nodiscard]] double turn() const;
   void begin(std::span<const Guard> guards, const double* y);
   static void evaluate(const model::ModalRate& rate, double tau, Exponents& out);
   void evaluate(double tau, Exponents* out) const;
@@ -90,7 +92,7 @@ class ModalSearch {
   std::vector<double> z_, push_, size_;     ///< z', f', and magnitudes of the terms of z'
   std::vector<Coefficients> coefficients_;  ///< guards × rates
   std::vector<double> drift_;               ///< of guards
-  std::vector<Exponents> points_;           ///< at the start, at the end and where intervals of each depth were halved
+  std::vector<Exponents> points_;           ///< at the ends of the interval that is halved, and where intervals of each depth were halved
   std::vector<Exponents> trial_;
   double positive_until_ = 0.0;
   bool is_stuck_ = false;  ///< at a guard that is rounding where an interval begins: no shorter one tells more
