@@ -12,6 +12,7 @@ constexpr CardKind kinds[] = {
     {".subckt", CardRole::subcircuit, "begins a subcircuit"},
     {".ends", CardRole::end_of_subcircuit, "ends a subcircuit"},
     {".param", CardRole::parameter, "defines parameters"},
+    {".params", CardRole::parameter, "defines parameters"},
     {".func", CardRole::function, "defines a function"},
     {".model", CardRole::model, "defines a model"},
     {".global", CardRole::global, "names nodes that are one in all subcircuits"},

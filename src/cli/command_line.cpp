@@ -333,16 +333,22 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
 }
 
 /// `D1=on,D2=off`
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
 std::vector<std::pair<std::string, bool>> read_mode(std::string_view text, Complaints& complaints) {
   std::vector<std::pair<std::string, bool>> mode;
   while (true) {
     const std::string_view item = text.substr(0, text.find(','));
     const std::size_t equals = item.find('=');
-    const std::string_view state = equals == std::string_view::npos ? "" : item.substr(equals + 1);
-    if (equals == 0 || !(same_name(state, "on") || same_name(state, "off"))) {
+    const std::string_view name = without_blanks(item.substr(0, equals));
+    const std::string_view state = equals == std::string_view::npos ? "" : without_blanks(item.substr(equals + 1));
+    if (name.empty() || !(same_name(state, "on") || same_name(state, "off"))) {
       complaints.add("E-option-value", fmt::format("`--mode` has `{}` where a port and its state are meant; try D1=on or D1=off", item));
     } else {
-      mode.emplace_back(item.substr(0, equals), same_name(state, "on"));
+      mode.emplace_back(name, same_name(state, "on"));
     }
     if (item.size() == text.size()) return mode;
     text.remove_prefix(item.size() + 1);

@@ -133,7 +133,10 @@ bool Exponential::apply_recurring(double tau, double* y, double* work) const {
     for (Eigen::Index i = 0; i < n; ++i) y[i] += rest * work[i];
     return true;
   }
-  // Not seen lately: it takes the place of another one that is not worth more, in turn.
+  // Not seen lately: every second time, in no rhythm, it takes the place of another one that is not worth more, in turn. So that of
+  // more intervals than there are places, in rotation, some stay until they recur.
+  constexpr std::uint32_t golden_ratio = 0x9E3779B9U, half = 0x80000000U;
+  if ((misses_ += golden_ratio) < half) return false;
   Recurring& entry = recurring_[victim_++ % recurring_.size()];
   if (entry.worth > worth_of_a_use) {
     entry.worth -= entry.worth / 8 + 1;

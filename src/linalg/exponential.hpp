@@ -53,6 +53,7 @@ class Exponential {
   [[nodiscard]] bool apply_recurring(double tau, double* y, double* work) const;
   mutable std::array<Recurring, 4> recurring_;
   mutable std::size_t victim_ = 0;
+  mutable std::uint32_t misses_ = 0;  ///< times the golden ratio
 };
 
 /// A norm bound that is cheap and not too pessimistic: the least of the 1-, ∞- and Frobenius norms.

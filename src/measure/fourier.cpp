@@ -16,6 +16,8 @@ constexpr double sliver = 1e-14;
 constexpr double degree = 180.0 / std::numbers::pi;
 /// Of the fundamental: a magnitude that is rounding has no phase, and a fundamental of that size no distortion.
 constexpr double nothing = 1e-13;
+/// Of the mean square: what is left of it behind the fundamental, and is rounding.
+constexpr double parseval_rounding = 4e-15;
 
 circuit::MeasuredExpression signal_expression(int probe) {
   circuit::MeasuredExpression expression;
@@ -125,8 +127,10 @@ FourierResult FourierMeter::finish(double reached) const {
     return result;
   }
   const double mean = result.harmonics[0].magnitude;
-  const auto all = static_cast<double>(2.0L * (square_ / length - static_cast<long double>(mean) * mean)) - fundamental * fundamental;
-  result.total_distortion = std::sqrt(std::max(all, 0.0)) / fundamental;
+  const auto power = static_cast<double>(2.0L * square_ / length);
+  const double all = power - 2.0 * mean * mean - fundamental * fundamental;
+  const bool is_rounding = all <= parseval_rounding * power;
+  result.total_distortion = std::sqrt(is_rounding ? listed : std::max(all, listed)) / fundamental;
   return result;
 }
 

@@ -260,15 +260,18 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
         has_source = true;
         if (!element_span.known()) element_span = b.label.span;
       }
+      for (const auto& r : network_.resistors)
+        if (r.label.name == owner && !element_span.known()) element_span = r.label.span;
       element_names += (element_names.empty() ? "" : ", ") + owner;
     }
   }
   const WideMatrix said = combination.kernel().transpose() * nw;
   const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
-  if (has_source) {
+  const bool is_loop_of_wires = !has_source && node_names.empty() && !element_names.empty();
+  if (has_source || is_loop_of_wires) {
     diagnostics_.error("E-source-loop", element_span,
-                       fmt::format("{} {} a loop of voltage sources without resistance{}; try a small resistor in series", element_names,
-                                   element_names.find(',') == std::string::npos ? "forms" : "form",
+                       fmt::format("{} {} a loop {}without resistance{}; try a small resistor in series", element_names,
+                                   element_names.find(',') == std::string::npos ? "forms" : "form", has_source ? "of voltage sources " : "",
                                    contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
     return;
   }

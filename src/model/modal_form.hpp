@@ -19,8 +19,8 @@ namespace pwlsim::model {
 /// λ_k, 1/s, and what is often asked of it.
 struct ModalRate {
   std::complex<double> value, inverse;  ///< inverse: 0 of 0
-  double size = 0.0, time = 0.0;        ///< |λ|, 1/|λ|
-  double decay_time = 0.0;              ///< −1/Re λ
+  double size = 0.0, time = 0.0;        ///< |λ|, 1/|λ| (∞ of 0)
+  double decay_time = 0.0;              ///< −1/Re λ: negative where it grows, ±∞ where it lasts
   bool is_real = true;
 };
 

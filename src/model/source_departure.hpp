@@ -11,8 +11,9 @@ class SourceDeparture {
  public:
   explicit SourceDeparture(const Exosystem& exosystem);
 
-  /// ζ (exosystem.size() entries) at `time` in that phase; false where it is what was taken last.
-  bool take(const Exosystem::Phase& phase, double time, const double* zeta);
+  /// ζ (exosystem.size() entries) at `time` in that phase; false where it is what was taken last. (A corner is passed before the first question
+  /// at its time, or shows in ζ.)
+  [[nodiscard]] bool take(const Exosystem::Phase& phase, double time, const double* zeta);
   /// That value or derivative; 0 where all of them are rounding.
   [[nodiscard]] double of(const double* row, double level);
 

@@ -39,7 +39,8 @@ class Verifier {
   void extend(const Mode& mode, int order);
 
   double relaxation_ = 1.0, largest_ = 0.0;
-  /// The state that was asked about last, since the next question is often about the same one: `mode_`, and z_ up to ny.
+  /// The state that was asked about last, since the next question is often about the same one: `mode_`, and z_ up to ny. Modes must stay as and
+  /// where they are.
   const Mode* mode_ = nullptr;
   int ny_ = 0;
   int known_ = 0;                 ///< derivatives computed so far, the value among them

@@ -12,7 +12,7 @@ CardStyle::CardStyle(std::string_view name) {
   function_ = same_name(name, ".func");
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
-  parameters_ = takes_params_ || same_name(name, ".param");
+  parameters_ = takes_params_ || same_name(name, ".param") || same_name(name, ".params");
   source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
 }
 

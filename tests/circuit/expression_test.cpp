@@ -63,6 +63,12 @@ TEST_CASE("functions of expressions have their values", "[unit]") {
   CHECK(value_of("if(2>1, 3, 1/0)") == 3.0);
   CHECK(value_of("ternary_fcn(0, 1/0, 4)") == 4.0);
   CHECK(value_of("LIMIT(7,-inf,INF)") == 7.0);
+  CHECK(value_of("round(2.5) + round(-2.5)*10 + round(1.4)*100") == 73.0);
+  CHECK(value_of("arcsin(1)*2 + arccos(1) - arctan(1)*4") == Approx(0.0).margin(1e-15));
+  CHECK(value_of("sinh(asinh(2)) + cosh(acosh(3)) + tanh(atanh(0.5))") == Approx(5.5).epsilon(1e-14));
+  CHECK(value_of("hypot(3,4)") == 5.0);
+  CHECK(value_of("pwr(-2,3) + pwrs(-2,3)*10 + pwrs(2,3)*100") == 728.0);
+  CHECK(value_of("buf(0.6) + buf(0.5)*10 + inv(0.6)*100 + inv(0.5)*1000") == 1001.0);
 }
 
 TEST_CASE("parameters may be used before they are defined and the last definition wins", "[unit]") {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
 #include "deck.hpp"
 
@@ -56,6 +58,38 @@ R1 x y {p}
   REQUIRE(deck.compiled.has_value());
   CHECK(named(deck.network().resistors, "X1.R1").resistance == 3.0);
   CHECK(named(deck.network().resistors, "X2.R1").resistance == 10.0);
+}
+
+// The example of LTspice's manual, and of its help on .params.
+TEST_CASE("a call may give what the subcircuit reads and does not declare", "[unit]") {
+  const auto deck = compile_deck(R"(X1 in out 0 divider top=9K bot=1K
+V1 in 0 pulse(0 1 0 .5m .5m 0 1m)
+.params x=y y=z z=1k*tan(pi/4+.1)
+X2 in low 0 divider top=x bot=z
+X3 in 0 outer p=3
+.param p=7
+.subckt divider A B C
+R1 A B {top}
+R2 B C {bot}
+.ends divider
+.subckt outer a b
+.param q={2*p}
+.subckt inner a b
+R1 a b {q}
+.ends
+X1 a b inner
+.ends
+.tran 3m
+)");
+  INFO(deck.messages());
+  REQUIRE(deck.compiled.has_value());
+  CHECK(named(deck.network().resistors, "X1.R1").resistance == 9e3);
+  CHECK(named(deck.network().resistors, "X1.R2").resistance == 1e3);
+  CHECK(named(deck.network().resistors, "X2.R1").resistance == Approx(1e3 * std::tan(0.25 * std::numbers::pi + 0.1)).epsilon(1e-14));
+  CHECK(named(deck.network().resistors, "X3.X1.R1").resistance == 6.0);
+  const auto wrong = compile_deck("V1 a 0 1\nX1 a 0 s rtp=2\n.subckt s a b rtop=1\nR1 a b {rtop}\n.ends\n.tran 1m\n");
+  CHECK(wrong.count("E-unknown-parameter") == 1);
+  CHECK(wrong.messages().find("has no parameter 'rtp'; try 'rtop'") != std::string::npos);
 }
 
 TEST_CASE("global nodes and ground are one everywhere, others are local to their call", "[unit]") {
@@ -160,6 +194,9 @@ TEST_CASE("the number of output rows has a limit that an option raises", "[unit]
   CHECK(compile_deck("V1 a 0 1\n.tran 1n 2\n").count("E-too-many-rows") == 1);
   CHECK(compile_deck("V1 a 0 1\n.tran 1n 2\n.options max_rows=1e10\n").compiled.has_value());
   CHECK(compile_deck("V1 a 0 1\n.tran 1n 0.9\n").compiled.has_value());
+  // 1e-6/1e-9 is a little less than 1000, as numbers go.
+  CHECK(compile_deck("V1 a 0 1\n.tran 1n 1u\n.options max_rows=1000\n").count("E-too-many-rows") == 1);
+  CHECK(compile_deck("V1 a 0 1\n.tran 1n 1u\n.options max_rows=1001\n").compiled.has_value());
 }
 
 TEST_CASE("options of the run are handed on", "[unit]") {

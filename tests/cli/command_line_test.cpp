@@ -160,7 +160,7 @@ TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {
   CHECK_FALSE(inspect({"inspect", "c.net"}).json);
   const Words words = GENERATE(Words{"inspect", "c.net", "--mode", "D1=on,X1.D2=OFF", "--json", "--quiet"},
                                Words{"inspect", "--json", "--mode=D1=on,X1.D2=OFF", "--quiet", "c.net"},
-                               Words{"--json", "--quiet", "inspect", "--mode", "D1=on,X1.D2=OFF", "--", "c.net"});
+                               Words{"--json", "--quiet", "inspect", "--mode", " D1 = on, X1.D2=OFF ", "--", "c.net"});
   const cli::InspectOptions options = inspect(words);
   CHECK(options.deck == "c.net");
   CHECK(options.json);
@@ -170,7 +170,7 @@ TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {
 }
 
 TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]") {
-  const std::string text = GENERATE("", "D1", "D1=", "=on", "D1=maybe", "D1=on,", "D1=on;D2=off");
+  const std::string text = GENERATE("", "D1", "D1=", "=on", " =on", "D1=maybe", "D1=on,", "D1=on;D2=off");
   CHECK(refused({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
   CHECK(refused({"inspect"}).find("error[E-no-deck]") == 0);
   CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is no option of pwlsim; try `--json`\n");

@@ -284,6 +284,12 @@ TEST_CASE("an expression that moves too fast to be followed has no value", "[uni
   }
 }
 
+TEST_CASE("a sine has no harmonics, by Parseval neither", "[unit]") {
+  const Measured m = measure_deck("sine\nV1 a 0 SIN(0 1 1k)\nR1 a 0 1k\nC1 a 0 1u\n.tran 1m 5m\n.four 1k v(a) i(R1)\n");
+  REQUIRE(m.results.fourier.size() == 2);
+  for (const auto& result : m.results.fourier) CHECK(result.total_distortion < 1e-12);
+}
+
 TEST_CASE("total harmonic distortion of a square wave is sqrt(pi^2/8 - 1)", "[unit]") {
   const Measured m = measure_deck(
       "square\n"

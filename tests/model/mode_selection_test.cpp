@@ -165,11 +165,17 @@ bool counted_right(const model::Selected& selected, const ExactOutcome& exact) {
   return counted == static_cast<std::size_t>(smooth);
 }
 
-/// Whatever ports that are one another's twins share.
-bool ends_in_one_state(const Ends& ends) {
+/// Whatever ports that are one another's twins share: one state, and one motion from it.
+bool go_on_alike(const Ends& ends, model::Selector& selector, int k) {
+  const auto mode_of = [&](const ExactSolution& s) -> const model::Mode& {
+    model::IndexSet set(k);
+    for (int i = 0; i < k; ++i) set.set(i, ((s.active >> static_cast<unsigned>(i)) & 1U) != 0);
+    return selector.mode(set);
+  };
   return std::all_of(ends.smooth.begin(), ends.smooth.end(), [&](const ExactSolution& s) {
     const Vector& first = ends.smooth[0].state_after;
-    return (s.state_after - first).norm() <= agreement * (1.0 + first.norm());
+    return (s.state_after - first).norm() <= agreement * (1.0 + first.norm()) &&
+           selector.continues_alike(mode_of(ends.smooth[0]), mode_of(s), first.data());
   });
 }
 
@@ -188,7 +194,7 @@ void compare_rational(std::uint64_t seed, const RandomSystem& random, const Exac
   if (model::RationalProblem(system).is_uniquely_solvable(model::IndexSet(k))) {
     ++tally.certified;
     if (exact.all_regular) CHECK(exact.solutions.size() == 1);
-    CHECK(ends_in_one_state(ends));
+    CHECK(go_on_alike(ends, selector, k));
   }
   if (confirmed(selected, x, ends, k)) return;
   const bool has_mode = selected.choice == Choice::found || selected.choice == Choice::several;

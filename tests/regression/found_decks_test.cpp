@@ -18,6 +18,29 @@ TEST_CASE("a switch whose control no state and no source can move", "[regression
   for (const auto& row : run.rows) CHECK(row[1] == 0.0);
 }
 
+// 1 V behind 1 Ω to 1 µF and 10 Ω: v(b) moves by 1/64 of its time constant of 0.9 µs in one of the steps that tell a jump from a motion.
+TEST_CASE("the sparse engine takes no fast motion after an edge for a jump", "[regression]") {
+  const DeckRun run = run_text_sparse(
+      "t\nV1 c 0 PULSE(0 1 1m 0 0 1m 2m)\nV2 a 0 1\nS1 a b c 0 SW\nR1 b 0 10\nC1 b 0 1u\n.model SW SW(Vt=.5 Ron=1)\n.save v(b)\n.tran 1m "
+      "4m\n",
+      1e-4, true);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.statistics.jumps == 0);
+  // Before and behind each edge the same: it has come to rest, at 0 or at 10/11 V.
+  for (const auto& row : run.rows) CHECK(row[1] == Approx(row[0] == 2e-3 || row[0] == 4e-3 ? 1.0 / 1.1 : 0.0).margin(3e-4 / 1.1));
+}
+
+TEST_CASE("wires in a loop are named", "[regression]") {
+  const DeckRun run = run_text("t\nV1 a 0 1\nR1 a b 0\nR2 a b 0\nR3 b 0 1\n.tran 1 1\n");
+  CHECK(run.messages.find("error[E-source-loop]: R1, R2 form a loop without resistance, so their currents are not determined") !=
+        std::string::npos);
+}
+
+TEST_CASE("modes are counted where there are diodes or switches", "[regression]") {
+  CHECK(run_text("t\nV1 a 0 1\nR1 a b 1\nC1 b 0 1\n.tran 1 1 uic\n").answer.statistics.modes_visited == 1);
+  CHECK(run_text("t\nV1 a 0 SIN(0 1 1)\nD1 a b D\nR1 b 0 1\n.model D D\n.tran 10m 3 uic\n").answer.statistics.modes_visited == 2);
+}
+
 // W19 opens and closes every 6e-19 s around a current that nothing else sees: 10^11 flips to the end of the run.
 TEST_CASE("a switch that flips on and on with no effect ends the run with a message", "[regression]") {
   const DeckRun run = run_text(

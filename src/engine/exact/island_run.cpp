@@ -53,6 +53,7 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
 
 IslandRun::Alike IslandRun::first_alike(std::size_t control) const {
   const model::Control& c = system_.controls[control];
+  if (control_reads_[control] != Reads::sources) return {control, false};
   for (std::size_t i = 0; i < control; ++i) {
     const model::Control& other = system_.controls[i];
     if (control_reads_[i] != Reads::sources) continue;
@@ -180,12 +181,12 @@ const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on
 /// Of a control that reads sources, as they are taken: negative where its switch must change.
 double IslandRun::source_departure_of(std::size_t i, bool is_on) {
   const Alike alike = alike_[i];
-  is_on = is_on != alike.is_mirrored;
-  double& departure = source_departures_[2 * alike.control + (is_on ? 1 : 0)];
+  const bool other_is_on = is_on != alike.is_mirrored;
+  double& departure = source_departures_[2 * alike.control + (other_is_on ? 1 : 0)];
   if (!std::isnan(departure)) return departure;
-  const model::Control& control = system_.controls[alike.control];
-  const double value = source_departure_.of(control.value.state.data() + system_.n, is_on ? control.off_level : control.on_level);
-  return departure = is_on ? value : -value;
+  const model::Control& other = system_.controls[alike.control];
+  const double value = source_departure_.of(other.value.state.data() + system_.n, other_is_on ? other.off_level : other.on_level);
+  return departure = other_is_on ? value : -value;
 }
 
 const std::vector<int>& IslandRun::violated_without_mode(double time, const std::vector<char>& on, bool at_start) {

@@ -306,10 +306,10 @@ double Locator::go_to_root(const Segment& s, std::size_t i, double lower, double
 double Locator::polish_or_search(const Segment& s, std::size_t i, double lower, double upper, double at) {
   double tau = s.tau + at;
   if (polish(s, s.rows[i], tau)) return tau;
-  at = tau - s.tau;
-  if (at > lower && at < upper) {
+  const double moved = tau - s.tau;
+  if (moved > lower && moved < upper) {
     linalg::copy(event_.data(), s.mode->ny, at_.data());
-    tau = s.tau + approach_root(s, i, lower, upper, at, 0.0);
+    tau = s.tau + approach_root(s, i, lower, upper, moved, 0.0);
     linalg::copy(at_.data(), s.mode->ny, event_.data());
   } else {
     tau = s.tau + go_to_root(s, i, lower, upper, at, 0.0);

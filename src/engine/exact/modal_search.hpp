@@ -78,7 +78,7 @@ class ModalSearch {
   [[nodiscard]] double value(std::size_t guard, double tau, const Exponents* at) const;
   [[nodiscard]] double slope(std::size_t guard, const Exponents* at) const;
   [[nodiscard]] Bend bend(std::size_t guard, const Exponents* at) const;
-  [[nodiscard]] double least_value(std::size_t guard, const Interval& interval, Line chord) const;
+  [[nodiscard]] double least_value(std::size_t guard, const Interval& interval, Line line) const;
   void bound_slope(std::size_t guard, const Interval& interval, Line& least, Line& most) const;
   [[nodiscard]] Noise noise_of(std::size_t guard, const Interval& interval) const;
   Verdict judge(std::size_t guard, const Interval& interval);

@@ -208,7 +208,7 @@ void Transient::finish() {
     s.states += static_cast<std::uint64_t>(island.system().n);
     s.ports += static_cast<std::uint64_t>(island.system().diodes);
     s.switches += static_cast<std::uint64_t>(island.system().ports - island.system().diodes);
-    s.modes_visited += island.selector().modes_visited();
+    if (island.system().ports > 0) s.modes_visited += island.selector().modes_visited();  // others have but one
     s.lcp_pivots += island.selector().pivots();
     s.steps += island.locator().intervals();
     passive &= island.system().passive;
@@ -219,6 +219,7 @@ void Transient::finish() {
                        "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
                        island.locator().sampled(), island.system().name, 1024)});
   }
+  s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
   note_open_signals();
   answer_.jumps = jump_recorder_.take();
   if (several_ > 0)

@@ -290,7 +290,7 @@ void Block::add_statistics(Statistics& s) const {
   s.states += descriptor_.states().size();
   s.ports += static_cast<std::uint64_t>(descriptor_.first_switch());
   s.switches += descriptor_.ports().size() - static_cast<std::uint64_t>(descriptor_.first_switch());
-  s.modes_visited += positions_.size();
+  if (!descriptor_.ports().empty()) s.modes_visited += positions_.size();  // others have but one
   s.events += events_;
   s.jumps += jumps_;
   s.lcp_pivots += ports_.pivots();

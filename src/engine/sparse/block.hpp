@@ -119,7 +119,7 @@ class Block {
   void end_before_passage(const Beginning& beginning, Instant& instant, int& level);
   [[nodiscard]] Solved euler_steps(double h, Instant& instant);
   [[nodiscard]] bool jumps(double h, double motion);
-  [[nodiscard]] const std::vector<double>& drawn_back();
+  [[nodiscard]] const std::vector<double>& drawn_back(const Point& first, const Point& second);
   [[nodiscard]] double difference(const std::vector<double>& states, const std::vector<double>& z) const;
   bool watch_crowd(double time);
 

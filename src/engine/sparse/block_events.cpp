@@ -23,6 +23,7 @@ constexpr double room_share = 1.0 / 16.0;
 /// two, a step 2^−6 as long tells.
 constexpr double jump_share = 1.0;
 constexpr int deeper = 6;
+constexpr double small_motion = 0.01;
 /// Levels by which the Euler steps may shrink for the sake of a motion, or where they end in two positions, or in none.
 constexpr int most_refinement = 16, refinement = 4;
 constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it
@@ -170,19 +171,22 @@ Solved Block::euler_steps(double h, Instant& instant) {
   return stepper_.euler(first_, h, second_);
 }
 
-/// Whether the states move at the instant itself because they jump: then they do in a much shorter step as well.
+/// Whether the states move at the instant itself because they jump: then they do in much shorter steps as well.
 bool Block::jumps(double h, double motion) {
-  Point brief;
-  if (stepper_.euler(point_, h * std::ldexp(1.0, -deeper), brief, start_memory_) != Solved::yes) return true;
+  const double shorter = h * std::ldexp(1.0, -deeper);
+  Point first, second;
+  if (stepper_.euler(point_, shorter, first, start_memory_) != Solved::yes) return true;
+  // What h draws back of a motion, (h/τ)², is what the shorter step moves, h/64τ, where h/τ is 1/64: from that the instant is drawn, too.
+  if (motion > small_motion || stepper_.euler(first, shorter, second) != Solved::yes) second = first;
   std::vector<double> states;
-  descriptor_.measure_states(brief.z.data(), states);
-  return difference(states, drawn_back()) <= std::max(unsettled_jump * motion, reltol_);
+  descriptor_.measure_states(drawn_back(first, second).data(), states);
+  return difference(states, drawn_back(first_, second_)) <= std::max(unsettled_jump * motion, reltol_);
 }
 
-/// The unknowns at the instant: those of the two Euler steps, extrapolated.
-const std::vector<double>& Block::drawn_back() {
-  w_ = first_.z;
-  for (std::size_t i = 0; i < w_.size(); ++i) w_[i] += first_.z[i] - second_.z[i];
+/// The unknowns at the instant: those of the ends of two Euler steps from there, extrapolated.
+const std::vector<double>& Block::drawn_back(const Point& first, const Point& second) {
+  w_ = first.z;
+  for (std::size_t i = 0; i < w_.size(); ++i) w_[i] += first.z[i] - second.z[i];
   return w_;
 }
 
@@ -190,7 +194,7 @@ const std::vector<double>& Block::drawn_back() {
 void Block::note_jump(double time, double h) {
   if (!request_.jumps || jump_details_.size() >= most_jumps_kept) return;
   std::vector<double> after;
-  descriptor_.measure_states(drawn_back().data(), after);
+  descriptor_.measure_states(drawn_back(first_, second_).data(), after);
   jump_details_.push_back(describe_jump(part_, {time, states_, after}, {h, first_, second_}, reltol_));
 }
 
@@ -284,7 +288,7 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
     if (!failure_.id.empty() && !tentative) return false;
     if (trial_.solved == Solved::yes) {
       scale_.note(second_.z);
-      const double motion = difference(states_, drawn_back());
+      const double motion = difference(states_, drawn_back(first_, second_));
       instant.jump = motion > jump_share * reltol_;
       const bool settled = !instant.jump || jumps(h, motion);
       if (settled || (end && (passive_ || motion <= shrinking * before))) {
