@@ -22,7 +22,7 @@ struct Options {
 [[nodiscard]] Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses);
 
 /// .tran, .op, .save into `circuit`. An error where the deck asks for no analysis and `required`.
-void read_analyses(const Definitions& definitions, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
+void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
 void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
 

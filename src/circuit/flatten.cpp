@@ -29,7 +29,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   const Options options = read_options(definitions, top, reporter, circuit.analyses);
   if (options.seed != seed) session.random = Random(options.seed, run);
   top.evaluate_all();
-  read_analyses(definitions, top, reporter, analysis_required, circuit);
+  read_analyses(definitions, deck.title_span, top, reporter, analysis_required, circuit);
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;

@@ -119,7 +119,7 @@ void report_second_cards(const Definitions& definitions, Reporter& reporter) {
 
 }  // namespace
 
-void read_analyses(const Definitions& definitions, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
+void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
   Analyses& analyses = circuit.analyses;
   report_second_cards(definitions, reporter);
   const Card* card = definitions.transients.empty() ? nullptr : definitions.transients.front();
@@ -129,7 +129,7 @@ void read_analyses(const Definitions& definitions, Scope& scope, Reporter& repor
     for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes nothing behind it");
   }
   if (required && card == nullptr && !analyses.operating_point && !definitions.misplaced_analysis) {
-    reporter.error("E-no-analysis", {}, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
+    reporter.error("E-no-analysis", title, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
   }
 }
 

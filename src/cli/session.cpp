@@ -106,10 +106,10 @@ int Session::prepare() {
   DeckReading reading = read_deck(options_.deck, {.measure = true}, sources_, messages_);
   report_.seconds.parse = reading.seconds_parse;
   report_.seconds.flatten = reading.seconds_flatten;
+  outcome_.title = reading.deck.title;
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
-  outcome_.title = compiled_->title;
   const std::vector<std::string> names = analysis::column_names(*compiled_);
   outcome_.signals.assign(names.begin() + 1, names.end());
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
