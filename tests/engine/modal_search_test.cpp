@@ -219,6 +219,38 @@ TEST_CASE("how far there is to go does not count before an event", "[unit]") {
   }
 }
 
+// a e^{−τ} + b e^{−λτ} − c falls throughout; from the secant through its ends Chebyshev's iteration comes to a place far from the root at which
+// its step is nothing.
+TEST_CASE("a root beside which Chebyshev's iteration stands still", "[unit]") {
+  struct Case {
+    double a, b, rate, c, h;
+  };
+  for (const Case& k : {Case{0.7229219511326379, 1.152914965710954, 10.0, 0.874123282742411, 1.0},
+                        Case{0.6929184284242083, 2.7080980412368794, 10.0, 0.821161865254852, 4.0},
+                        Case{0.5923054657990292, 2.7308717236257123, 10.0, 0.6371561744005414, 4.0},
+                        Case{0.23913734127520847, 0.8390689801984391, 40.0, 0.2536282442286415, 4.0}}) {
+    Matrix a = Matrix::Zero(3, 3), c(1, 3);
+    a(0, 0) = -1.0;
+    a(1, 1) = -k.rate;
+    c << k.a, k.b, -k.c;
+    const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1));
+    const auto mode = model::build_mode(system, model::IndexSet(1));
+    const auto form = model::modal_form(system, *mode);
+    REQUIRE(form);
+    const Vector y = Vector::Ones(3);
+    const std::vector<ModalSearch::Guard> guards{{0, k.a + k.b - k.c, noise, false}};
+    ModalSearch search;
+    const ModalSearch::Found found = search.search(*form, guards, y.data(), k.h);
+    REQUIRE(found.verdict == ModalSearch::Verdict::root);
+    long double low = 0.0L, high = k.h;
+    for (int i = 0; i < 100; ++i) {
+      const long double middle = (low + high) / 2;
+      (k.a * std::exp(-middle) + k.b * std::exp(-k.rate * middle) > static_cast<long double>(k.c) ? low : high) = middle;
+    }
+    CHECK(found.at == Approx(static_cast<double>(low)).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
   Matrix a(2, 2);
   a << -1.0, 1.0, 0.0, -1.0;

@@ -30,6 +30,33 @@ TEST_CASE("the sparse engine takes no fast motion after an edge for a jump", "[r
   for (const auto& row : run.rows) CHECK(row[1] == Approx(row[0] == 2e-3 || row[0] == 4e-3 ? 1.0 / 1.1 : 0.0).margin(3e-4 / 1.1));
 }
 
+// v(t) = a e^{−t} + b e^{−λt} falls through Vt: Chebyshev's iteration could stand still elsewhere, where its step is nothing.
+TEST_CASE("two capacitors discharge through a switch's threshold", "[regression]") {
+  struct Case {
+    double a, b, rate, threshold;
+  };
+  for (const Case& k : {Case{0.7229219511326379, 1.152914965710954, 10.0, 0.874123282742411},
+                        Case{0.6929184284242083, 2.7080980412368794, 10.0, 0.821161865254852},
+                        Case{0.5923054657990292, 2.7308717236257123, 10.0, 0.6371561744005414},
+                        Case{0.4106465986104495, 2.736054473942988, 10.0, 0.42311414506884315},
+                        Case{0.23913734127520847, 0.8390689801984391, 40.0, 0.2536282442286415}}) {
+    const DeckRun run = run_text(
+        fmt::format("t\nC1 m 0 1 ic={}\nR1 m 0 1\nC2 t m 1 ic={}\nR2 t m {}\nV1 s 0 1\nS1 s o t 0 M on\nR3 o 0 1\n.model M SW(Vt={} Vh=0)\n"
+                    ".save v(o)\n.tran 4 4 uic\n",
+                    k.a, k.b, 1.0 / k.rate, k.threshold),
+        true);
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    REQUIRE(run.rows.size() >= 3);
+    long double low = 0.0L, high = 4.0L;
+    for (int i = 0; i < 100; ++i) {
+      const long double middle = (low + high) / 2;
+      (k.a * std::exp(-middle) + k.b * std::exp(-k.rate * middle) > static_cast<long double>(k.threshold) ? low : high) = middle;
+    }
+    CHECK(run.rows[1][0] == Approx(static_cast<double>(low)).epsilon(1e-11));
+  }
+}
+
 TEST_CASE("wires in a loop are named", "[regression]") {
   const DeckRun run = run_text("t\nV1 a 0 1\nR1 a b 0\nR2 a b 0\nR3 b 0 1\n.tran 1 1\n");
   CHECK(run.messages.find("error[E-source-loop]: R1, R2 form a loop without resistance, so their currents are not determined") !=

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/exact/bent_step.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -243,7 +245,7 @@ double Locator::find_root(const Segment& s, std::size_t i, double lower, double 
   return approach_root(s, i, lower, upper, at, below);
 }
 
-/// The same from `at`, whose state at_ holds: Newton's method kept inside its bracket.
+/// The same from `at`, whose state at_ holds: Chebyshev's method kept inside its bracket.
 double Locator::approach_root(const Segment& s, std::size_t i, double lower, double upper, double at, double below) {
   const Mode& m = *s.mode;
   const int row = s.rows[i];
@@ -257,11 +259,10 @@ double Locator::approach_root(const Segment& s, std::size_t i, double lower, dou
     // Against the terms of this very sum: a large part of the state that the row does not read says nothing here.
     if (std::abs(value) <= root_noise * linalg::absolute_row_times(m.guards, row, at_.data())) break;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
-    // Chebyshev's step: Newton's, and what the curvature adds to it.
     const double newton = -value / slope;
     const double bend = 0.5 * newton * linalg::row_times(m.guards, row, a2_.data()) / slope;
-    const double chebyshev = slope < 0.0 ? at + newton * (1.0 - bend) : low;
-    const bool inside = chebyshev > low && chebyshev < high;
+    const double chebyshev = slope < 0.0 ? at + newton * bend_factor(bend) : low;
+    const bool inside = iteration < most_bent_steps && chebyshev > low && chebyshev < high;
     const double next = inside ? chebyshev : 0.5 * (low + high);
     const double step = next - at;
     if (std::abs(step) <= epsilon * (s.tau + at)) break;

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "engine/exact/bent_step.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -254,7 +256,7 @@ ModalSearch::Verdict ModalSearch::judge(std::size_t g, const Interval& in) {
   return chord.at_right < -noise.value ? Verdict::root : Verdict::undecided;
 }
 
-/// Newton's method kept inside the interval.
+/// Chebyshev's method kept inside the interval.
 double ModalSearch::root(std::size_t g, const Interval& in) {
   double low = in.left, high = in.right;
   const double at_low = value(g, low, in.at_left), at_high = value(g, high, in.at_right);
@@ -265,10 +267,9 @@ double ModalSearch::root(std::size_t g, const Interval& in) {
     (now > 0.0 ? low : high) = at;
     const double steepness = slope(g, trial_.data());
     const Bend curvature = bend(g, trial_.data());
-    // Chebyshev's step: Newton's, and what the curvature adds to it.
     const double newton = -now / steepness, bent = 0.5 * newton * curvature.second / steepness;
-    const double next = at + newton * (1.0 - bent);
-    const bool inside = next > low && next < high;
+    const double next = at + newton * bend_factor(bent);
+    const bool inside = i < most_bent_steps && next > low && next < high;
     at = inside ? next : 0.5 * (low + high);
     // What it leaves for the next one, to leading order.
     const double left = 2.0 * bent * bent + newton * newton * std::abs(curvature.third / (6.0 * steepness));
