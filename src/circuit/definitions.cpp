@@ -15,6 +15,18 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = netlist::Item::Kind;
 
+bool stands_in(const netlist::Expression& expression, std::string_view name) {
+  return (expression.kind == netlist::Expression::Kind::name && same_name(expression.text, name)) ||
+         std::any_of(expression.arguments.begin(), expression.arguments.end(),
+                     [&](const auto& argument) { return stands_in(argument, name); });
+}
+
+/// As a name in an expression.
+bool stands_in(const Item& item, std::string_view name) {
+  return (item.expression && stands_in(*item.expression, name)) ||
+         std::any_of(item.items.begin(), item.items.end(), [&](const Item& inner) { return stands_in(inner, name); });
+}
+
 constexpr std::string_view func_usage = ".func name(a,b) {expression}";
 constexpr std::string_view subckt_usage = ".subckt name n1 n2 ... [params: p=value ...]";
 
@@ -289,6 +301,34 @@ std::vector<std::string> subcircuit_names(const Definition& from) {
     for (const auto& entry : at->subcircuits) names.push_back(entry.second->name);
   }
   return names;
+}
+
+std::vector<std::string> declared_parameters(const Definition& definition) {
+  std::vector<std::string> names;
+  for (const auto* list : {&definition.formals, &definition.parameters})
+    for (const ParameterText& parameter : *list) names.push_back(parameter.name);
+  return names;
+}
+
+bool declares(const Definition& definition, std::string_view parameter) {
+  const auto is_it = [&](const ParameterText& text) { return same_name(text.name, parameter); };
+  return std::any_of(definition.formals.begin(), definition.formals.end(), is_it) ||
+         std::any_of(definition.parameters.begin(), definition.parameters.end(), is_it);
+}
+
+bool reads(const Definition& definition, std::string_view name) {
+  const auto in_item = [&](const Item* item) { return item != nullptr && stands_in(*item, name); };
+  const auto in_card = [&](const Card* card) {
+    return card->damaged || std::any_of(card->items.begin(), card->items.end(), [&](const Item& item) { return stands_in(item, name); });
+  };
+  for (const auto* list : {&definition.formals, &definition.parameters})
+    if (std::any_of(list->begin(), list->end(), [&](const ParameterText& text) { return in_item(text.value); })) return true;
+  for (const auto* list : {&definition.elements, &definition.conditions})
+    if (std::any_of(list->begin(), list->end(), in_card)) return true;
+  return std::any_of(definition.functions.begin(), definition.functions.end(), [&](const auto& f) { return in_item(f.second.body); }) ||
+         std::any_of(definition.models.begin(), definition.models.end(), [&](const auto& model) { return in_card(model.second); }) ||
+         std::any_of(definition.subcircuits.begin(), definition.subcircuits.end(),
+                     [&](const auto& inner) { return reads(*inner.second, name); });
 }
 
 }  // namespace pwlsim::circuit

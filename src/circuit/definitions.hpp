@@ -60,4 +60,10 @@ struct Definitions {
 [[nodiscard]] const Definition* find_subcircuit(const Definition& from, std::string_view name);
 [[nodiscard]] std::vector<std::string> subcircuit_names(const Definition& from);
 
+/// Behind `params:` or on a .param card of its own.
+[[nodiscard]] bool declares(const Definition& definition, std::string_view parameter);
+[[nodiscard]] std::vector<std::string> declared_parameters(const Definition& definition);
+/// Whether that name stands in some expression of the definition or of one within it; a damaged card may have held it.
+[[nodiscard]] bool reads(const Definition& definition, std::string_view name);
+
 }  // namespace pwlsim::circuit

@@ -69,10 +69,9 @@ void Expander::enter(Place& place, const Card& card, const Item& name, const Def
   Place inner{scope, place.prefix + card.name + ".", {}, card.made_call};
   if (card.made_call) circuit_.hidden.names.insert(without_case(place.prefix + card.name));
   connect(place, card, name, inner);
-  const std::vector<const Item*> undeclared = give_parameters(place, card, name, scope);
+  give_parameters(place, card, name, scope);
   scope.evaluate_all();
   expand(inner);
-  for (const Item* assignment : undeclared) refuse_unused(*assignment, scope);
 }
 
 void Expander::connect(Place& place, const Card& card, const Item& name, Place& inner) {
@@ -90,44 +89,41 @@ void Expander::connect(Place& place, const Card& card, const Item& name, Place& 
   }
 }
 
-/// Those given that the subcircuit does not declare: it may read them all the same, as in LTspice.
-std::vector<const Item*> Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {
-  std::vector<const Item*> undeclared;
+void Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {
   const auto first = static_cast<std::size_t>(&name - card.items.data()) + 1;
   for (std::size_t k = first; k < card.items.size(); ++k) {
     const Item& item = card.items[k];
     if (item.kind == ItemKind::assignment) {
-      if (!give(place, card, item, inner)) undeclared.push_back(&item);
+      give(place, card, item, inner);
     } else if (!same_name(item.text, "params:")) {
       reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), call_usage));
     }
   }
-  return undeclared;
 }
 
-/// False where the subcircuit declares no such parameter.
-bool Expander::give(Place& place, const Card& card, const Item& assignment, Scope& inner) {
+/// A parameter that the subcircuit declares, or reads in some expression without declaring it, as in LTspice.
+void Expander::give(Place& place, const Card& card, const Item& assignment, Scope& inner) {
+  std::optional<Number> number;
   if (assignment.items.empty()) {
     reporter().error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
-    return true;
+  } else {
+    number = place.scope.number(assignment.items[0], !card.made_call);
   }
-  const std::optional<Number> number = place.scope.number(assignment.items[0], !card.made_call);
   if (card.made_call && number && number->value < 0.0 && must_not_be_negative(assignment.text))
     reporter().error("E-range", assignment.span,
                      fmt::format("{} of {} must not be negative, not {}", assignment.text, card.name, number->value));
-  const double value = number ? number->value : 0.0;
-  if (inner.give(assignment.text, value)) return true;
-  inner.define(assignment.text, value, assignment.text_span);
-  return false;
-}
-
-void Expander::refuse_unused(const Item& assignment, const Scope& inner) {
-  if (inner.was_read(assignment.text)) return;
-  std::vector<std::string> names = inner.parameter_names();
-  std::erase(names, assignment.text);
-  reporter().error("E-unknown-parameter", assignment.text_span,
-                   fmt::format("the subcircuit {} has no parameter '{}'{}", inner.definition().name, assignment.text,
-                               suggestion(assignment.text, names)));
+  const Definition& called = inner.definition();
+  if (declares(called, assignment.text)) {
+    if (!assignment.items.empty()) inner.give(assignment.text, number ? number->value : 0.0);
+  } else if (!reads(called, assignment.text)) {
+    reporter().error("E-unknown-parameter", assignment.text_span,
+                     fmt::format("the subcircuit {} has no parameter '{}'{}", called.name, assignment.text,
+                                 suggestion(assignment.text, declared_parameters(called))));
+  } else if (number) {
+    inner.define(assignment.text, number->value, assignment.text_span);
+  } else {
+    inner.define_failed(assignment.text, assignment.text_span);
+  }
 }
 
 std::string Expander::full_node_name(const Place& place, const std::string& name) const {

@@ -18,10 +18,8 @@ class Expander {
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
   void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
-  [[nodiscard]] std::vector<const netlist::Item*> give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name,
-                                                                  Scope& inner);
-  bool give(Place& place, const netlist::Card& card, const netlist::Item& assignment, Scope& inner);
-  void refuse_unused(const netlist::Item& assignment, const Scope& inner);
+  void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
+  void give(Place& place, const netlist::Card& card, const netlist::Item& assignment, Scope& inner);
   void condition(Place& place, const netlist::Item& item);
   [[nodiscard]] std::string full_node_name(const Place& place, const std::string& name) const;
   [[nodiscard]] Reporter& reporter() { return session_.reporter; }

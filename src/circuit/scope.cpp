@@ -37,20 +37,9 @@ void Scope::define(const std::string& name, double value, SourceSpan span) {
   order_.push_back(key);
 }
 
-bool Scope::was_read(std::string_view name) const {
-  const auto found = entries_.find(without_case(name));
-  return found != entries_.end() && found->second.was_read;
-}
-
 void Scope::define_failed(const std::string& name, SourceSpan span) {
   define(name, 0.0, span);
   entries_.at(without_case(name)).state = State::failed;
-}
-
-std::vector<std::string> Scope::parameter_names() const {
-  std::vector<std::string> names;
-  for (const auto& entry : entries_) names.push_back(entry.second.text.name);
-  return names;
 }
 
 void Scope::evaluate_all() {
@@ -72,9 +61,7 @@ std::pair<Scope*, Scope::Entry*> Scope::find(std::string_view name) {
   const std::string key = without_case(name);
   for (Scope* at = this; at != nullptr; at = at->outer_) {
     const auto found = at->entries_.find(key);
-    if (found == at->entries_.end()) continue;
-    found->second.was_read = true;
-    return {at, &found->second};
+    if (found != at->entries_.end()) return {at, &found->second};
   }
   return {nullptr, nullptr};
 }

@@ -50,9 +50,6 @@ class Scope {
   void define(const std::string& name, double value, SourceSpan span);
   /// One whose value could not be read, which has been reported.
   void define_failed(const std::string& name, SourceSpan span);
-  [[nodiscard]] std::vector<std::string> parameter_names() const;
-  /// Whether some expression has sought that parameter so far.
-  [[nodiscard]] bool was_read(std::string_view name) const;
   /// Evaluates every parameter, so that each mistake is reported even where nothing uses it.
   void evaluate_all();
 
@@ -74,7 +71,6 @@ class Scope {
     ParameterText text;
     State state = State::unknown;
     double value = 0.0;
-    bool was_read = false;  ///< by an expression
   };
 
   /// Null where neither this scope nor an outer one has it.

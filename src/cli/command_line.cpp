@@ -332,12 +332,12 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   return options;
 }
 
-/// `D1=on,D2=off`
 std::string_view without_blanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(' ');
   return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
 }
 
+/// `D1=on,D2=off`
 std::vector<std::pair<std::string, bool>> read_mode(std::string_view text, Complaints& complaints) {
   std::vector<std::pair<std::string, bool>> mode;
   while (true) {

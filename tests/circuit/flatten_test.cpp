@@ -87,6 +87,23 @@ X1 a b inner
   CHECK(named(deck.network().resistors, "X1.R2").resistance == 1e3);
   CHECK(named(deck.network().resistors, "X2.R1").resistance == Approx(1e3 * std::tan(0.25 * std::numbers::pi + 0.1)).epsilon(1e-14));
   CHECK(named(deck.network().resistors, "X3.X1.R1").resistance == 6.0);
+  // What it reads counts, not what it comes to read: a branch not taken, a default that is overruled, a model that nothing uses.
+  const auto unread = compile_deck(R"(V1 a 0 1
+X1 a 0 s sel=0 p=2 q=3 r=5 v=1
+.subckt s a b sel=1 r={2*q}
+.model d D(Ron={v})
+R1 a b {if(sel>0, p, 5)}
+R2 a b {r}
+.ends
+.tran 1m
+)");
+  INFO(unread.messages());
+  REQUIRE(unread.compiled.has_value());
+  CHECK(named(unread.network().resistors, "X1.R1").resistance == 5.0);
+  CHECK(named(unread.network().resistors, "X1.R2").resistance == 5.0);
+  const auto two = compile_deck("V1 a 0 1\nX1 a 0 s rtp=2 rtpp=3\n.subckt s a b rtop=1\nR1 a b {rtop}\n.ends\n.tran 1m\n");
+  CHECK(two.count("E-unknown-parameter") == 2);
+  CHECK(two.messages().find("'rtpp'; try 'rtop'") != std::string::npos);
   const auto wrong = compile_deck("V1 a 0 1\nX1 a 0 s rtp=2\n.subckt s a b rtop=1\nR1 a b {rtop}\n.ends\n.tran 1m\n");
   CHECK(wrong.count("E-unknown-parameter") == 1);
   CHECK(wrong.messages().find("has no parameter 'rtp'; try 'rtop'") != std::string::npos);
