@@ -1,10 +1,18 @@
 # cmake --install: the program, its man page, completion, documentation and examples, the library; cpack -G DEB makes a Debian package of them.
 include(GNUInstallDirs)
+# ./run builds the program alone; what else is installed is built here. First, so that it is there when the files below are copied.
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target pwlsim pwlsim_library
+  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR \"the library could not be built: \${output}\")
+endif()")
 include(cmake/library.cmake)
 configure_file(packaging/pwlsim.1 ${PROJECT_BINARY_DIR}/packaging/pwlsim.1 @ONLY)
 install(TARGETS pwlsim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_BINARY_DIR}/packaging/pwlsim.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES packaging/pwlsim.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME pwlsim)
+install(FILES packaging/_pwlsim DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES packaging/pwlsim.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES README.md LIMITS.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs netlists examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN make EXCLUDE PATTERN developer EXCLUDE)
 

@@ -10,7 +10,7 @@ _pwlsim() {
   case $previous in
     --engine) mapfile -t COMPREPLY < <(compgen -W "auto exact sparse" -- "$current") && return ;;
     --format) mapfile -t COMPREPLY < <(compgen -W "csv raw" -- "$current") && return ;;
-    --reltol | --smooth | --mode) COMPREPLY=() && return ;;
+    --reltol | --smooth | --mode | --jobs) COMPREPLY=() && return ;;
   esac
   if [[ $current == -* ]]; then
     local options
@@ -18,7 +18,7 @@ _pwlsim() {
       inspect) options="--help --mode --json --quiet" ;;
       export) options="--help --output --smooth --quiet" ;;
       compare) options="--help --smooth --json --plot --quiet" ;;
-      *) options="--help --version --output --events --engine --reltol --stats --format --split --plot --report --json --quiet --verbose --no-progress" ;;
+      *) options="--help --version --output --events --engine --reltol --stats --format --split --no-rows --jobs --plot --report --check --json --quiet --verbose --no-progress" ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
   else

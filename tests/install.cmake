@@ -10,8 +10,11 @@ function(run result)
   set(${result} "${output}" PARENT_SCOPE)
 endfunction()
 
+# As after ./run, which builds the program alone.
+file(REMOVE ${BUILD}/libpwlsim.a)
 run(ignored ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-foreach(name bin/pwlsim share/man/man1/pwlsim.1 share/bash-completion/completions/pwlsim share/doc/pwlsim/LICENSE
+foreach(name bin/pwlsim share/man/man1/pwlsim.1 share/bash-completion/completions/pwlsim share/zsh/site-functions/_pwlsim
+             share/fish/vendor_completions.d/pwlsim.fish share/doc/pwlsim/LICENSE
              share/doc/pwlsim/docs/tutorial/README.md share/doc/pwlsim/netlists/buck.net share/doc/pwlsim/examples/buck/buck.cpp
              include/pwlsim/pwlsim.hpp)
   if(NOT EXISTS ${prefix}/${name})
@@ -29,6 +32,9 @@ endif()
 file(READ ${prefix}/share/man/man1/pwlsim.1 manual)
 file(READ ${prefix}/share/bash-completion/completions/pwlsim completion)
 string(REPLACE "\\-" "-" manual "${manual}")
+file(READ ${prefix}/share/zsh/site-functions/_pwlsim zsh_completion)
+file(READ ${prefix}/share/fish/vendor_completions.d/pwlsim.fish fish_completion)
+string(REPLACE "-l " "--" fish_completion "${fish_completion}")
 foreach(command "" inspect export compare)
   run(help ${prefix}/bin/pwlsim ${command} --help)
   string(REGEX MATCHALL "--[a-z-]+" options "${help}")
@@ -37,7 +43,7 @@ foreach(command "" inspect export compare)
     message(SEND_ERROR "pwlsim ${command} --help names no options")
   endif()
   foreach(option IN LISTS options)
-    foreach(page manual completion)
+    foreach(page manual completion zsh_completion fish_completion)
       if(NOT ${page} MATCHES "${option}")
         message(SEND_ERROR "${option} of pwlsim ${command} is not in the ${page}")
       endif()
@@ -57,6 +63,14 @@ try pwlsim --engine s
     message(SEND_ERROR "bash completes to ${words}")
   endif()
 endif()
+
+foreach(shell zsh fish)
+  find_program(${shell}_program ${shell})
+  if(${shell}_program)
+    file(GLOB_RECURSE script ${prefix}/share/${shell}/*pwlsim*)
+    run(ignored ${${shell}_program} -n ${script})  # reads it without running it
+  endif()
+endforeach()
 
 # Another project finds the library; its program compares each number with the textbook's.
 run(ignored ${CMAKE_COMMAND} -S ${prefix}/share/doc/pwlsim/examples/buck -B ${prefix}/build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER}

@@ -2,22 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <string>
+#include <utility>
 
+#include "analysis/abandonable.hpp"
+#include "analysis/abandonable_run.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
 
 namespace pwlsim::analysis {
 namespace {
 
-Diagnostic sparse_warning(EngineChoice choice, double reltol, std::size_t size) {
-  const std::string reason =
-      choice == EngineChoice::automatic
-          ? fmt::format(
-                "a part of this circuit is too large for the exact engine's dense modes ({} stores, diodes and switches; up to {} are "
-                "run exactly); ",
-                size, engine::sparse::dense_limit)
-          : "";
+/// Why `auto` takes the sparse engine; "" where it does not.
+std::string too_large(const model::Network& network) {
+  constexpr const char* text = "a part of this circuit is too large for the exact engine's dense {} ({} {}; up to {} are run exactly); ";
+  const std::size_t size = engine::sparse::largest_part(network), unknowns = engine::sparse::most_unknowns(network);
+  if (size > engine::sparse::dense_limit)
+    return fmt::format(text, "modes", size, "stores, diodes and switches", engine::sparse::dense_limit);
+  if (unknowns > engine::sparse::unknown_limit)
+    return fmt::format(text, "equations", unknowns, "node voltages and branch currents", engine::sparse::unknown_limit);
+  return {};
+}
+
+Diagnostic sparse_warning(const std::string& reason, double reltol) {
   return {
       Severity::warning,
       "W-sparse-engine",
@@ -36,13 +44,12 @@ bool is_tolerance(double reltol, Diagnostics& diagnostics) {
   return false;
 }
 
-PreparedEngine prepare_sparse(const model::Network& network, EngineChoice choice, double reltol, std::size_t size,
-                              Diagnostics& diagnostics) {
+PreparedEngine prepare_sparse(const model::Network& network, const std::string& reason, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model || !is_tolerance(reltol, diagnostics)) return {"sparse", {}, {}, {}};
   return {"sparse",
           [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); },
-          [=] { return engine::sparse::operating_point(*model); }, sparse_warning(choice, reltol, size)};
+          [=] { return engine::sparse::operating_point(*model); }, sparse_warning(reason, reltol)};
 }
 
 PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnostics) {
@@ -54,16 +61,62 @@ PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnos
           {}};
 }
 
+void append(const Diagnostics& more, Diagnostics& diagnostics) {
+  for (const Diagnostic& diagnostic : more.all()) {
+    const auto add = diagnostic.severity == Severity::error     ? &Diagnostics::error
+                     : diagnostic.severity == Severity::warning ? &Diagnostics::warning
+                                                                : &Diagnostics::note;
+    (diagnostics.*add)(diagnostic.id, diagnostic.span, diagnostic.text);
+  }
+}
+
 }  // namespace
+
+Simulate without_rows(Simulate simulate) {
+  return [simulate = std::move(simulate)](engine::Request request, engine::RowSink& sink) {
+    request.grid = {};
+    return simulate(request, sink);
+  };
+}
 
 double relative_tolerance(const std::optional<double>& asked, const circuit::Analyses& analyses) {
   return asked.value_or(analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
-  const std::size_t size = choice == EngineChoice::automatic ? engine::sparse::largest_part(network) : 0;
-  const bool sparse = choice == EngineChoice::sparse || size > engine::sparse::dense_limit;
-  return sparse ? prepare_sparse(network, choice, reltol, size, diagnostics) : prepare_exact(network, diagnostics);
+  const std::string reason = choice == EngineChoice::automatic ? too_large(network) : "";
+  const bool sparse = choice == EngineChoice::sparse || !reason.empty();
+  return sparse ? prepare_sparse(network, reason, reltol, diagnostics) : prepare_exact(network, diagnostics);
+}
+
+PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
+                              const std::atomic<int>& interrupt) {
+  if (engine::sparse::most_unknowns(network) <= quick_unknowns) return prepare_engine(network, choice, reltol, diagnostics);
+  struct Preparation {
+    model::Network network;
+    PreparedEngine engine;
+    Diagnostics diagnostics;
+  };
+  const auto preparation = std::make_shared<Preparation>(Preparation{network, {}, {}});
+  const bool is_prepared =
+      finished_in_time([preparation, choice,
+                        reltol] { preparation->engine = prepare_engine(preparation->network, choice, reltol, preparation->diagnostics); },
+                       interrupt);
+  if (!is_prepared) return {};
+  append(preparation->diagnostics, diagnostics);
+  PreparedEngine engine = std::move(preparation->engine);
+  if (!engine.simulate) return engine;
+  engine.simulate = abandonable(std::move(engine.simulate), interrupt);
+  engine.operating_point = [find = std::move(engine.operating_point), &interrupt] {
+    const auto point = std::make_shared<engine::OperatingPoint>();
+    if (finished_in_time([point, find] { *point = find(); }, interrupt)) return std::move(*point);
+    engine::OperatingPoint none;
+    none.answer.outcome = engine::Outcome::interrupted;
+    none.answer.id = "E-interrupted";
+    none.answer.message = "interrupted before the operating point was found";
+    return none;
+  };
+  return engine;
 }
 
 }  // namespace pwlsim::analysis

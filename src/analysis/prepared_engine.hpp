@@ -1,6 +1,7 @@
 #pragma once
 /// The engine that the user, or the size of a network, asks for, prepared.
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,5 +25,13 @@ struct PreparedEngine {
 
 /// `diagnostics` takes errors of structure, and E-tolerance where the sparse engine cannot keep `reltol`.
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics);
+
+/// The same. Where the network is so large that this, or a step of the engine, may go on for long without a look at `interrupt`, that is done in a thread of its own
+/// and left to itself after a signal (analysis/abandonable.hpp). Then the engine is empty, without an error; later a run has the outcome `interrupted`.
+[[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
+                                            const std::atomic<int>& interrupt);
+
+/// The same engine without rows.
+[[nodiscard]] Simulate without_rows(Simulate simulate);
 
 }  // namespace pwlsim::analysis

@@ -114,6 +114,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   write_operating_point(json, outcome.signals, outcome.operating_point ? &*outcome.operating_point : nullptr);
   write_measurements(json, outcome.measurements);
   write_runs(json, outcome.sweep, outcome.signals);
+  write_check(json, outcome.check ? &*outcome.check : nullptr);
   json.key("notes");
   json.begin_array();
   for (const std::string& note : run.notes) json.value(json_string(note));

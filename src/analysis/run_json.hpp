@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/check.hpp"
 #include "analysis/report.hpp"
 #include "analysis/swept_runs.hpp"
 #include "measure/measuring.hpp"
@@ -26,8 +27,9 @@ struct RunOutcome {
   std::vector<std::string> signals;
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
-  SweptRuns sweep;           ///< of a deck with .step
-  std::string plot, report;  ///< files written, or empty
+  std::optional<Check> check;  ///< of --check
+  SweptRuns sweep;             ///< of a deck with .step
+  std::string plot, report;    ///< files written, or empty
 };
 
 /// Ended by a line feed; keys in docs/reference/output.md. Statistics are null where no model came about (`run.engine` is empty).

@@ -9,6 +9,7 @@
 #include "circuit/names.hpp"
 #include "circuit/signals.hpp"
 #include "elements/emission.hpp"
+#include "elements/steps.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -36,6 +37,7 @@ class Assembler {
     emit();
     add_signals(signals, probes);
     if (reporter_.failed()) return std::nullopt;
+    elements::decide_steps(builder_);
     return builder_.take();
   }
 

@@ -16,6 +16,7 @@
 #include "cli/picture_file.hpp"
 #include "cli/split_files.hpp"
 #include "spice/deck.hpp"
+#include "waveform/output_file.hpp"
 
 namespace pwlsim::cli {
 namespace {
@@ -38,9 +39,9 @@ constexpr std::string_view help_footer =
     "Subcommands: inspect describes the model of a deck, export writes its smoothed equivalent\n"
     "for ngspice, compare runs that beside it (pwlsim inspect --help, and so on).\n"
     "\n"
-    "Exit status: 0 done; 1 the run failed, the rows up to then are kept; 2 the deck or the\n"
-    "command line is wrong; 3 a file cannot be read or written; 130, 143 after SIGINT, SIGTERM,\n"
-    "the rows up to then are kept; 141 after a closed pipe.";
+    "Exit status: 0 done; 1 the run failed, the rows up to then are kept, or --check found a\n"
+    "difference; 2 the deck or the command line is wrong; 3 a file cannot be read or written;\n"
+    "130, 143 after SIGINT, SIGTERM, the rows up to then are kept; 141 after a closed pipe.";
 
 class HelpText : public CLI::Formatter {
  public:
@@ -57,8 +58,8 @@ class HelpText : public CLI::Formatter {
 /// What CLI11 fills in; checked and turned into RunOptions afterwards, so that every complaint has our own form.
 struct Raw {
   std::vector<std::string> files;
-  std::string output, engine, reltol, stats, format, plot, report, mode, smooth;
-  bool events = false, quiet = false, verbose = false, no_progress = false, json = false, split = false;
+  std::string output, engine, reltol, stats, format, plot, report, mode, smooth, jobs;
+  bool events = false, quiet = false, verbose = false, no_progress = false, json = false, split = false, check = false, no_rows = false;
 };
 
 void add_options(CLI::App& app, Raw& raw, const std::string& version) {
@@ -80,8 +81,12 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
   app.add_flag("--split", raw.split, "A file a run of .step, NAME.1.csv and so on, and a table of the runs, NAME.runs.csv");
+  app.add_flag("--no-rows", raw.no_rows, "Write no rows: for measurements and statistics alone");
+  app.add_option("--jobs", raw.jobs, "How many runs of .step at a time (default: one a core)")->type_name("N");
   app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes, as SVG or PNG")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Write a web page with waveforms, measurements, events, certificate")->type_name("FILE.html");
+  app.add_flag("--check", raw.check,
+               "Run the other engine too, refine it, and report how far apart the two are; exit status 1 where they differ");
   app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
   app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
   app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
@@ -242,6 +247,23 @@ std::optional<double> relative_tolerance(const std::string& text, Complaints& co
   return value;
 }
 
+std::size_t job_count(const std::string& text, Complaints& complaints) {
+  constexpr std::size_t most_jobs = 1024;
+  std::size_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 1 || value > most_jobs)
+    complaints.add("E-option-value", fmt::format("`--jobs {}` is no number from 1 to {}; try `--jobs 2`", text, most_jobs));
+  return value;
+}
+
+/// What needs the rows that `--no-rows` does without.
+void check_no_rows(const CLI::App& app, const Raw& raw, Complaints& complaints) {
+  if (!raw.no_rows) return;
+  for (const char* option : {"--output", "--format", "--events", "--split", "--plot", "--report", "--check"})
+    if (app.count(option) != 0)
+      complaints.add("E-option-conflict", fmt::format("`--no-rows` and `{}` contradict each other; try one of them", option));
+}
+
 void check_files(const Raw& raw, Complaints& complaints) {
   if (raw.files.empty()) {
     complaints.add("E-no-deck", "no deck is given; try pwlsim circuit.net, or pwlsim --help");
@@ -253,7 +275,7 @@ void check_files(const Raw& raw, Complaints& complaints) {
 
 std::filesystem::path resolved(const std::string& name) {
   std::error_code unresolved;
-  const auto absolute = std::filesystem::absolute(name, unresolved);
+  const auto absolute = std::filesystem::absolute(waveform::final_target(name), unresolved);
   const auto canonical = std::filesystem::weakly_canonical(absolute, unresolved);
   return unresolved ? absolute : canonical;
 }
@@ -294,6 +316,8 @@ RunOptions run_options(const Raw& raw) {
   options.stats = raw.stats;
   options.report = raw.report;
   options.plot = raw.plot;
+  options.check = raw.check;
+  options.no_rows = raw.no_rows;
   options.json = raw.json;
   options.events = raw.events;
   options.split = raw.split;
@@ -315,11 +339,14 @@ CommandLine checked(const CLI::App& app, const Raw& raw, Complaints& complaints)
   if (raw.report == "-") complaints.add("E-option-value", "`--report -` would mix the page with other results; try --report out.html");
   if (raw.quiet && raw.verbose) complaints.add("E-option-conflict", "`--quiet` and `--verbose` contradict each other; try one of them");
   check_files(raw, complaints);
+  check_no_rows(app, raw, complaints);
+  const std::size_t jobs = app.count("--jobs") != 0 ? job_count(raw.jobs, complaints) : 0;
   if (complaints.any()) return complaints.refused();
   RunOptions options = run_options(raw);
+  options.jobs = jobs;
   options.engine = engine;
   options.format = format;
-  options.output = raw.output.empty() ? default_output(options.deck, format) : raw.output;
+  options.output = raw.no_rows ? "/dev/null" : raw.output.empty() ? default_output(options.deck, format) : raw.output;
   options.reltol = reltol;
   // As if it were the name of a file: standard output is one.
   const std::string json = options.json ? "-" : "";

@@ -24,6 +24,9 @@ struct RunOptions {
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol
+  std::size_t jobs = 0;          ///< threads of a sweep; 0: one a core
+  bool no_rows = false;          ///< `output` is then /dev/null
+  bool check = false;            ///< the other engine runs too: analysis/check.hpp
   bool json = false;
   bool events = false;
   bool split = false;  ///< a file a run of .step: split_files.hpp

@@ -22,7 +22,8 @@ constexpr std::size_t most_events = 20'000;
 
 /// The engine that `pwlsim circuit.net` takes.
 analysis::PreparedEngine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
-  return analysis::prepare_engine(network, analysis::EngineChoice::automatic, analysis::relative_tolerance({}, analyses), diagnostics);
+  return analysis::prepare_engine(network, analysis::EngineChoice::automatic, analysis::relative_tolerance({}, analyses), diagnostics,
+                                  caught_signal());
 }
 
 /// Equally spaced within (start, stop), moved off the events: there a signal may jump.
@@ -88,7 +89,7 @@ class CompareSession {
       return fail(Status::wrong_input, "E-no-transient",
                   "the deck has no .tran: there are no waveforms to compare; try pwlsim " + options_.deck);
     if (!options_.plot.empty())
-      if (const int status = plot_.open(options_.plot, options_.deck, messages_); status != 0) return status;
+      if (const int status = plot_.open(options_.plot, reading.files, messages_); status != 0) return status;
     const auto program = spice::find_ngspice();
     if (!program) return skip();
     int status = run_exact();
@@ -126,6 +127,7 @@ class CompareSession {
     Diagnostics known;
     const analysis::PreparedEngine watching = prepare(watch.network, compiled_->analyses, known);
     messages_.report(diagnostics, sources_);
+    if (caught_signal() != 0) return conclude({});
     if (!engine.simulate || !watching.simulate) return static_cast<int>(Status::wrong_input);
     const std::size_t signals = compiled_->network.signals.size();
     report_.engine = engine.name;

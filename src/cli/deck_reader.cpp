@@ -31,6 +31,7 @@ DeckReading read_deck(const std::string& name, const circuit::CompileOptions& op
   if (loaded.readable) reading.compiled = circuit::compile(loaded.deck, sources, diagnostics, options);
   reading.seconds_flatten = since(flatten_start);
   reading.deck = std::move(loaded.deck);
+  reading.files = std::move(loaded.files);
   messages.report(diagnostics, sources);
   if (reading.compiled) return reading;
   reading.status = !loaded.readable || only_unreadable_files(diagnostics) ? Status::file_error : Status::wrong_input;

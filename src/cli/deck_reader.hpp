@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "circuit/compile.hpp"
 #include "cli/messages.hpp"
@@ -12,6 +13,7 @@ namespace pwlsim::cli {
 
 struct DeckReading {
   netlist::Deck deck;
+  std::vector<std::string> files;             ///< that were read, the deck's own first
   std::optional<circuit::Compiled> compiled;  ///< empty where the deck is wrong
   Status status = Status::done;               ///< wrong_input or file_error then
   double seconds_parse = 0.0, seconds_flatten = 0.0;

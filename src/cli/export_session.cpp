@@ -23,7 +23,7 @@ int run_export_session(const ExportOptions& options) {
     return status_of_signal(caught_signal());
   }
   std::optional<waveform::OutputFile> file;
-  if (const int status = open_output(options.output, options.deck, messages, file); status != 0) return status;
+  if (const int status = open_output(options.output, reading.files, messages, file); status != 0) return status;
   return write_whole(*file, deck->text, messages);
 }
 

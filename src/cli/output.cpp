@@ -21,9 +21,19 @@ int print(const std::string& text, Messages& messages, Stream stream) {
   return fail(messages, Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
 }
 
-int open_output(const std::string& name, const std::string& deck, Messages& messages, std::optional<waveform::OutputFile>& file) {
-  if (name != "-" && waveform::same_file(name, deck))
-    return fail(messages, Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
+int check_output(const std::string& name, const std::vector<std::string>& read, Messages& messages) {
+  if (name == "-") return static_cast<int>(Status::done);
+  for (const std::string& written : {name, waveform::partial_of(name)})
+    for (std::size_t file = 0; file < read.size(); ++file)
+      if (waveform::same_file(written, read[file]))
+        return fail(messages, Status::wrong_input, "E-output-is-deck",
+                    fmt::format("{} is {}; try another name", written, file == 0 ? "the deck itself" : "a file that the deck reads"));
+  return static_cast<int>(Status::done);
+}
+
+int open_output(const std::string& name, const std::vector<std::string>& read, Messages& messages,
+                std::optional<waveform::OutputFile>& file) {
+  if (const int status = check_output(name, read, messages); status != 0) return status;
   std::string problem;
   auto opened = waveform::OutputFile::open(name, problem);
   if (!opened) return fail(messages, Status::file_error, "E-cannot-write", fmt::format("{}: {}; try another place", name, problem));

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/messages.hpp"
 #include "cli/status.hpp"
@@ -18,8 +19,11 @@ enum class Stream { output, error };
 /// The text on a standard stream, whole.
 [[nodiscard]] int print(const std::string& text, Messages& messages, Stream stream = Stream::output);
 
-/// Opens a file to write, which must not be the deck; "-" is standard output.
-[[nodiscard]] int open_output(const std::string& name, const std::string& deck, Messages& messages,
+/// E-output-is-deck where writing `name` would destroy a file that was read: the deck (the first of `read`), or one that it includes.
+[[nodiscard]] int check_output(const std::string& name, const std::vector<std::string>& read, Messages& messages);
+
+/// Opens a file to write, which must be none of those read; "-" is standard output.
+[[nodiscard]] int open_output(const std::string& name, const std::vector<std::string>& read, Messages& messages,
                               std::optional<waveform::OutputFile>& file);
 
 /// Writes the text to the file and commits it.

@@ -11,7 +11,7 @@ namespace pwlsim::cli {
 
 std::string picture_kind(const std::string& name) { return without_case(std::filesystem::path(name).extension().string()); }
 
-int PictureFile::open(const std::string& name, const std::string& deck, Messages& messages) {
+int PictureFile::open(const std::string& name, const std::vector<std::string>& read, Messages& messages) {
   if (picture_kind(name) == ".png") {
     converter_ = waveform::find_png_converter();
     if (!converter_)
@@ -21,7 +21,7 @@ int PictureFile::open(const std::string& name, const std::string& deck, Messages
                       "name that ends in .svg",
                       name));
   }
-  return open_output(name, deck, messages, file_);
+  return open_output(name, read, messages, file_);
 }
 
 int PictureFile::write(const std::string& svg, Messages& messages) {

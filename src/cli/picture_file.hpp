@@ -11,7 +11,7 @@ namespace pwlsim::cli {
 class PictureFile {
  public:
   /// The kind goes by the name: .svg or .png. 0, or an exit status where it cannot be written.
-  [[nodiscard]] int open(const std::string& name, const std::string& deck, Messages& messages);
+  [[nodiscard]] int open(const std::string& name, const std::vector<std::string>& read, Messages& messages);
   [[nodiscard]] bool is_open() const { return file_.has_value(); }
   /// Writes the picture and commits it; an exit status.
   [[nodiscard]] int write(const std::string& svg, Messages& messages);

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <new>
 #include <string_view>
 #include <vector>
 
+#include "analysis/abandonable.hpp"
 #include "cli/command_line.hpp"
 #include "cli/compare_session.hpp"
 #include "cli/export_session.hpp"
@@ -64,7 +66,9 @@ int run_program(int argument_count, char** arguments, const char* version) noexc
   try {
     hold_standard_descriptors();
     catch_signals();
-    return dispatch(std::vector<std::string>(arguments + std::min(argument_count, 1), arguments + argument_count), version);
+    const int status = dispatch(std::vector<std::string>(arguments + std::min(argument_count, 1), arguments + argument_count), version);
+    if (analysis::any_abandoned()) std::_Exit(status);  // a thread still works on what would be destroyed
+    return status;
   } catch (const std::bad_alloc&) {
     return give_up("error[E-out-of-memory]: no memory is left; try a smaller deck or a machine with more\n");
   } catch (...) {

@@ -4,15 +4,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 
+#include "analysis/abandonable.hpp"
+#include "analysis/check.hpp"
 #include "analysis/html_report.hpp"
+#include "analysis/kept_rows.hpp"
 #include "analysis/prepared_engine.hpp"
 #include "analysis/report.hpp"
+#include "analysis/row_grid.hpp"
 #include "analysis/run_figure.hpp"
 #include "analysis/run_json.hpp"
 #include "analysis/run_recorder.hpp"
@@ -30,6 +36,8 @@ namespace {
 using analysis::Ending;
 using waveform::OutputFile;
 using Clock = std::chrono::steady_clock;
+
+constexpr double check_seconds = 20.0;  ///< that --check may take beside the run
 
 class Session {
  public:
@@ -73,9 +81,12 @@ class Session {
   int prepare();
   int open_files();
   int check_split();
+  void warn_of_size();
+  int check_can_be_made();
   int sweep();
   int operating_point();
   int transient();
+  int check();
   int conclude(const analysis::TransientRun& run);
   int report_measurements(const measure::Results& results);
   int write_pictures();
@@ -92,11 +103,13 @@ class Session {
   Messages messages_;
   SourceStore sources_;
   netlist::Deck deck_;
+  std::vector<std::string> files_;  ///< that were read
   std::optional<circuit::Compiled> compiled_;
   analysis::PreparedEngine engine_;
   double reltol_ = 0.0;
   std::optional<OutputFile> rows_file_, statistics_file_, report_file_;
   PictureFile plot_file_;
+  std::optional<analysis::KeptRows> kept_rows_;  ///< for --check
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
   analysis::RunOutcome outcome_;
@@ -110,18 +123,21 @@ int Session::prepare() {
   if (!reading.compiled) return static_cast<int>(reading.status);
   compiled_ = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
+  files_ = std::move(reading.files);
   const std::vector<std::string> names = analysis::column_names(*compiled_);
   outcome_.signals.assign(names.begin() + 1, names.end());
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
   reltol_ = analysis::relative_tolerance(options_.reltol, compiled_->analyses);
-  engine_ = analysis::prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics);
+  engine_ = analysis::prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics, caught_signal());
   report_.engine = engine_.name;
   report_.seconds.model = since(model_start);
   messages_.report(diagnostics, sources_);
+  if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   if (!engine_.simulate || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
-  return interrupted_before_run();
+  if (options_.no_rows) engine_.simulate = analysis::without_rows(std::move(engine_.simulate));
+  return 0;
 }
 
 int Session::check_split() {
@@ -130,20 +146,50 @@ int Session::check_split() {
   if (!compiled_->analyses.transient)
     return fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no rows to split; try without --split");
   for (std::size_t run = 0; run < runs; ++run)
-    if (const std::string name = split_file(options_.output, run); waveform::same_file(name, options_.deck))
-      return fail(Status::wrong_input, "E-output-is-deck", fmt::format("{} is the deck itself; try another name", name));
+    if (const int status = check_output(split_file(options_.output, run), files_, messages_); status != 0) return status;
   return 0;
+}
+
+/// --check compares the waveforms of one run.
+int Session::check_can_be_made() {
+  if (!compiled_->analyses.transient)
+    return fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to check; try without --check");
+  if (compiled_->analyses.sweeps.runs() > 0)
+    return fail(Status::wrong_input, "E-check-sweep", "--check compares one run, and the deck has .step; try a deck with one of its runs");
+  return 0;
+}
+
+/// Before gigabytes are written. Pipes and devices take what they are given.
+void Session::warn_of_size() {
+  constexpr double large = 1e9, text_bytes = 19.0;  // of a number of 16 digits with what stands around it, on average
+  std::error_code unknown;
+  const auto kind = std::filesystem::status(options_.output, unknown).type();
+  if (options_.output == "-" || (kind != std::filesystem::file_type::regular && kind != std::filesystem::file_type::not_found)) return;
+  const auto runs = static_cast<double>(std::max<std::size_t>(1, compiled_->analyses.sweeps.runs()));
+  const auto rows = static_cast<double>(analysis::row_grid(*compiled_->analyses.transient).rows);
+  const auto columns = static_cast<double>(1 + compiled_->saved_signals() + compiled_->analyses.sweeps.list.size());
+  const double bytes = runs * rows * columns * (options_.format == analysis::RowFormat::raw ? sizeof(double) : text_bytes);
+  if (bytes > large)
+    messages_.report(
+        {Severity::warning,
+         "W-large-output",
+         {},
+         fmt::format(
+             "about {:.2g} GB of rows go to {} ({:.3g} rows of {} columns); try a larger Tstep, .save of fewer signals, or --no-rows",
+             1e-9 * bytes, options_.output, runs * rows, columns)});
 }
 
 int Session::open_files() {
   int status = options_.split ? check_split() : 0;
+  if (status == 0 && options_.check) status = check_can_be_made();
   const std::string rows = options_.split ? split_table(options_.output) : options_.output;
-  if (status == 0 && compiled_->analyses.transient) status = open_output(rows, options_.deck, messages_, rows_file_);
+  if (status == 0 && compiled_->analyses.transient) status = open_output(rows, files_, messages_, rows_file_);
+  if (status == 0 && compiled_->analyses.transient) warn_of_size();
   if (status == 0 && !options_.plot.empty() && !compiled_->analyses.transient)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
-  if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, options_.deck, messages_);
-  if (status == 0 && !options_.report.empty()) status = open_output(options_.report, options_.deck, messages_, report_file_);
-  if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, options_.deck, messages_, statistics_file_);
+  if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, files_, messages_);
+  if (status == 0 && !options_.report.empty()) status = open_output(options_.report, files_, messages_, report_file_);
+  if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, files_, messages_, statistics_file_);
   return status;
 }
 
@@ -176,6 +222,10 @@ int Session::sweep() {
 int Session::operating_point() {
   const engine::OperatingPoint point = engine_.operating_point();
   take_remarks(point.answer);
+  if (point.answer.outcome == engine::Outcome::interrupted) {
+    fail(Status::run_failed, point.answer.id, point.answer.message);
+    return status_of_signal(caught_signal());
+  }
   if (point.answer.outcome != engine::Outcome::completed) return fail(Status::run_failed, point.answer.id, point.answer.message);
   outcome_.operating_point = point.values;
   outcome_.operating_point->resize(outcome_.signals.size());
@@ -195,7 +245,8 @@ int Session::transient() {
     if (plot_file_.is_open() || report_file_)
       control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->saved_signals());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
-    run = analysis::run_transient(*compiled_, engine_.simulate, *rows_file_, *writer, control);
+    if (options_.check) kept_rows_.emplace(*writer, 1 + compiled_->saved_signals());
+    run = analysis::run_transient(*compiled_, engine_.simulate, *rows_file_, kept_rows_ ? *kept_rows_ : *writer, control);
   }
   if (engine_.warning) messages_.report(*engine_.warning);
   take_remarks(run.answer);
@@ -205,7 +256,24 @@ int Session::transient() {
   note_rows(run.ending == Ending::write_failed, run.ending == Ending::completed, run.answer.time);
   const int status = conclude(run);
   outcome_.measurements = std::move(run.measurements);
-  return std::max(status, report_measurements(outcome_.measurements));
+  const int measured = report_measurements(outcome_.measurements);
+  return std::max({status, measured, kept_rows_ && run.ending == Ending::completed ? check() : 0});
+}
+
+/// The rows of a complete run beside the other engine.
+int Session::check() {
+  outcome_.check = analysis::check_run(*compiled_, *kept_rows_, {engine_.name, reltol_, check_seconds, &caught_signal()});
+  const analysis::Check& check = *outcome_.check;
+  if (caught_signal() != 0) {
+    fail(Status::run_failed, "E-interrupted", "interrupted during the check; the rows are complete");
+    return status_of_signal(caught_signal());
+  }
+  const auto stream = options_.output == "-" ? Stream::error : Stream::output;
+  const int printed = options_.json ? 0 : print(analysis::check_text(check), messages_, stream);
+  if (check.agreement == analysis::Agreement::differs) return fail(Status::run_failed, "E-check-differs", check.reason);
+  if (check.agreement == analysis::Agreement::undecided)
+    messages_.report({Severity::warning, "W-check-undecided", {}, "the check came to no verdict: " + check.reason});
+  return printed;
 }
 
 /// Measurements that failed do not make the run one that failed.
@@ -225,6 +293,7 @@ int Session::report_measurements(const measure::Results& results) {
 }
 
 void Session::note_rows(bool write_failed, bool complete, double end) {
+  if (options_.no_rows) return;
   const bool lost = write_failed && !rows_file_->partial_name().empty();
   outcome_.rows = {lost ? rows_file_->partial_name() : rows_file_->name(), options_.format == analysis::RowFormat::raw ? "raw" : "csv",
                    complete, end};
@@ -238,10 +307,11 @@ void Session::tell_details() {
 }
 
 int Session::conclude(const analysis::TransientRun& run) {
-  const std::string kept = fmt::format("{}; the rows up to then are in {}", run.message, rows_file_->name());
+  const std::string kept =
+      options_.no_rows ? run.message : fmt::format("{}; the rows up to then are in {}", run.message, rows_file_->name());
   switch (run.ending) {
     case Ending::completed:
-      messages_.remark(analysis::summary(report_, rows_file_->name(), run.answer.time));
+      messages_.remark(analysis::summary(report_, options_.no_rows ? "nothing" : rows_file_->name(), run.answer.time));
       tell_details();
       return 0;
     case Ending::failed:
@@ -297,6 +367,11 @@ int Session::print_json() {
 
 }  // namespace
 
-int run_session(const RunOptions& options) { return Session(options).run(); }
+int run_session(const RunOptions& options) {
+  Session session(options);
+  const int status = session.run();
+  if (analysis::any_abandoned()) std::_Exit(status);  // large decks take long to destroy, too
+  return status;
+}
 
 }  // namespace pwlsim::cli

@@ -43,7 +43,8 @@ class Sweep {
         runs_(runs),
         records_(runs.list),
         sweeps_(runs.sweeps),
-        threads_(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, records_.size())),
+        threads_(
+            std::clamp<std::size_t>(task.options.jobs != 0 ? task.options.jobs : std::thread::hardware_concurrency(), 1, records_.size())),
         columns_(analysis::column_names(task.first)) {}
 
   int run() {
@@ -124,11 +125,15 @@ class Sweep {
     SourceStore sources = task_.sources;  // shipped subcircuits are added
     const auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
     analysis::PreparedEngine engine;
-    if (compiled) engine = analysis::prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics);
+    if (compiled) engine = analysis::prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics, caught_signal());
     if (!engine.simulate || diagnostics.has_errors()) {
-      note_error(diagnostics, record);
+      if (compiled && caught_signal() != 0)
+        record.interrupted = true;
+      else
+        note_error(diagnostics, record);
       return false;
     }
+    if (task_.options.no_rows) engine.simulate = analysis::without_rows(std::move(engine.simulate));
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
     if (!compiled->analyses.transient) return false;
     if (task_.options.split) {
@@ -215,7 +220,7 @@ class Sweep {
       const auto done = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return record.done; });
       (void)fail(messages_, Status::run_failed, "E-interrupted",
                  fmt::format("stopped by a signal after {} of {} runs{}", done, records_.size(),
-                             task_.rows == nullptr
+                             task_.rows == nullptr || task_.options.no_rows
                                  ? ""
                                  : (task_.options.split ? "; their files are listed in " : "; their rows are in ") + task_.rows->name()));
       return status_of_signal(signal_number);
@@ -241,7 +246,7 @@ class Sweep {
     if (task_.options.split) return complete_table(file);
     const bool is_counted = !raw_ || raw_->flush();
     if (is_counted && file.commit()) {
-      say_written(file.name());
+      say_written(task_.options.no_rows ? "nothing" : file.name());
       return 0;
     }
     if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);

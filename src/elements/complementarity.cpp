@@ -23,25 +23,26 @@ LinearForm add_step(Emission& emission, const LinearForm& x, double at_zero) {
   emission.builder().add(model::Complementarity{emission.label(), std::move(slack)});
   LinearForm step{model::constant(1.0), {Quantity::slack_input, lambda, -1.0}};
   emission.builder().add(model::Complementarity{emission.label(), step});
+  emission.builder().add(model::Step{lambda, x, at_zero});
   return step;
 }
 
 /// below + v(chosen): an inner node that one contact ties to the difference of the two values, the other to ground.
-LinearForm add_choice(Emission& emission, const LinearForm& control, const Levels& levels, const LinearForm& above,
+LinearForm add_choice(model::Builder& builder, const model::Label& label, const Choice& choice, const LinearForm& above,
                       const LinearForm& below) {
-  model::Builder& builder = emission.builder();
-  const model::NodeIndex difference = emission.inner_node("difference");
-  const model::NodeIndex chosen = emission.inner_node("choice");
+  const auto inner_node = [&](const char* part) { return builder.inner_node({label.name + " (" + part + ")", label.span}); };
+  const model::NodeIndex difference = inner_node("difference");
+  const model::NodeIndex chosen = inner_node("choice");
   LinearForm voltage = above;
   model::accumulate(voltage, below, -1.0);
-  builder.add(model::Branch{emission.label(), difference, model::ground, std::move(voltage)});
+  builder.add(model::Branch{label, difference, model::ground, std::move(voltage)});
   model::Switch contact;
-  contact.label = emission.label();
+  contact.label = label;
   contact.p = chosen;
   contact.n = difference;
-  contact.control = control;
-  contact.on_level = levels.on;
-  contact.off_level = levels.off;
+  contact.control = choice.control;
+  contact.on_level = choice.on_level;
+  contact.off_level = choice.off_level;
   builder.add(contact);
   contact.n = model::ground;
   contact.inverted = true;

@@ -10,14 +10,15 @@ namespace pwlsim::elements {
 
 /// 1 above x = 0, 0 below, anything between at 0: 1 − λ with 0 ≤ λ ⊥ x + μ ≥ 0, 0 ≤ μ ⊥ 1 − λ ≥ 0
 /// (van der Schaft & Schumacher 1996, the relay of section 2, for levels 0 and 1).
-/// Where a source alone decides, a function of time instead, `at_zero` where it rests at 0.
+/// Where a source alone decides, a function of time instead, `at_zero` where it rests at 0; decide_steps puts switches in place of others.
 [[nodiscard]] model::LinearForm add_step(Emission& emission, const model::LinearForm& x, double at_zero);
 
-struct Levels {
-  double on = 0.0, off = 0.0;
+struct Choice {
+  model::LinearForm control;
+  double on_level = 0.0, off_level = 0.0;
 };
-/// `above` from when the control rises above levels.on until it falls below levels.off, else `below`.
-[[nodiscard]] model::LinearForm add_choice(Emission& emission, const model::LinearForm& control, const Levels& levels,
+/// `above` from when the control rises above on_level until it falls below off_level, else `below`.
+[[nodiscard]] model::LinearForm add_choice(model::Builder& builder, const model::Label& label, const Choice& choice,
                                            const model::LinearForm& above, const model::LinearForm& below);
 
 }  // namespace pwlsim::elements

@@ -44,6 +44,13 @@ std::optional<double> ratio_of_terms(const AffineSum& a, const AffineSum& b) {
   return ratio;
 }
 
+/// Whether a single comparison holds where its margin rests at 0: its value is a step, or one less a step.
+bool holds_at_zero(const AffineSum& value, const std::vector<FormulaPart>& parts) {
+  if (value.terms.size() != 1) return false;
+  const auto& [part, coefficient] = value.terms[0];
+  return value.constant + coefficient * parts[static_cast<std::size_t>(part)].at_zero > 0.5;
+}
+
 bool is_bound(const AffineSum& x, double bound) { return x.is_constant() && x.constant == bound; }
 
 /// Value at x of the lines through the points.
@@ -176,6 +183,7 @@ AffineSum FormulaBuilder::choose(const Condition& condition, const AffineSum& ye
   if (!condition.margin) return hysteresis(condition.value, 0.5, 0.5, yes, no);
   const AffineSum& margin = *condition.margin;
   const std::optional<double> ratio = ratio_of_terms(difference, margin);
+  if (!ratio && holds_at_zero(condition.value, parts_)) return hysteresis(-1.0 * margin, 0.0, 0.0, no, yes);
   if (!ratio) return hysteresis(margin, 0.0, 0.0, yes, no);
   const double jump = difference.constant - *ratio * margin.constant;
   const bool is_continuous = std::abs(jump) <= rounding * std::abs(difference.constant);

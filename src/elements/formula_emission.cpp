@@ -54,7 +54,8 @@ class FormulaEmission {
       case PartKind::step:
         return add_step(emission_, form(part.argument), part.at_zero);
       case PartKind::choice:
-        return add_choice(emission_, form(part.argument), {part.on_level, part.off_level}, form(part.above), form(part.below));
+        return add_choice(emission_.builder(), emission_.label(), {form(part.argument), part.on_level, part.off_level}, form(part.above),
+                          form(part.below));
     }
     return {};
   }

@@ -20,6 +20,14 @@ Thresholds between(double on, double off) { return on >= off ? Thresholds{on, of
 /// Ron above Roff is a switch that conducts better when off: the contact is then closed in the off state.
 bool closed_when_off(const Model& model) { return model.values.get("Ron") > model.values.get("Roff"); }
 
+/// Levels that are called on and off count where the control reaches them, at a peak or on a plateau too: so far inside the band the switch changes.
+double reach_of(const Model& model, const Thresholds& levels) {
+  constexpr double share = 1e-11;  // of the larger level: above what is rounding in either engine
+  const std::string_view type = model.kind->type;
+  const bool has_levels = type == "ISWITCH" || (type == "VSWITCH" && !model.values.has("Vt") && !model.values.has("Vh"));
+  return has_levels ? std::min(share * std::max(std::abs(levels.on), std::abs(levels.off)), 0.25 * (levels.on - levels.off)) : 0.0;
+}
+
 NodePair add_series_inductance(Emission& emission, NodePair ends) {
   const double inductance = emission.model().values.get("Lser");
   if (inductance == 0.0) return ends;
@@ -70,7 +78,8 @@ void add_switch(Emission& emission) {
     item.n = ends.n;
     item.resistance = resistance;
     item.drop = std::isinf(off) ? drop : 0.0;
-    item.initially_on = emission.instance().flag.value_or(false) != closed_when_off(emission.model());
+    item.initially_on = emission.instance().flag.value_or(false);
+    item.inverted = closed_when_off(emission.model());
     emission.result().item = emission.builder().add(std::move(item));
     emission.result().current = quantity(Quantity::switch_current, emission.result().item);
   }
@@ -79,12 +88,12 @@ void add_switch(Emission& emission) {
 
 void set_control(Emission& emission, const model::LinearForm& control) {
   if (emission.result().item < 0) return;
-  Thresholds levels = thresholds(emission.model());
-  if (closed_when_off(emission.model())) levels = inverted(levels);
+  const Thresholds levels = thresholds(emission.model());
   model::Switch& item = emission.builder().network().switches[static_cast<std::size_t>(emission.result().item)];
   model::accumulate(item.control, control, levels.scale);
-  item.on_level = levels.on;
-  item.off_level = levels.off;
+  const double reach = reach_of(emission.model(), levels);
+  item.on_level = levels.on - reach;
+  item.off_level = levels.off + reach;
 }
 
 /// ngspice follows the control of a switch to 0.05 V only: where no source holds it, it is amplified.

@@ -86,6 +86,7 @@ struct Request {
   Probes probes;
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
+  std::uint64_t dropped_event = 0;  ///< for tests of the certificate: each part passes over this event of a port (from 1), as if it had been missed
 };
 
 enum class Outcome { completed, no_solution, not_unique, accumulation, interrupted, sink_stopped };

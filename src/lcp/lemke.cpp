@@ -10,17 +10,34 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double pivot_tolerance = 1e-11;
-constexpr double tie_tolerance = 1e-12;
-/// What pivots leave of an entry that is a difference, in units of the largest entry of M: small entries of a column make large ratios of it.
-constexpr double entry_rounding = 1e-15;
+template <class Scalar>
+struct Tolerance;
+
+template <>
+struct Tolerance<double> {
+  static constexpr double pivot = 1e-11, tie = 1e-12;
+  /// What pivots leave of an entry that is a difference, in units of the largest entry of M: small entries of a column make large ratios of it.
+  static constexpr double entry_rounding = 1e-15;
+};
+
+template <>
+struct Tolerance<linalg::Wide> {
+  static constexpr linalg::Wide pivot = 1e-15L, tie = 1e-16L, entry_rounding = 1e-18L;
+};
 
 /// Tableau of  w − M z − 1·z0 = q.  Columns: w (k), z (k), z0, right-hand side. The w columns hold the basis inverse,
 /// which is what the lexicographic rule compares.
+template <class Scalar>
 class Tableau {
  public:
-  Tableau(const Matrix& m, const Vector& q, double scale)
-      : k_(static_cast<int>(q.size())), t_(k_, 2 * k_ + 2), rounding_(entry_rounding * (1.0 + m.cwiseAbs().maxCoeff())), basic_(k_) {
+  using M = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using V = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+  Tableau(const M& m, const V& q, Scalar scale)
+      : k_(static_cast<int>(q.size())),
+        t_(k_, 2 * k_ + 2),
+        rounding_(Tolerance<Scalar>::entry_rounding * (Scalar{1} + m.cwiseAbs().maxCoeff())),
+        basic_(k_) {
     t_.leftCols(k_).setIdentity();
     t_.middleCols(k_, k_) = -m;
     t_.col(2 * k_).setConstant(-1.0);
@@ -32,14 +49,14 @@ class Tableau {
   [[nodiscard]] int artificial() const { return 2 * k_; }
   [[nodiscard]] int right() const { return 2 * k_ + 1; }
   [[nodiscard]] int basic(int row) const { return basic_[row]; }
-  [[nodiscard]] double rhs(int row) const { return t_(row, right()); }
+  [[nodiscard]] Scalar rhs(int row) const { return t_(row, right()); }
   [[nodiscard]] static int complement(int variable, int k) { return variable < k ? variable + k : variable - k; }
 
   /// Row of the lexicographic minimum ratio for the entering column; −1: none (a ray). z0 leaves whenever it is tied.
   [[nodiscard]] int leaving_row(int column) const {
     std::vector<int> rows;
     for (int i = 0; i < k_; ++i)
-      if (t_(i, column) > pivot_tolerance) rows.push_back(i);
+      if (t_(i, column) > Tolerance<Scalar>::pivot) rows.push_back(i);
     if (rows.empty()) return -1;
     keep_smallest(rows, right(), column);
     for (const int row : rows)
@@ -69,27 +86,28 @@ class Tableau {
 
  private:
   void keep_smallest(std::vector<int>& rows, int numerator, int column) const {
-    double smallest = INFINITY;
+    Scalar smallest = INFINITY;
     for (const int row : rows) smallest = std::min(smallest, t_(row, numerator) / t_(row, column));
     std::erase_if(rows, [&](int row) {
-      const double entry = t_(row, column);
-      const double size = numerator == right() ? std::min(size_[row], entry) : entry;
-      const double tie = tie_tolerance * (size + std::abs(smallest) * entry) + rounding_ * std::abs(smallest);
+      const Scalar entry = t_(row, column);
+      const Scalar size = numerator == right() ? std::min(size_[row], entry) : entry;
+      const Scalar tie = Tolerance<Scalar>::tie * (size + std::abs(smallest) * entry) + rounding_ * std::abs(smallest);
       return t_(row, numerator) > smallest * entry + tie;
     });
   }
 
   int k_;
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> t_;
-  Vector size_;      ///< of what each right-hand side is a sum of, at most
-  double rounding_;  ///< of an entry
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> t_;
+  V size_;           ///< of what each right-hand side is a sum of, at most
+  Scalar rounding_;  ///< of an entry
   std::vector<int> basic_;
 };
 
-void read_off(const Tableau& tableau, int k, double scale, Solution& solution) {
+template <class Scalar>
+void read_off(const Tableau<Scalar>& tableau, int k, Scalar scale, Solution& solution) {
   for (int row = 0; row < k; ++row) {
     const int variable = tableau.basic(row);
-    const double value = tableau.rhs(row) * scale;
+    const auto value = static_cast<double>(tableau.rhs(row) * scale);
     if (variable < k) solution.w[variable] = value;
     if (variable >= k && variable < 2 * k) {
       solution.z[variable - k] = value;
@@ -99,23 +117,22 @@ void read_off(const Tableau& tableau, int k, double scale, Solution& solution) {
   std::sort(solution.basis.begin(), solution.basis.end());
 }
 
-}  // namespace
-
-Solution lemke(const Matrix& m, const Vector& q) {
+template <class Scalar>
+Solution solution_of(const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& m, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& q) {
   const int k = static_cast<int>(q.size());
-  Solution solution{Status::solved, Vector::Zero(k), q, {}, 0};
-  const double scale = k == 0 ? 0.0 : q.cwiseAbs().maxCoeff();
-  if (scale == 0.0 || q.minCoeff() >= 0.0) return solution;
+  Solution solution{Status::solved, Vector::Zero(k), q.template cast<double>(), {}, 0};
+  const Scalar scale = k == 0 ? Scalar{0} : q.cwiseAbs().maxCoeff();
+  if (scale == 0 || q.minCoeff() >= 0) return solution;
   solution.w.setZero();
 
-  Tableau tableau(m, q, scale);
+  Tableau<Scalar> tableau(m, q, scale);
   int row = tableau.first_row();
   int leaving = tableau.basic(row);
   tableau.pivot(row, tableau.artificial());
   solution.pivots = 1;
   const int limit = 50 * k + 100;
   while (leaving != tableau.artificial()) {
-    const int entering = Tableau::complement(leaving, k);
+    const int entering = Tableau<Scalar>::complement(leaving, k);
     row = tableau.leaving_row(entering);
     if (row < 0 || solution.pivots > limit) {
       solution.status = row < 0 ? Status::ray : Status::pivot_limit;
@@ -128,5 +145,11 @@ Solution lemke(const Matrix& m, const Vector& q) {
   read_off(tableau, k, scale, solution);
   return solution;
 }
+
+}  // namespace
+
+Solution lemke(const Matrix& m, const Vector& q) { return solution_of<double>(m, q); }
+
+Solution lemke_wide(const linalg::WideMatrix& m, const linalg::WideVector& q) { return solution_of<linalg::Wide>(m, q); }
 
 }  // namespace pwlsim::lcp

@@ -10,4 +10,7 @@ namespace pwlsim::lcp {
 /// lexicographically). Pivots below 1e-11 of the scaled tableau count as zero.
 [[nodiscard]] Solution lemke(const linalg::Matrix& m, const linalg::Vector& q);
 
+/// The same in extended precision: pivots below 1e-15.
+[[nodiscard]] Solution lemke_wide(const linalg::WideMatrix& m, const linalg::WideVector& q);
+
 }  // namespace pwlsim::lcp

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "model/network.hpp"
@@ -15,6 +16,14 @@ namespace pwlsim::model {
 [[nodiscard]] Term constant(double value);
 /// sum += factor·form
 void accumulate(LinearForm& sum, const LinearForm& form, double factor = 1.0);
+
+/// Two complementarities, `first` and the next, of which 1 − u(first) is 1 where `argument` > 0, 0 where it is < 0, and anything between at 0.
+/// Where no loop leads from that value back to the argument, elements::decide_steps puts switches in their place, and `at_zero` is the value at 0.
+struct Step {
+  int first = 0;
+  LinearForm argument;
+  double at_zero = 0.0;
+};
 
 /// Names are compared without case; they are kept as first given. Every `add` returns the index of the item within its list.
 class Builder {
@@ -33,6 +42,7 @@ class Builder {
   int add(Injection item) { return append(network_.injections, std::move(item)); }
   int add(Diode item) { return append(network_.diodes, std::move(item)); }
   int add(Complementarity item) { return append(network_.complementarities, std::move(item)); }
+  int add(Step item) { return append(steps_, std::move(item)); }
   int add(Switch item) { return append(network_.switches, std::move(item)); }
   int add(Source item) { return append(network_.sources, std::move(item)); }
   int add(Signal item) { return append(network_.signals, std::move(item)); }
@@ -42,6 +52,8 @@ class Builder {
   /// Items whose forms need currents of elements added later are completed in place.
   [[nodiscard]] Network& network() { return network_; }
   [[nodiscard]] const Network& network() const { return network_; }
+  /// Those added since they were last taken.
+  [[nodiscard]] std::vector<Step> take_steps() { return std::exchange(steps_, {}); }
   [[nodiscard]] Network take() { return std::move(network_); }
 
  private:
@@ -52,6 +64,7 @@ class Builder {
   }
 
   Network network_;
+  std::vector<Step> steps_;
   std::unordered_map<std::string, NodeIndex> node_by_name_;
 };
 

@@ -11,19 +11,27 @@ namespace pwlsim::model {
 namespace {
 
 constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
+/// Entries of a control's row below this fraction of the largest are rounding.
+constexpr double row_noise = 1e-12;
 
 }  // namespace
 
-bool Clock::can_drive(const System& system) {
-  return system.n == 0 && system.ports == 0 && system.outputs.empty() && !system.exosystem->has_curved();
+bool Clock::can_drive(const System& system, const Control& control) {
+  const Exosystem& sources = *system.exosystem;
+  Vector others = control.value.state;
+  const double noise = others.size() > 0 ? row_noise * others.cwiseAbs().maxCoeff() : 0.0;
+  if (sources.constant() >= 0) others[system.n + sources.constant()] = 0.0;
+  for (const auto& track : sources.tracks()) others[system.n + sources.blocks()[static_cast<std::size_t>(track.block)].first] = 0.0;
+  const auto is_rounding = [noise](const Vector& row) { return row.size() == 0 || row.cwiseAbs().maxCoeff() <= noise; };
+  return is_rounding(others) && is_rounding(control.value.input);
 }
 
 Clock::Clock(const System& system, const Control& control, double tolerance)
     : on_level_(control.on_level), off_level_(control.off_level), tolerance_(tolerance), driven_(control.driven) {
   const Exosystem& sources = *system.exosystem;
-  if (sources.constant() >= 0) constant_ = control.value.state[sources.constant()];
+  if (sources.constant() >= 0) constant_ = control.value.state[system.n + sources.constant()];
   for (const auto& [track, block, may_jump] : sources.tracks()) {
-    const double gain = control.value.state[sources.blocks()[static_cast<std::size_t>(block)].first];
+    const double gain = control.value.state[system.n + sources.blocks()[static_cast<std::size_t>(block)].first];
     if (gain != 0.0) terms_.push_back({{system.exosystem, &track}, gain, may_jump});
   }
 }
@@ -44,7 +52,7 @@ Clock::Margin Clock::margin_at(double time, double late) const {
   }
   if (std::abs(slope) <= threshold_noise * slope_size) slope = 0.0;
   const double sign = is_on_ ? 1.0 : -1.0;
-  return {sign * value, sign * slope, threshold_noise * size};
+  return {sign * value, sign * slope, threshold_noise * size, is_on_ && on_level_ == off_level_};
 }
 
 void Clock::start(bool is_on) {

@@ -3,7 +3,8 @@
 ///
 ///     v(t) = constant + Σ gain_k · track_k(t),   on -> off where v falls below off_level, off -> on where v rises above on_level,
 ///
-/// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides.
+/// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides; where v rests there, a switch
+/// without hysteresis is off.
 
 #include <memory>
 #include <vector>
@@ -30,10 +31,10 @@ class Clock {
     Track::Cursor cursor{};
   };
 
-  /// Whether all that the system's signals feed is controls, and all that they read is piecewise linear sources.
-  [[nodiscard]] static bool can_drive(const System& system);
+  /// Whether all that the control reads is piecewise linear sources: no state, no port, and of these sources no derivative.
+  [[nodiscard]] static bool can_drive(const System& system, const Control& control);
 
-  /// A clock for one control of such a system. Breakpoints closer than `tolerance` are one.
+  /// A clock for such a control. Breakpoints closer than `tolerance` are one.
   Clock(const System& system, const Control& control, double tolerance);
   Clock(std::vector<Term> terms, double constant, double on_level, double off_level, int driven, double tolerance);
 
@@ -51,8 +52,9 @@ class Clock {
   /// v − threshold or threshold − v, ≥ 0 while the switch stays, with its slope (0 where that is rounding) and the rounding of its terms.
   struct Margin {
     double value = 0.0, slope = 0.0, noise = 0.0;
+    bool passes_at_rest = false;  ///< where both are rounding
     /// Sign of the first of value and slope that is not rounding.
-    [[nodiscard]] bool departs() const { return value < -noise || (value <= noise && slope < 0.0); }
+    [[nodiscard]] bool departs() const { return value < -noise || (value <= noise && (slope < 0.0 || (slope == 0.0 && passes_at_rest))); }
   };
 
   /// What comes next from a place in the period that repeats: every period it is the same.

@@ -13,8 +13,6 @@ namespace {
 
 /// Resistors below this fraction of R0 carry their current as an unknown: as conductances they would drown their node's row.
 constexpr double low_resistance = 1e-3;
-/// A resistor further from R0 may be taken for a short circuit beside a capacitor, or for an open one beside an inductor.
-constexpr double widest_ratio = 1e8;
 /// Pivots of the unit-diagonal inductance matrix below this are zero: |k| = 1.
 constexpr double coupling_rank_tolerance = 1e-12;
 
@@ -37,19 +35,19 @@ bool needs_constant(const Network& network) {
   return false;
 }
 
-/// `mean`, or where that leaves a resistor too far away, the middle of the smallest and the largest.
-double within_reach(const std::vector<Resistor>& resistors, double mean) {
+/// The smallest and the largest of what is neither zero nor infinite.
+struct Range {
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
-  for (const auto& r : resistors) {
-    const double size = std::abs(r.resistance);
-    if (size == 0.0 || std::isinf(size)) continue;
+
+  void take(double value) {
+    const double size = std::abs(value);
+    if (size == 0.0 || std::isinf(size)) return;
     least = std::min(least, size);
     most = std::max(most, size);
   }
-  const bool all_near = most <= widest_ratio * mean && mean <= widest_ratio * least;
-  const bool helps = most <= widest_ratio * least * widest_ratio;
-  return most == 0.0 || all_near || !helps ? mean : std::sqrt(least) * std::sqrt(most);
-}
+  /// As many decades from the one as from the other.
+  [[nodiscard]] double middle() const { return most > 0.0 ? std::sqrt(least) * std::sqrt(most) : 1.0; }
+};
 
 }  // namespace
 
@@ -62,6 +60,7 @@ Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) 
   const int m = unknowns_;
   g = WideMatrix::Zero(m, m);
   g_rest = WideMatrix::Zero(m, m);
+  g_data = WideMatrix::Zero(m, m);
   f = WideMatrix::Zero(m, stores());
   ha = WideMatrix::Zero(m, ports());
   hw = WideMatrix::Zero(m, exosystem->size());
@@ -75,12 +74,17 @@ Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) 
 bool Assembly::is_low(double resistance) const { return std::abs(resistance) < low_resistance * r0; }
 
 void Assembly::choose_scales() {
-  LogMean capacitance, inductance, resistance, time;
+  LogMean capacitance, inductance, time;
   for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
   for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
-  for (const auto& r : network.resistors) resistance.add(std::abs(r.resistance));
-  if (!capacitance.empty() && !inductance.empty()) resistance.add(std::sqrt(inductance.value() / capacitance.value()));
-  r0 = within_reach(network.resistors, resistance.value());
+  // In the middle every resistor is clearly a wire or clearly a leak to the wave ports, and both come out of them as small entries that nothing
+  // cancels with.
+  Range resistance;
+  for (const auto& r : network.resistors) resistance.take(r.resistance);
+  for (const auto& d : network.diodes) resistance.take(d.resistance);
+  for (const auto& s : network.switches) resistance.take(s.resistance);
+  if (!capacitance.empty() && !inductance.empty()) resistance.take(std::sqrt(inductance.value() / capacitance.value()));
+  r0 = resistance.middle();
   for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);
   for (const auto& l : network.inductors) time.add(std::abs(l.inductance) / r0);
   tau0 = time.value();
@@ -127,16 +131,25 @@ void Assembly::number_unknowns() {
   unknowns_ = next;
 }
 
+void Assembly::add_to(int row, int column, Wide term) {
+  linalg::Doubled sum{g(row, column), g_rest(row, column)};
+  sum.add(term);
+  g(row, column) = sum.value;
+  g_rest(row, column) = sum.rest;
+}
+
 void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, Wide value) {
-  const auto add = [&](NodeIndex row, Wide term) {
-    if (row == ground) return;
-    linalg::Doubled sum{g(row, column), g_rest(row, column)};
-    sum.add(term);
-    g(row, column) = sum.value;
-    g_rest(row, column) = sum.rest;
-  };
-  add(p, value);
-  add(n, -value);
+  if (p != ground) add_to(p, column, value);
+  if (n != ground) add_to(n, column, -value);
+}
+
+/// Coefficients of the netlist into a row of G.
+void Assembly::add_data(int row, const WideVector& terms) {
+  for (int column = 0; column < unknowns_; ++column) {
+    if (terms[column] == 0.0) continue;
+    add_to(row, column, terms[column]);
+    g_data(row, column) += std::abs(terms[column]);
+  }
 }
 
 void Assembly::add_voltage(int row, NodeIndex p, NodeIndex n) {
@@ -152,11 +165,17 @@ void Assembly::add_resistors() {
       add_kcl(r.p, r.n, low, 1.0);
       add_voltage(low, r.p, r.n);
       g(low, low) -= static_cast<Wide>(r.resistance) / r0;
+      g_data(low, low) += std::abs(g(low, low));
       continue;
     }
     const Wide conductance = static_cast<Wide>(r0) / r.resistance;
-    if (r.p != ground) add_kcl(r.p, r.n, r.p, conductance);
-    if (r.n != ground) add_kcl(r.p, r.n, r.n, -conductance);
+    for (const NodeIndex column : {r.p, r.n}) {
+      if (column == ground) continue;
+      add_kcl(r.p, r.n, column, column == r.p ? conductance : -conductance);
+      if (conductance > 0.0) continue;
+      if (r.p != ground) g_data(r.p, column) -= conductance;
+      if (r.n != ground) g_data(r.n, column) -= conductance;
+    }
   }
 }
 
@@ -179,6 +198,7 @@ void Assembly::add_stores() {
       const Wide sign = network.inductors[i].inductance < 0.0 ? -1.0L : 1.0L;
       g(first_inductor_ + i, row) -= sign * inductor_factor(i, j) / scale;
       g(row, first_inductor_ + i) += inductor_factor(i, j) / scale;
+      g_data(first_inductor_ + i, row) = g_data(row, first_inductor_ + i) = std::abs(inductor_factor(i, j) / scale);
     }
     f(row, capacitors + j) = -1.0L / scale;
     sx(capacitors + j, row) = 1.0L / (scale * tau0);
@@ -197,14 +217,14 @@ void Assembly::add_branches_and_injections() {
     add_kcl(b.p, b.n, column, 1.0);
     add_voltage(column, b.p, b.n);
     const FormRow row = row_of(b.voltage);
-    g.row(column) -= row.z_part.transpose();
+    add_data(column, -row.z_part);
     hw.row(column) -= row.zeta_part.transpose();
   }
   for (const auto& injection : network.injections) {
     const FormRow row = row_of(injection.current);
     for (const auto& [node, sign] : {std::pair{injection.p, static_cast<Wide>(r0)}, std::pair{injection.n, -static_cast<Wide>(r0)}}) {
       if (node == ground) continue;
-      g.row(node) += sign * row.z_part.transpose();
+      add_data(node, sign * row.z_part);
       hw.row(node) += sign * row.zeta_part.transpose();
     }
   }
@@ -214,7 +234,10 @@ void Assembly::add_port(int port, NodeIndex p, NodeIndex n, double resistance, d
   const int column = port_column(port);
   add_kcl(p, n, column, 1.0);
   add_voltage(column, p, n);
-  g(column, column) -= 1.0L + static_cast<Wide>(resistance) / r0;
+  const Wide ratio = static_cast<Wide>(resistance) / r0;
+  add_to(column, column, -1.0L);
+  add_to(column, column, -ratio);
+  g_data(column, column) += std::abs(ratio);
   ha(column, port) = -1.0;
   if (drop != 0.0) hw(column, exosystem->constant()) -= drop;
 }
@@ -254,9 +277,9 @@ void Assembly::add_complementarity(int port, int index) {
   const int column = port_column(port);
   const FormRow row = row_of(network.complementarities[static_cast<std::size_t>(index)].slack);
   const Wide scale = slack_scale_[static_cast<std::size_t>(index)];
-  g.row(column) -= scale * row.z_part.transpose();
+  add_data(column, -scale * row.z_part);
   hw.row(column) -= scale * row.zeta_part.transpose();
-  g(column, column) -= 1.0L;
+  add_to(column, column, -1.0L);
   ha(column, port) = -1.0;
 }
 

@@ -34,6 +34,8 @@ struct Assembly {
   [[nodiscard]] Vector store_sign() const;
   /// Name of the element whose current is unknown `index` of z ("" for the rest).
   [[nodiscard]] std::string current_owner(int index) const;
+  /// Whether a resistor of the network carries its current as an unknown.
+  [[nodiscard]] bool has_current(const Resistor& resistor) const { return is_low(resistor.resistance); }
   [[nodiscard]] int first_complementarity() const { return static_cast<int>(network.diodes.size()); }
   [[nodiscard]] int first_switch() const { return first_complementarity() + static_cast<int>(network.complementarities.size()); }
   [[nodiscard]] const Label& port_label(int port) const;
@@ -52,12 +54,17 @@ struct Assembly {
   bool coupling_possible = true;  ///< false where the inductance matrix is indefinite
   WideMatrix g, f, ha, hw, sx;
   WideMatrix g_rest;  ///< what rounding left of G: beside a large conductance, a sum of small ones is a leak to ground
+  /// Magnitudes of those terms of G that are numbers of the netlist and may cancel: gains, R/R0 and inductances. Incidence numbers are exact, and
+  /// conductances of positive resistors stand in G as one number at its four places.
+  WideMatrix g_data;
 
  private:
   void choose_scales();
   void factor_inductances();
   void number_unknowns();
   void add_kcl(NodeIndex p, NodeIndex n, int column, Wide value);
+  void add_to(int row, int column, Wide term);
+  void add_data(int row, const WideVector& terms);
   void add_voltage(int row, NodeIndex p, NodeIndex n);
   void add_resistors();
   void add_stores();

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/careful_elimination.hpp"
 #include "linalg/constraint_basis.hpp"
 #include "linalg/doubled.hpp"
 #include "linalg/refined_solution.hpp"
 #include "model/certificate.hpp"
+#include "model/clock.hpp"
 #include "model/descriptor.hpp"
 
 namespace pwlsim::model {
@@ -26,8 +28,12 @@ using linalg::wide_cleaned;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-/// The rank decision sees incidence numbers and R0/R after row equilibration, never a capacitance or an inductance.
-constexpr double rank_tolerance = 1e-9;
+/// A network whose G has pivots above this fraction of the largest is regular without further examination.
+constexpr double clearly_regular = 1e-9;
+/// How well the numbers of a netlist are known: those that differ by less cancel.
+constexpr Wide data_rounding = 1e-15L;
+/// Of residuals in twice the digits, against that: 1e-30 of their terms.
+constexpr Wide residual_rounding = 1e-30L / linalg::wide_clean_tolerance;
 /// Of a null vector of order one: an entry above this takes part in it.
 constexpr double takes_part = 1e-6;
 /// A column of a row-equilibrated G whose entries are all below the first number holds a quantity that is small beside the others of its
@@ -36,8 +42,6 @@ constexpr double takes_part = 1e-6;
 constexpr double small_column = 1e-3, rounding_column = 1e-15;
 /// An entry of a hidden constraint below this fraction of its parts is rounding.
 constexpr double constraint_tolerance = 1e-12;
-/// An entry of D (of order one by construction) below this is rounding.
-constexpr Wide port_noise = 1e-15L;
 constexpr int largest_index = 6;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
@@ -51,32 +55,19 @@ WideMatrix with_small_columns_raised(WideMatrix g) {
   return g;
 }
 
-/// Left null vectors of g by full pivoting: exact for incidence numbers; column j has its 1 at row pivot_rows[j].
+/// Left null vectors of G; column j has its 1 at row pivot_rows[j].
 struct LeftNull {
   WideMatrix vectors;
-  std::vector<int> pivot_rows;
+  std::vector<Eigen::Index> pivot_rows;
 };
 
-LeftNull left_null(const WideMatrix& unscaled) {
-  const WideMatrix g = with_small_columns_raised(unscaled);
-  Eigen::ColPivHouseholderQR<WideMatrix> quick(g);
+bool is_clearly_regular(const WideMatrix& g) {
+  const Eigen::ColPivHouseholderQR<WideMatrix> quick(with_small_columns_raised(g));
   const WideVector diagonal = quick.matrixR().diagonal().cwiseAbs();
-  if (diagonal.size() == 0 || diagonal.minCoeff() > rank_tolerance * diagonal.maxCoeff()) return {};
-  Eigen::FullPivLU<WideMatrix> lu(g.transpose());
-  lu.setThreshold(rank_tolerance);
-  const auto rank = static_cast<int>(lu.rank());
-  const auto m = static_cast<int>(g.rows());
-  if (rank == m) return {};
-  LeftNull result{lu.kernel(), {}};
-  for (Eigen::Index j = 0; j < result.vectors.cols(); ++j) {
-    auto column = result.vectors.col(j);
-    const Wide noise = constraint_tolerance * column.cwiseAbs().maxCoeff();
-    for (Eigen::Index i = 0; i < column.size(); ++i)
-      if (std::abs(column[i]) <= noise) column[i] = 0.0;
-  }
-  for (int j = rank; j < m; ++j) result.pivot_rows.push_back(static_cast<int>(lu.permutationQ().indices()[j]));
-  return result;
+  return diagonal.size() == 0 || diagonal.minCoeff() > clearly_regular * diagonal.maxCoeff();
 }
+
+Wide largest_of(const WideMatrix& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff(); }
 
 class Extractor {
  public:
@@ -87,10 +78,12 @@ class Extractor {
         diagnostics_(diagnostics),
         g_(assembly.g),
         g_rest_(assembly.g_rest),
+        g_data_(assembly.g_data),
         f_(assembly.f),
         ha_(assembly.ha),
         hw_(assembly.hw),
-        hw_edge_(WideMatrix::Zero(assembly.hw.rows(), assembly.hw.cols())) {}
+        hw_edge_(WideMatrix::Zero(assembly.hw.rows(), assembly.hw.cols())),
+        row_scale_(WideVector::Ones(assembly.g.rows())) {}
 
   std::optional<Extraction> run() {
     if (!assembly_.coupling_possible) {
@@ -101,8 +94,9 @@ class Extractor {
     }
     if (!reduce_index()) return std::nullopt;
     solve_constraints();
-    solve_unknowns();
     choose_causality();
+    take_causality();
+    solve_unknowns();
     finish();
     return std::move(result_);
   }
@@ -110,12 +104,15 @@ class Extractor {
  private:
   void equilibrate();
   bool reduce_index();
+  [[nodiscard]] LeftNull left_null() const;
   bool take_constraints(const LeftNull& null);
   void report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw);
   void report_improper(const WideMatrix& na);
   void solve_constraints();
-  void solve_unknowns();
   void choose_causality();
+  void take_causality();
+  void solve_unknowns();
+  [[nodiscard]] WideMatrix data_bound(const WideMatrix& inverse, const WideMatrix& solution, const WideMatrix& right) const;
   void finish();
   void add_ports();
   [[nodiscard]] OutputRow output(const LinearForm& form) const;
@@ -124,18 +121,18 @@ class Extractor {
   const Network& network_;
   const Assembly& assembly_;
   Diagnostics& diagnostics_;
-  WideMatrix g_, g_rest_, f_, ha_, hw_;
+  WideMatrix g_, g_rest_, g_data_, f_, ha_, hw_;
   WideMatrix hw_edge_;              ///< over an instant G ∫z + H_a ∫a + this·Δζ = 0
   WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
   std::vector<Eigen::Index> held_;  ///< stores in which H is regular
   WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
-  WideMatrix z_xi_, z_a_, z_zeta_;  ///< z = …·ξ, …·a, …·ζ
-  WideMatrix z_edge_, f1_edge_;     ///< ∫z = …·Δζ, ∫y = …·Δζ over an instant, with no impulse of a, of u
-  Matrix edge_;                     ///< ∫z = …·Δζ with no impulse of u
-  WideMatrix a_, b_, e_;            ///< ξ' = a ξ + b a_wave + e ζ
-  WideVector theta_;
-  WideMatrix c_, d_, f1_;  ///< y = c ξ + d u + f1 ζ
-  WideMatrix one_plus_d_;  ///< exact where D is near −1
+  WideVector row_scale_;            ///< of the rows of G against the assembly's; zero where a constraint took their place
+  WideVector theta_;                ///< causality of the ports: −1 where u is the current
+  WideMatrix hu_, hu_data_;         ///< G z + F x + H_u u + H_w ζ = 0, with y in the place of each port's current
+  WideMatrix z_xi_, z_u_, z_zeta_;  ///< z = …·ξ, …·u, …·ζ
+  WideMatrix z_edge_;               ///< ∫z = …·Δζ over an instant, with no impulse of u
+  Matrix edge_;
+  WideMatrix a_, b_, e_;  ///< ξ' = a ξ + b u + e ζ
   Extraction result_;
 };
 
@@ -144,7 +141,8 @@ void Extractor::equilibrate() {
     const Wide largest = g_.row(i).cwiseAbs().maxCoeff();
     if (largest == 0.0) continue;
     const Wide scale = std::ldexp(1.0L, -std::ilogb(largest));  // exact
-    for (WideMatrix* m : {&g_, &g_rest_, &f_, &ha_, &hw_, &hw_edge_}) m->row(i) *= scale;
+    for (WideMatrix* m : {&g_, &g_rest_, &g_data_, &f_, &ha_, &hw_, &hw_edge_}) m->row(i) *= scale;
+    row_scale_[i] *= scale;
   }
 }
 
@@ -154,7 +152,7 @@ bool Extractor::reduce_index() {
   if (g_.rows() == 0) return true;
   for (int round = 0; round < largest_index; ++round) {
     equilibrate();
-    const LeftNull null = left_null(g_);
+    const LeftNull null = left_null();
     if (null.pivot_rows.empty()) return true;
     if (!take_constraints(null)) return false;
   }
@@ -162,6 +160,12 @@ bool Extractor::reduce_index() {
                      "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its "
                      "loops of controlled sources");
   return false;
+}
+
+LeftNull Extractor::left_null() const {
+  if (is_clearly_regular(g_)) return {};
+  const linalg::CarefulElimination elimination(g_, g_rest_, data_rounding * g_data_);
+  return {elimination.left_kernel(), elimination.free_rows()};
 }
 
 bool Extractor::take_constraints(const LeftNull& null) {
@@ -176,18 +180,11 @@ bool Extractor::take_constraints(const LeftNull& null) {
   const WideMatrix nf = clean(f_);
   const WideMatrix na = clean(ha_);
   const WideMatrix nw = clean(hw_);
-  // Scale every constraint to a largest coefficient of one, so that a picofarad weighs as much as a farad.
+  // In units of each store, so that a picofarad weighs as much as a farad.
   WideMatrix scaled = nf;
-  for (Eigen::Index i = 0; i < nf.rows(); ++i) {
-    const Wide largest = nf.cols() == 0 ? 0.0 : nf.row(i).cwiseAbs().maxCoeff();
-    if (largest > 0.0) scaled.row(i) /= largest;
-  }
-  const auto rank_of = [](const WideMatrix& m) {
-    Eigen::FullPivLU<WideMatrix> lu(m);
-    lu.setThreshold(rank_tolerance);
-    return lu.rank();
-  };
-  if (nf.cols() == 0 || rank_of(scaled) < nf.rows()) {
+  for (Eigen::Index j = 0; j < nf.cols(); ++j)
+    if (const Wide unit = largest_of(f_.col(j)); unit > 0.0) scaled.col(j) /= unit;
+  if (linalg::CarefulElimination(scaled, {}, data_rounding * scaled.cwiseAbs()).rank() < nf.rows()) {
     report_singular(null, nf, nw);
     return false;
   }
@@ -206,6 +203,8 @@ bool Extractor::take_constraints(const LeftNull& null) {
     const auto k = static_cast<Eigen::Index>(i);
     g_.row(row) = nf.row(k) * assembly_.sx;
     g_rest_.row(row).setZero();
+    g_data_.row(row) = nf.row(k).cwiseAbs() * assembly_.sx.cwiseAbs();
+    row_scale_[row] = 0.0;
     f_.row(row).setZero();
     ha_.row(row).setZero();
     hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
@@ -233,21 +232,17 @@ void Extractor::report_improper(const WideMatrix& na) {
 
 void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
-  Eigen::FullPivLU<WideMatrix> lu(g_);
-  lu.setThreshold(rank_tolerance);
-  const WideMatrix kernel = lu.kernel();
+  const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, data_rounding * g_data_).kernel();
   const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
   // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
-  Eigen::FullPivLU<WideMatrix> combination(nf.cols() == 0 ? WideMatrix(WideMatrix::Zero(nf.rows(), 1)).transpose()
-                                                          : WideMatrix(nf.transpose()));
-  combination.setThreshold(rank_tolerance);
-  const WideMatrix free_rows = null.vectors * combination.kernel();
+  const WideMatrix combination = linalg::CarefulElimination(nf.transpose(), {}, data_rounding * nf.cwiseAbs().transpose()).kernel();
+  const WideMatrix free_rows = null.vectors * combination;
   std::string node_names, element_names;
   SourceSpan node_span, element_span;
   bool has_source = false;
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
-    const Wide weight = free_rows.row(i).cwiseAbs().maxCoeff();
-    const Wide freedom = kernel.row(i).cwiseAbs().maxCoeff();
+    const Wide weight = largest_of(free_rows.row(i));
+    const Wide freedom = largest_of(kernel.row(i));
     if (i < nodes && (weight > takes_part || freedom > takes_part)) {
       const Label& label = network_.nodes[static_cast<std::size_t>(i)];
       if (!node_span.known()) node_span = label.span;
@@ -265,7 +260,7 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
       element_names += (element_names.empty() ? "" : ", ") + owner;
     }
   }
-  const WideMatrix said = combination.kernel().transpose() * nw;
+  const WideMatrix said = combination.transpose() * nw;
   const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
   const bool is_loop_of_wires = !has_source && node_names.empty() && !element_names.empty();
   if (has_source || is_loop_of_wires) {
@@ -302,51 +297,15 @@ void Extractor::solve_constraints() {
   offset_ = wide_cleaned(offset_, WideMatrix::Constant(stores, s_zeta_.cols(), s_zeta_.size() ? s_zeta_.cwiseAbs().maxCoeff() : 0.0));
 }
 
-void Extractor::solve_unknowns() {
-  const auto m = g_.rows();
-  const auto stores = assembly_.stores();
-  const auto k = assembly_.ports();
-  const auto nz = hw_.cols();
-  WideMatrix right(m, stores + k + nz);
-  right << f_, ha_, hw_;
-  WideMatrix solution = WideMatrix::Zero(m, right.cols());
-  z_edge_ = WideMatrix::Zero(m, nz);
-  if (m > 0) {
-    const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
-    solution = -linalg::refined_solution(g_, g_rest_, inverse, right);
-    // What a rounding of each entry of G and of the right-hand sides does to the solution (Higham 2002, §7.2).
-    const WideMatrix bound = absolute_product(inverse, sparse_absolute_product(g_, solution) + right.cwiseAbs());
-    solution = wide_cleaned(solution, bound);
-    if (!hw_edge_.isZero(0)) z_edge_ = -wide_clean_product(inverse, hw_edge_);
-  }
-  // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
-  const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();
-  const WideMatrix h = wide_clean_product(solved, h_);
-  WideMatrix z_full = solution.leftCols(stores);
-  z_a_ = solution.middleCols(stores, k);
-  const WideMatrix left_out = -z_full(Eigen::all, held_);
-  z_full = wide_clean_sum(z_full, left_out, h);
-  z_zeta_ = wide_clean_sum(solution.rightCols(nz), left_out, wide_clean_product(solved, s_zeta_));
-  z_zeta_ = wide_clean_sum(z_zeta_, z_full, offset_);
-  z_xi_ = wide_clean_product(z_full, basis_);
-  const auto rates = [&](const WideMatrix& z) {
-    const WideMatrix rate = wide_clean_product(assembly_.sx, z);
-    return wide_clean_product(basis_.transpose(), wide_clean_sum(rate, h.transpose(), -rate(held_, Eigen::all)));
-  };
-  a_ = rates(z_xi_);
-  b_ = rates(z_a_);
-  e_ = rates(z_zeta_);
-}
-
-/// b = C_w ξ + S a + F_w ζ;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
+/// b = S a + …;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
 /// Θ = diag(±1) with S + Θ nonsingular, found greedily with every pivot at least one in magnitude.
 void Extractor::choose_causality() {
   const auto k = assembly_.ports();
-  const auto first = assembly_.port_column(0);
-  const WideMatrix half = z_a_.middleRows(first, k);
-  const WideMatrix s = WideMatrix::Identity(k, k) + 2.0 * half;
-  WideMatrix work = s;
   theta_ = WideVector::Zero(k);
+  if (k == 0) return;
+  const auto first = assembly_.port_column(0);
+  const WideMatrix z_a = -Eigen::PartialPivLU<WideMatrix>(g_).solve(ha_);
+  WideMatrix work = WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k);
   for (int round = 0; round < k; ++round) {
     int best = -1;
     for (int j = 0; j < k; ++j)
@@ -360,30 +319,85 @@ void Extractor::choose_causality() {
         if (theta_[j] == 0.0) work(i, j) -= factor * work(best, j);
     }
   }
-  // (S + Θ)/2 (1 + D, D, C, F) = (Θ, (Θ − S)/2, C_w/2, F_w/2), each entry with one rounding.
-  const auto n = z_xi_.cols(), nz = z_zeta_.cols();
-  const WideMatrix theta = theta_.asDiagonal();
-  WideMatrix gain = half, gain_rest = WideMatrix::Zero(k, k), right(k, 2 * k + n + nz);
-  right << theta, -half, z_xi_.middleRows(first, k), z_zeta_.middleRows(first, k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    if (theta_[i] > 0.0) {
-      linalg::Doubled sum{half(i, i), 0};
-      sum.add(1.0);
-      gain(i, i) = sum.value;
-      gain_rest(i, i) = sum.rest;
-    } else {
-      right(i, k + i) -= 1.0;
+}
+
+/// A port's row d − i − a = 0 (d the voltage beyond its drop and resistance, i its current) becomes d + u = 0 with y = i, or d + y = 0 with
+/// u = i: a = −(u + y). The unknowns are then solved for with u given, so that small entries of D are as exact as those of G.
+void Extractor::take_causality() {
+  const auto k = assembly_.ports();
+  hu_ = WideMatrix::Zero(g_.rows(), k);
+  hu_data_ = WideMatrix::Zero(g_.rows(), k);
+  for (int j = 0; j < k; ++j) {
+    const auto column = assembly_.port_column(j);
+    const Wide scale = -ha_(column, j);
+    linalg::Doubled diagonal{g_(column, column), g_rest_(column, column)};
+    diagonal.add(scale);
+    g_(column, column) = diagonal.value + diagonal.rest;
+    g_rest_(column, column) = diagonal.rest - (g_(column, column) - diagonal.value);
+    if (theta_[j] > 0.0) {
+      hu_(column, j) = scale;
+      continue;
     }
+    hu_.col(j) = g_.col(column);
+    hu_data_.col(j) = g_data_.col(column);
+    for (WideMatrix* m : {&g_, &g_rest_, &g_data_}) m->col(column).setZero();
+    g_(column, column) = scale;
   }
-  const WideMatrix inverse = k > 0 ? WideMatrix(Eigen::PartialPivLU<WideMatrix>(gain).inverse()) : WideMatrix(0, 0);
-  const WideMatrix solution = wide_cleaned(linalg::refined_solution(gain, gain_rest, inverse, right), absolute_product(inverse, right));
-  one_plus_d_ = solution.leftCols(k);
-  d_ = solution.middleCols(k, k);
-  for (Eigen::Index i = 0; i < d_.size(); ++i)
-    if (std::abs(d_.data()[i]) < port_noise) d_.data()[i] = 0.0;
-  c_ = solution.middleCols(2 * k, n);
-  f1_ = solution.rightCols(nz);
-  f1_edge_ = wide_clean_product(inverse, WideMatrix(z_edge_.middleRows(first, k)));
+}
+
+/// What a change of each number of the netlist by its own size does to the unknowns, to first order: a resistor's changes the current through
+/// it, not the conductances at its ends one by one. What is exact has the rounding of the residuals only.
+WideMatrix Extractor::data_bound(const WideMatrix& inverse, const WideMatrix& solution, const WideMatrix& right) const {
+  WideMatrix change = residual_rounding * (sparse_absolute_product(g_, solution) + right.cwiseAbs());
+  change += sparse_absolute_product(g_data_, solution);
+  const auto stores = assembly_.stores();
+  change.middleCols(stores, hu_.cols()) += hu_data_;
+  change.rightCols(hw_.cols()) += hw_.cwiseAbs();
+  WideVector current(solution.cols());
+  for (const auto& r : network_.resistors) {
+    if (assembly_.has_current(r)) continue;
+    const Wide conductance = static_cast<Wide>(assembly_.r0) / std::abs(static_cast<Wide>(r.resistance));
+    current.setZero();
+    if (r.p != ground) current += solution.row(r.p).transpose();
+    if (r.n != ground) current -= solution.row(r.n).transpose();
+    for (const NodeIndex node : {r.p, r.n})
+      if (node != ground) change.row(node) += row_scale_[node] * conductance * current.cwiseAbs().transpose();
+  }
+  return absolute_product(inverse, change);
+}
+
+void Extractor::solve_unknowns() {
+  const auto m = g_.rows();
+  const auto stores = assembly_.stores();
+  const auto k = assembly_.ports();
+  const auto nz = hw_.cols();
+  WideMatrix right(m, stores + k + nz);
+  right << f_, hu_, hw_;
+  WideMatrix solution = WideMatrix::Zero(m, right.cols());
+  z_edge_ = WideMatrix::Zero(m, nz);
+  if (m > 0) {
+    const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
+    solution = linalg::refined_solution(g_, g_rest_, inverse, -right);
+    solution = wide_cleaned(solution, data_bound(inverse, solution, right));
+    if (!hw_edge_.isZero(0)) z_edge_ = -wide_clean_product(inverse, hw_edge_);
+  }
+  // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
+  const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();
+  const WideMatrix h = wide_clean_product(solved, h_);
+  WideMatrix z_full = solution.leftCols(stores);
+  z_u_ = solution.middleCols(stores, k);
+  const WideMatrix left_out = -z_full(Eigen::all, held_);
+  z_full = wide_clean_sum(z_full, left_out, h);
+  z_zeta_ = wide_clean_sum(solution.rightCols(nz), left_out, wide_clean_product(solved, s_zeta_));
+  z_zeta_ = wide_clean_sum(z_zeta_, z_full, offset_);
+  z_xi_ = wide_clean_product(z_full, basis_);
+  const auto rates = [&](const WideMatrix& z) {
+    const WideMatrix rate = wide_clean_product(assembly_.sx, z);
+    return wide_clean_product(basis_.transpose(), wide_clean_sum(rate, h.transpose(), -rate(held_, Eigen::all)));
+  };
+  a_ = rates(z_xi_);
+  b_ = rates(z_u_);
+  e_ = rates(z_zeta_);
 }
 
 void Extractor::add_ports() {
@@ -400,7 +414,6 @@ void Extractor::add_ports() {
   system.switch_number = island_.switch_number;
 }
 
-/// a = −(u + y) turns the wave model into x' = A x + B u, y = C x + D u, and z with it.
 void Extractor::finish() {
   System& system = result_.system;
   Descriptor& descriptor = result_.descriptor;
@@ -416,14 +429,15 @@ void Extractor::finish() {
 
   auto unrounded = std::make_shared<Unrounded>();
   unrounded->a = WideMatrix::Zero(size, size);
-  unrounded->a.topLeftCorner(n, n) = wide_clean_sum(a_, -b_, c_);
-  unrounded->a.topRightCorner(n, nz) = wide_clean_sum(e_, -b_, f1_);
+  unrounded->a.topLeftCorner(n, n) = a_;
+  unrounded->a.topRightCorner(n, nz) = e_;
   unrounded->a.bottomRightCorner(nz, nz) = assembly_.exosystem->a().cast<Wide>();
   unrounded->b = WideMatrix::Zero(size, k);
-  unrounded->b.topRows(n) = -wide_clean_product(b_, one_plus_d_);
+  unrounded->b.topRows(n) = b_;
   unrounded->c.resize(k, size);
-  unrounded->c << c_, f1_;
-  unrounded->d = d_;
+  const auto first = assembly_.port_column(0);
+  unrounded->c << z_xi_.middleRows(first, k), z_zeta_.middleRows(first, k);
+  unrounded->d = z_u_.middleRows(first, k);
   system.a = unrounded->a.cast<double>();
   system.b = unrounded->b.cast<double>();
   system.c = unrounded->c.cast<double>();
@@ -440,10 +454,16 @@ void Extractor::finish() {
   descriptor.tau0 = assembly_.tau0;
   descriptor.store_ports = assembly_.store_ports();
   descriptor.store_sign = assembly_.store_sign();
+  // Where y took a current's place the current is u.
+  for (int j = 0; j < k; ++j) {
+    if (theta_[j] > 0.0) continue;
+    for (WideMatrix* z : {&z_xi_, &z_u_, &z_zeta_, &z_edge_}) z->row(first + j).setZero();
+    z_u_(first + j, j) = 1.0;
+  }
   descriptor.z_state.resize(m, size);
-  descriptor.z_state << wide_clean_sum(z_xi_, -z_a_, c_).cast<double>(), wide_clean_sum(z_zeta_, -z_a_, f1_).cast<double>();
-  edge_ = wide_clean_sum(z_edge_, -z_a_, f1_edge_).cast<double>();
-  descriptor.z_input = -wide_clean_product(z_a_, one_plus_d_).cast<double>();
+  descriptor.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
+  edge_ = z_edge_.cast<double>();
+  descriptor.z_input = z_u_.cast<double>();
   descriptor.store_state.resize(assembly_.stores(), size);
   descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
   descriptor.reduce = basis_.transpose().cast<double>();
@@ -453,8 +473,10 @@ void Extractor::finish() {
     system.outputs.push_back(output(network_.signals[i].form));
     system.output_signal.push_back(island_.signal_number[i]);
   }
-  for (const auto& control : island_.controls)
-    system.controls.push_back({output(control.value), control.driven, control.on_level, control.off_level});
+  for (const auto& form : island_.controls) {
+    const Control control{output(form.value), form.driven, form.on_level, form.off_level};
+    (Clock::can_drive(system, control) ? system.clocked : system.controls).push_back(control);
+  }
   system.time_scale = assembly_.tau0;
   system.kyp_residual = kyp_residual(system);
   const bool positive_energy = assembly_.stores() == 0 || assembly_.store_sign().minCoeff() > 0.0;

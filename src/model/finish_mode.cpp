@@ -99,6 +99,7 @@ void finish_rows(const System& system, Mode& m) {
   const Matrix slope = m.guards * m.flow.a();
   for (Eigen::Index i = 0; i < count; ++i) m.guard_constant.push_back(m.ny == 0 || slope.row(i).cwiseAbs().maxCoeff() == 0.0);
   m.absolute_guards = m.guards.cwiseAbs();
+  m.guard_noise.setConstant(count, m.noise);
   const bool scaled = m.scale.size() > 0;
   m.guard_c_norm = m.guards.leftCols(m.n1).rowwise().norm();
   if (scaled) {

@@ -3,11 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "linalg/careful_elimination.hpp"
 #include "linalg/constraint_basis.hpp"
 #include "linalg/elimination.hpp"
+#include "linalg/refined_solution.hpp"
 #include "model/modal_form.hpp"
-#include "model/slow_part.hpp"
+#include "model/slow_manifold.hpp"
 #include "model/subspaces.hpp"
 
 namespace pwlsim::model {
@@ -23,9 +26,11 @@ using linalg::wide_cleaned;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-/// Pivots of D_JJ (order one by construction) below this are zero; where D was rounded to double, and where it was not.
-constexpr Wide feedthrough_tolerance = 1e-10L;
-constexpr Wide unrounded_feedthrough_tolerance = 1e-13L;
+/// D_JJ whose pivots are all above this is regular without further examination.
+constexpr Wide clearly_regular = 1e-10L;
+/// How well an entry of D is known, of its own size, where D was not rounded to double, and of the order one, where it was.
+constexpr Wide entry_doubt = 1e-15L;
+constexpr Wide rounded_doubt = 1e-10L;
 /// Rank of the normalised matrix of first Markov parameters on the kernel of D_JJ.
 constexpr double jump_rank_tolerance = 1e-9;
 /// A constraint or jump direction below this share of its terms is what rounding left of zero: the port is then not determined.
@@ -39,9 +44,14 @@ constexpr Wide unrounded_solution_noise = 4e-18L;
 constexpr double unrounded_noise_per_condition = 30.0 * 1.084202172485504e-19;
 /// Of D_JJ, from which on inputs share their rounding.
 constexpr double bad_condition = 1e2;
-/// Of an entry of D that was not rounded to double: a few of its last places at order one.
-constexpr Wide entry_rounding = 4e-19L;
+/// From which on a solution is refined.
+constexpr double very_bad_condition = 1e5;
 constexpr Wide output_rounding = 1e-15L;  ///< of the terms of an entry that reads state and ports, both rounded to double
+/// A second shift, and what two answers differ by, as an error of each.
+constexpr double other_shift = 3.0, error_factor = 10.0;
+/// Beyond, a guard counts as if it had these digits: a potential that leaks of 10¹³ Ω hold is not worth an event that is missed.
+constexpr double largest_guard_noise = 1e-9;
+constexpr Wide manifold_rounding = 1e-18L;  ///< the same of rows on a slow manifold, where what large resistances multiply cancels
 /// Of A, 1/s: its square has to be a number.
 constexpr double fastest_rate = 1e150;
 
@@ -78,7 +88,6 @@ void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& 
 class Builder {
  public:
   Builder(const System& system, const IndexSet& active) : s_(system), w_(system.unrounded_matrices()), r_(restrict_to(*w_, active)) {
-    feedthrough_tolerance_ = system.unrounded ? unrounded_feedthrough_tolerance : feedthrough_tolerance;
     noise_per_condition_ = system.unrounded ? unrounded_noise_per_condition : noise_per_condition;
     mode_ = std::make_unique<Mode>();
     mode_->active = active;
@@ -87,6 +96,23 @@ class Builder {
 
   std::unique_ptr<Mode> run() {
     mode_->regular = solve_inputs();
+    return finish();
+  }
+
+  /// Null where the mode leaves no fast decays.
+  std::unique_ptr<Mode> run_slow(const Mode& whole, double longest, double shift_factor) {
+    manifold_ = slow_manifold(s_, whole, r_.b, r_.c, r_.d, longest, shift_factor);
+    if (!manifold_) return nullptr;
+    mode_->regular = true;
+    take_manifold();
+    auto mode = finish();
+    if (!mode->regular) return nullptr;
+    add_decays(whole, *mode);
+    return mode;
+  }
+
+ private:
+  std::unique_ptr<Mode> finish() {
     if (!mode_->regular) return std::move(mode_);
     mode_->noise = std::max(noise_floor, noise_per_condition_ * condition_);
     spread_inputs();
@@ -96,19 +122,23 @@ class Builder {
     return std::move(mode_);
   }
 
- private:
   bool solve_inputs();
+  void take_manifold();
+  void take_inputs(const WideMatrix& inverse);
   void leave_out_rounding(Eigen::Index column, const WideVector& rounding);
-  bool solve_with_kernel(const linalg::WideElimination& elimination);
-  bool solve_generally();
+  [[nodiscard]] linalg::CarefulElimination examine_feedthrough() const;
+  bool solve_with_kernel(const linalg::CarefulElimination& elimination);
+  bool solve_generally(const linalg::CarefulElimination& elimination);
   void take_least_norm(const WideMatrix& free_directions);
   void spread_inputs();
   void reduce_coordinates();
   bool build_flow();
   void build_rows();
+  void add_decays(const Mode& whole, Mode& slow) const;
   template <class Input>
   void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input, Wide rounding);
-  void clean_diode_rows(WideMatrix& rows) const;
+  void take_port_rows(WideMatrix& rows) const;
+  void clean_control_rows(Matrix& rows) const;
   [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
 
   const System& s_;
@@ -120,7 +150,7 @@ class Builder {
   WideVector input_;        ///< of the active ports into the row at hand
   bool sources_constrain_ = false;
   WideMatrix embedding_;  ///< x = embedding·y, unrounded: [N R; 0 1]
-  Wide feedthrough_tolerance_ = 0;
+  std::optional<SlowManifold> manifold_;
   double noise_per_condition_ = 0.0;
   double condition_ = 1.0;
   Matrix flow_;  ///< of y' = A y
@@ -131,19 +161,41 @@ bool Builder::solve_inputs() {
   kj_ = WideMatrix::Zero(q, s_.size());
   constraints_ = WideMatrix(0, s_.size());
   if (q == 0) return true;
-  const linalg::WideElimination elimination(r_.d, feedthrough_tolerance_);
-  if (elimination.rank() == q) {
-    const WideMatrix inverse = elimination.inverse();
-    kj_ = -product(inverse, r_.c);
-    // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
-    const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
-    const Wide level = s_.unrounded ? unrounded_solution_noise : solution_noise;
-    // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
-    condition_ = static_cast<double>(absolute_product(inverse, r_.d).rowwise().sum().maxCoeff());
-    for (Eigen::Index j = 0; j < kj_.cols(); ++j) leave_out_rounding(j, level * bound.col(j));
+  const linalg::WideElimination quick(r_.d, clearly_regular);
+  if (quick.rank() == q) {
+    take_inputs(quick.inverse());
     return true;
   }
-  return solve_with_kernel(elimination) || solve_generally();
+  const linalg::CarefulElimination elimination = examine_feedthrough();
+  if (elimination.rank() == q) {
+    take_inputs(elimination.solve(WideMatrix::Identity(q, q)));
+    return true;
+  }
+  return solve_with_kernel(elimination) || solve_generally(elimination);
+}
+
+linalg::CarefulElimination Builder::examine_feedthrough() const {
+  if (s_.unrounded) return {r_.d, {}, entry_doubt * r_.d.cwiseAbs()};
+  return {r_.d, {}, WideMatrix::Constant(r_.d.rows(), r_.d.cols(), rounded_doubt)};
+}
+
+/// u_J = −D_JJ⁻¹ C_J x.
+void Builder::take_inputs(const WideMatrix& inverse) {
+  kj_ = -product(inverse, r_.c);
+  // Skeel's condition number: a diode with Ron beside one with Roff is badly scaled, not badly conditioned.
+  condition_ = static_cast<double>(absolute_product(inverse, r_.d).rowwise().sum().maxCoeff());
+  if (condition_ > very_bad_condition) kj_ = linalg::refined_solution(r_.d, WideMatrix::Zero(r_.d.rows(), r_.d.cols()), inverse, -r_.c);
+  // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
+  const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
+  const Wide level = s_.unrounded ? unrounded_solution_noise : solution_noise;
+  for (Eigen::Index j = 0; j < kj_.cols(); ++j) leave_out_rounding(j, level * bound.col(j));
+}
+
+void Builder::take_manifold() {
+  kj_ = manifold_->feedback;
+  constraints_ = manifold_->constraints;
+  if (manifold_->free_inputs.cols() > 0) take_least_norm(manifold_->free_inputs);
+  mode_->projector = manifold_->projector.cast<double>();
 }
 
 /// Inputs that are rounding become zero. Where D is badly conditioned the same rounding is in the others: they are solved for without those.
@@ -162,7 +214,7 @@ void Builder::leave_out_rounding(Eigen::Index column, const WideVector& rounding
 }
 
 /// Relative degree one on the kernel of D_JJ: constraint R x = 0 with R = N_lᵀ C_J, jumps along T = B_J N_r, R T regular.
-bool Builder::solve_with_kernel(const linalg::WideElimination& elimination) {
+bool Builder::solve_with_kernel(const linalg::CarefulElimination& elimination) {
   const bool zero = elimination.rank() == 0;  // D_JJ: its kernel is everything
   WideMatrix right, constraint, jump;
   WideVector row_bound, column_bound;
@@ -211,14 +263,21 @@ bool Builder::solve_with_kernel(const linalg::WideElimination& elimination) {
   return true;
 }
 
-bool Builder::solve_generally() {
-  const Subspaces subspaces = find_subspaces(w_->a, r_.b, r_.c, r_.d, s_.n_zeta);
+/// D_JJ is solved for first, u_J = K₀ x + N_r w with N_lᵀ C_J x = 0: what remains has no feedthrough, and no rank of it depends on sizes in D.
+bool Builder::solve_generally(const linalg::CarefulElimination& elimination) {
+  const WideMatrix right = elimination.kernel(), left = elimination.left_kernel();
+  kj_ = -elimination.solve(r_.c);
+  WideMatrix jump = product(r_.b, right), constraint = product(left.transpose(), r_.c);
+  clean_against(jump, r_.b.cwiseAbs().rowwise().sum(), right.cwiseAbs().colwise().maxCoeff());
+  clean_against(constraint, left.cwiseAbs().colwise().maxCoeff(), r_.c.cwiseAbs().colwise().sum());
+  const WideMatrix rate = wide_clean_sum(w_->a, r_.b, kj_);
+  const Subspaces subspaces = find_subspaces(rate, jump, constraint, WideMatrix::Zero(constraint.rows(), jump.cols()), s_.n_zeta);
   if (!subspaces.regular) return false;
   mode_->projector = subspaces.projector.cast<double>();
-  kj_ = subspaces.feedback;
+  kj_ = wide_clean_sum(kj_, right, subspaces.feedback);
   constraints_ = subspaces.constraints;
   condition_ = subspaces.condition;
-  if (subspaces.free_inputs.cols() > 0) take_least_norm(subspaces.free_inputs);
+  if (subspaces.free_inputs.cols() > 0) take_least_norm(wide_clean_product(right, subspaces.free_inputs));
   return true;
 }
 
@@ -270,7 +329,7 @@ void Builder::reduce_coordinates() {
 /// False where its rates are beyond reckoning.
 bool Builder::build_flow() {
   Mode& m = *mode_;
-  WideMatrix rate = wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);
+  WideMatrix rate = manifold_ ? manifold_->rate : wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);
   if (m.constrained) {
     // c' = Nᵀ(ξ' − R ζ').
     rate = wide_clean_product(rate, embedding_);
@@ -305,19 +364,59 @@ void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input,
   }
 }
 
-/// What is left of y_i where C_i and D_i K cancel: D is of order one, and its rounding with it, even where an entry is small.
-void Builder::clean_diode_rows(WideMatrix& rows) const {
-  if (s_.ports == 0 || !s_.unrounded) return;
-  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
-    const Wide rounding = entry_rounding * kj_.col(j).cwiseAbs().sum();
-    for (int i = 0; i < s_.diodes; ++i)
-      if (std::abs(rows(i, j)) <= rounding) rows(i, j) = 0;
-  }
-}
-
 /// Rows that read x as rows that read y.
 Matrix Builder::in_mode(const WideMatrix& full) const {
   return (mode_->constrained ? wide_clean_product(full, embedding_) : full).cast<double>();
+}
+
+/// factor·u or factor·y of a diode port; port −1: neither.
+struct PortReading {
+  int port = -1;
+  double factor = 0.0;
+  bool of_input = false;
+};
+
+PortReading port_reading(const System& s, const OutputRow& value) {
+  constexpr double same = 1e-12;  // of the largest entry: both rows were rounded to double, after different sums
+  if (!value.reads_ports()) return {};
+  Eigen::Index lead = 0;
+  const double largest = std::max(value.input.cwiseAbs().maxCoeff(&lead), value.state.size() > 0 ? value.state.cwiseAbs().maxCoeff() : 0.0);
+  const bool reads_one = (value.input.array() != 0.0).count() == 1 && value.state.isZero(0.0);
+  if (reads_one && lead < s.diodes) return {static_cast<int>(lead), value.input[lead], true};
+  for (int i = 0; i < s.diodes; ++i) {
+    if (s.d(i, lead) == 0.0) continue;
+    const double factor = value.input[lead] / s.d(i, lead);
+    if ((value.input.transpose() - factor * s.d.row(i)).cwiseAbs().maxCoeff() > same * largest) continue;
+    if ((value.state.transpose() - factor * s.c.row(i)).cwiseAbs().maxCoeff() <= same * largest) return {i, factor, false};
+  }
+  return {};
+}
+
+/// A control that reads the current or the voltage of a diode reads the port's own row, and zero where the port holds it at zero.
+void Builder::take_port_rows(WideMatrix& rows) const {
+  for (std::size_t i = 0; i < s_.controls.size(); ++i) {
+    const PortReading reading = port_reading(s_, s_.controls[i].value);
+    if (reading.port < 0) continue;
+    auto row = rows.row(s_.diodes + static_cast<Eigen::Index>(i));
+    if (reading.of_input == mode_->active.contains(reading.port))
+      row = static_cast<Wide>(reading.factor) * rows.row(reading.port);
+    else
+      row.setZero();
+  }
+}
+
+/// A control that is nothing but rounding of what it reads, the current of a diode that blocks, say: in proportion to the largest row of a port, as a
+/// diode's is.
+void Builder::clean_control_rows(Matrix& rows) const {
+  double largest = kj_.rows() > 0 ? static_cast<double>(kj_.rowwise().norm().maxCoeff()) : 0.0;
+  if (s_.diodes > 0) largest = std::max(largest, rows.topRows(s_.diodes).rowwise().norm().maxCoeff());
+  for (std::size_t i = 0; i < s_.controls.size(); ++i) {
+    const OutputRow& value = s_.controls[i].value;
+    if (!value.reads_ports()) continue;
+    auto row = rows.row(s_.diodes + static_cast<Eigen::Index>(i));
+    const double size = value.state.norm() + value.input.cwiseAbs().maxCoeff() * largest;
+    if (row.norm() <= static_cast<double>(output_rounding) * size) row.setZero();
+  }
 }
 
 void Builder::build_rows() {
@@ -329,16 +428,17 @@ void Builder::build_rows() {
   for (int i = 0; i < s_.diodes; ++i) {
     if (m.active.contains(i)) continue;
     full.row(i) = w_->c.row(i);
-    add_inputs(full, i, w_->d.row(i), linalg::wide_clean_tolerance);
+    add_inputs(full, i, w_->d.row(i), manifold_ ? manifold_rounding : linalg::wide_clean_tolerance);
   }
   for (int i = 0; i < controls + outputs; ++i) {
     const OutputRow& row =
         i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
     full.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
-    add_inputs(full, s_.diodes + i, row.input, i < controls ? linalg::wide_clean_tolerance : output_rounding);
+    add_inputs(full, s_.diodes + i, row.input, output_rounding);
   }
-  clean_diode_rows(full);
-  const Matrix rows = in_mode(full);
+  take_port_rows(full);
+  Matrix rows = in_mode(full);
+  clean_control_rows(rows);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);
   m.guards.topRows(s_.diodes) = rows.topRows(s_.diodes);
   for (int i = 0; i < controls; ++i) {
@@ -356,12 +456,45 @@ void Builder::build_rows() {
   finish_mode(s_, m, std::move(flow_));
 }
 
+/// What the decays beside the slow motion add to the guards: in the mode itself they are states like others.
+void Builder::add_decays(const Mode& whole, Mode& slow) const {
+  auto decays = std::make_unique<Decays>();
+  decays->time_constants = manifold_->time_constants;
+  decays->slowest = manifold_->slowest;
+  decays->coordinates = manifold_->coordinates;
+  decays->guards = whole.guards.leftCols(whole.n1) * (whole.constrained ? whole.basis.transpose() * manifold_->fast : manifold_->fast);
+  slow.decays = std::move(decays);
+}
+
+/// Guards as rows of x.
+Matrix guards_of_state(const Mode& mode) {
+  Matrix rows(mode.guards.rows(), mode.basis.rows() + mode.ny - mode.n1);
+  rows << mode.guards.leftCols(mode.n1) * mode.basis.transpose(), mode.guards.rightCols(mode.ny - mode.n1);
+  return rows;
+}
+
+/// Where leaks decide a potential, the guards that read it have fewer digits than others: what they differ by from those at another shift tells how many.
+void measure_guard_noise(Mode& mode, const Mode* other) {
+  if (!other || other->n1 != mode.n1) return;
+  const Matrix rows = guards_of_state(mode);
+  const Vector error = (rows - guards_of_state(*other)).rowwise().norm();
+  for (Eigen::Index i = 0; i < error.size(); ++i)
+    if (mode.guard_norm[i] > 0.0) mode.guard_noise[i] = std::clamp(error_factor * error[i] / mode.guard_norm[i], mode.noise, largest_guard_noise);
+}
+
 }  // namespace
 
 Mode::Mode() = default;
 Mode::~Mode() = default;
 
 std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
+
+std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
+  if (!whole.regular || whole.ny == 0) return nullptr;
+  auto slow = Builder(system, whole.active).run_slow(whole, longest, 1.0);
+  if (slow) measure_guard_noise(*slow, Builder(system, whole.active).run_slow(whole, longest, other_shift).get());
+  return slow;
+}
 
 void to_mode(const System& system, const Mode& mode, const double* x, double* y) {
   const int n = system.n;

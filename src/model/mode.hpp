@@ -18,7 +18,14 @@
 namespace pwlsim::model {
 
 struct ModalForm;
-struct SlowPart;
+
+/// What a mode on its slow manifold (slow_manifold.hpp) leaves out: plain decays ψ_k e^{−τ/T_k} beside the slow motion.
+struct Decays {
+  double slowest = 0.0;   ///< the largest T_k, s
+  Vector time_constants;  ///< T_k, s; 0: a jump
+  Matrix coordinates;     ///< ψ = coordinates·x (r × size)
+  Matrix guards;          ///< what ψ adds to each guard (guards × r)
+};
 
 struct Mode {
   Mode();
@@ -41,9 +48,10 @@ struct Mode {
   Matrix absolute_a;               ///< |A|
   double norm_a = 0.0;             ///< Frobenius norm of A, for scaling derivatives
   double growth = 0.0;             ///< max(0, μ(A₁)): logarithmic norm of the c part
-  Vector scale;                    ///< diagonal of S (n1), powers of two, of another norm ‖S⁻¹c‖ that grows more slowly; empty: there is none
-  double scaled_growth = 0.0;      ///< max(0, μ(S⁻¹A₁S))
-  double noise = 0.0;              ///< relative rounding level of guard values in this mode
+  Vector scale;  ///< diagonal of S (n1), powers of two, of another norm ‖S⁻¹c‖ that grows more slowly; empty: there is none
+  double scaled_growth = 0.0;  ///< max(0, μ(S⁻¹A₁S))
+  double noise = 0.0;          ///< relative rounding level of guard values in this mode
+  Vector guard_noise;  ///< the same of each guard; at least `noise`
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;
@@ -53,17 +61,17 @@ struct Mode {
   /// One bit for each entry of c that the guard or one of its derivatives reads; 0, or empty: all of them. These entries obey an equation of
   /// their own: what the others do, a lossless ring beside it, does not bear on the guard's bounds.
   std::vector<std::uint64_t> guard_reads;
-  std::vector<char> guard_constant;  ///< no derivative: cannot fire within a segment
-  std::vector<int> guard_twin;       ///< first row with the same values: it speaks for this one
-  Vector input_block_norm;           ///< ‖E₁ restricted to a block‖
+  std::vector<char> guard_constant;                     ///< no derivative: cannot fire within a segment
+  std::vector<int> guard_twin;                          ///< first row with the same values: it speaks for this one
+  Vector input_block_norm;                              ///< ‖E₁ restricted to a block‖
   Vector scaled_guard_c_norm, scaled_input_block_norm;  ///< of row·S and S⁻¹E₁; empty without `scale`
-  Matrix outputs;                    ///< signals in y
+  Matrix outputs;                                       ///< signals in y
+  std::unique_ptr<Decays> decays;                       ///< where the mode is the slow motion of its active set; null: it is all of it
 
   mutable std::uint64_t visits = 0;
+  mutable const Mode* slow = nullptr;  ///< the mode of its slow motion, where there is one and it has been asked for
   bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
   mutable double reach = 1.5;     ///< rate·h that the locator's series decided last in this mode
-  mutable std::vector<std::unique_ptr<SlowPart>> slow_parts;  ///< found when a segment turns out long in the mode's own time
-  mutable bool slow_parts_known = false;
   mutable std::unique_ptr<ModalForm> modal_form;  ///< likewise
   mutable bool modal_form_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
@@ -71,6 +79,10 @@ struct Mode {
 
 /// Builds the mode of `active`; `regular` is false where V ⊕ T is not the whole space.
 [[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
+
+/// The slow motion of a mode that leaves decays which are much faster, with time constants of at most `longest`, s: V is then the slow manifold, T the fast subspace
+/// (slow_manifold.hpp). Null where it leaves none.
+[[nodiscard]] std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest);
 
 /// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
 void finish_mode(const System& system, Mode& mode, Matrix a);

@@ -14,6 +14,10 @@ namespace {
 constexpr double consistency_per_noise = 30.0;
 /// Of a state, against the largest there was.
 constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
+/// A decay of e^-40 is rounding.
+constexpr double time_constants_to_rest = 40.0;
+/// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
+constexpr double brief_per_unseen = 1e4;
 constexpr int most_jumps = 20;
 constexpr int most_rounds_of_rule = 4;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
@@ -59,8 +63,23 @@ const Mode& Selector::mode(const IndexSet& set) {
   return *slot;
 }
 
+const Mode* Selector::slow_mode(const IndexSet& set) {
+  Known& about = known(set);
+  if (!about.slow_is_known) {
+    about.slow_is_known = true;
+    const Mode& whole = mode(set);
+    about.slow = unseen_ > 0.0 && system_.ports > 0 ? build_slow_mode(system_, whole, brief_per_unseen * unseen_) : nullptr;
+    whole.slow = about.slow.get();
+  }
+  return about.slow.get();
+}
+
+/// A mode and its slow motion are one.
 void Selector::mark_visited(const Mode& mode) {
-  if (mode.visits++ == 0) ++visited_;
+  if (mode.visits++ > 0) return;
+  const Known& about = known(mode.active);
+  const Mode* twin = mode.decays ? about.mode.get() : about.slow.get();
+  if (!twin || twin->visits == 0) ++visited_;
 }
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
@@ -76,7 +95,55 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
 
 /// The same to the rounding of the largest state there was: a state that is small, but there, does not lie in every mode.
 bool Selector::strictly_consistent(const Mode& mode, const double* x, double* projected) const {
-  return consistent(mode, x, projected) && linalg::square_distance(projected, x, system_.size()) <= state_rounding * state_rounding * largest_square_;
+  return consistent(mode, x, projected) &&
+         linalg::square_distance(projected, x, system_.size()) <= state_rounding * state_rounding * largest_square_;
+}
+
+/// Without a jump: in `projected_`, x as it then is.
+bool Selector::lies_in(const Mode& mode, const double* x) {
+  if (!mode.decays) return consistent(mode, x, projected_.data());
+  const bool settles = !has_settled(mode);
+  if (settles) left_ = mode.decays->coordinates * Eigen::Map<const Vector>(x, system_.size());
+  verifier_.set_left(settles ? &left_ : nullptr);
+  return consistent(mode, x, projected_.data()) || !settles || decays_unseen(mode, x);
+}
+
+bool Selector::has_settled(const Mode& slow) const { return settled_mode_ && settled_mode_->active == slow.active; }
+
+/// Whether what x has beside the slow motion is over at once, and no guard can fall below zero on the way: a term that decays lies between its start and zero.
+bool Selector::decays_unseen(const Mode& slow, const double* x) {
+  const Decays& decays = *slow.decays;
+  if (!(time_constants_to_rest * decays.slowest <= unseen_)) return false;
+  const auto size = static_cast<Eigen::Index>(system_.size());
+  const Eigen::Map<const Vector> state(x, size);
+  const Vector& start = left_;
+  const Vector rounding = state_rounding * (decays.coordinates.cwiseAbs() * state.cwiseAbs());
+  for (Eigen::Index k = 0; k < start.size(); ++k)
+    if (decays.time_constants[k] == 0.0 && std::abs(start[k]) > rounding[k]) return false;
+  coordinates_of_ = nullptr;
+  to_mode(system_, slow, projected_.data(), y_.data());
+  const double norm = linalg::norm(y_.data(), slow.ny);
+  for (Eigen::Index i = 0; i < slow.guards.rows(); ++i) {
+    double least = linalg::row_times(slow.guards, i, y_.data());
+    double most = least;
+    double noise = slow.noise * slow.guard_norm[i] * norm;
+    for (Eigen::Index k = 0; k < start.size(); ++k) {
+      const double term = decays.guards(i, k) * start[k];
+      (term < 0.0 ? least : most) += term;
+      noise += std::abs(decays.guards(i, k)) * rounding[k];
+    }
+    if (i < system_.diodes ? least < -noise : (least < 0.0) != (most < 0.0)) return false;
+  }
+  return true;
+}
+
+/// The mode of the set in which x lies without a jump: its slow motion where it can be, else the mode itself; null where neither.
+const Mode* Selector::holding(const double* x, const IndexSet& set) {
+  Known& about = known(set);
+  const Mode* slow = about.slow_is_known ? about.slow.get() : slow_mode(set);
+  if (slow && lies_in(*slow, x)) return slow;
+  const Mode& m = *about.mode;
+  return m.regular && consistent(m, x, projected_.data()) ? &m : nullptr;
 }
 
 bool Selector::accepts(const Mode& mode, const double* x) {
@@ -94,15 +161,15 @@ bool Selector::accepts(const Mode& mode, const double* x) {
 }
 
 const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
-  const Mode& m = mode(set);
-  if (!m.regular || !consistent(m, x, projected_.data()) || !accepts(m, projected_.data())) return nullptr;
+  const Mode* m = holding(x, set);
+  if (!m || !accepts(*m, projected_.data())) return nullptr;
   linalg::copy(projected_.data(), system_.size(), x);
-  return &m;
+  return m;
 }
 
 const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
   for (const Mode* m : known(wanted).successors) {
-    if (!consistent(*m, x, projected_.data()) || !accepts(*m, projected_.data())) continue;
+    if (!lies_in(*m, x) || !accepts(*m, projected_.data())) continue;
     linalg::copy(projected_.data(), system_.size(), x);
     return m;
   }
@@ -110,6 +177,7 @@ const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
 }
 
 void Selector::remember(const IndexSet& wanted, const Mode& mode) {
+  if (mode.slow) return;  // decays are followed only as long as they last
   auto& list = known(wanted).successors;
   std::erase(list, &mode);
   list.insert(list.begin(), &mode);
@@ -167,16 +235,16 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
   for (const double factor : s_factors) {
     const Mode* first_jump = nullptr;
     for (const IndexSet& set : rational_.candidates(x, rational_.rate() * factor, wanted)) {
-      const Mode& m = mode(set);
-      if (!m.regular) continue;
-      if (consistent(m, x, projected_.data())) {
-        if (!accepts(m, projected_.data())) {
-          if (const Mode* other = beside(x, m); other) return other;
+      if (const Mode* held = holding(x, set); held) {
+        if (!accepts(*held, projected_.data())) {
+          if (const Mode* other = beside(x, *held); other) return other;
           continue;
         }
         linalg::copy(projected_.data(), system_.size(), x);
-        return &m;
+        return held;
       }
+      const Mode& m = mode(set);
+      if (!m.regular) continue;
       if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
       const bool repeats = &m == previous || factor >= trusted_s_factor;
       jumped = system_.passive ? settled(m, x) != nullptr : repeats;
@@ -250,11 +318,11 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
         set.set(i, true);
         any = true;
       }
-    const Mode* richer = any ? &mode(set) : nullptr;
+    const Mode* richer = !any ? nullptr : found.decays ? slow_mode(set) : slow_mode(found.active) ? nullptr : &mode(set);
     about.richer = richer && richer->regular ? richer : nullptr;
   }
   const Mode* richer = about.richer;
-  if (!richer || !consistent(*richer, x, projected_.data()) || !accepts(*richer, projected_.data())) return &found;
+  if (!richer || !richer->decays != !found.decays || !lies_in(*richer, x) || !accepts(*richer, projected_.data())) return &found;
   linalg::copy(projected_.data(), system_.size(), x);
   return richer;
 }
@@ -263,7 +331,8 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
 IndexSet Selector::with_flipped(const IndexSet& set, int port) {
   IndexSet flipped = set;
   flipped.flip(port);
-  const Mode* before = known(set).mode.get();
+  const Mode* before = slow_mode(set);
+  if (!before) before = known(set).mode.get();
   if (!before || before->guard_twin.empty()) return flipped;
   const auto& twin = before->guard_twin;
   for (int i = 0; i < system_.diodes; ++i)
@@ -272,9 +341,8 @@ IndexSet Selector::with_flipped(const IndexSet& set, int port) {
 }
 
 IndexSet Selector::by_rule(const double* x, const IndexSet& set) {
-  const Mode& m = mode(set);
-  if (!m.regular || !consistent(m, x, projected_.data()) || accepts(m, projected_.data())) return set;
-  return with_falling_flipped(set);
+  const Mode* m = holding(x, set);
+  return !m || accepts(*m, projected_.data()) ? set : with_falling_flipped(set);
 }
 
 /// The set after every port has changed sides whose guard falls below zero by the departures at hand.
@@ -289,7 +357,7 @@ const Mode* Selector::by_repeated_rule(double* x, IndexSet set) {
   for (int round = 0; round < most_rounds_of_rule; ++round) {
     departures_of_ = nullptr;
     if (const Mode* found = try_without_jump(x, set); found) return found;
-    if (!departures_hold_for(mode(set))) return nullptr;  // x does not lie in it
+    if (!departures_of_ || departures_of_->active != set) return nullptr;  // x does not lie in it
     IndexSet next = with_falling_flipped(set);
     if (next == set) return nullptr;
     set = std::move(next);

@@ -57,6 +57,15 @@ class Selector {
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
+  /// Its slow motion, where it leaves decays that are much faster; else null.
+  const Mode* slow_mode(const IndexSet& set);
+  /// Decays that are over within `time`, s, and take no guard to zero, are not followed: x goes to the slow manifold at once.
+  /// The next state that is asked about comes from this mode after its decays are over, so that it lies in its slow motion; null: there is none.
+  void set_settled(const Mode* mode) { settled_mode_ = mode; }
+  void set_unseen(double time) {
+    unseen_ = time;
+    verifier_.set_unseen(time);
+  }
   /// Ports that share freely are all told to conduct, though no signal reads their share.
   void share_in_any_case() { ports_are_read_ = true; }
   /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
@@ -83,6 +92,10 @@ class Selector {
   [[nodiscard]] Matrix open_directions(const Mode& mode) const;
   bool consistent(const Mode& mode, const double* x, double* projected) const;
   bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
+  bool lies_in(const Mode& mode, const double* x);
+  [[nodiscard]] bool has_settled(const Mode& slow) const;
+  bool decays_unseen(const Mode& slow, const double* x);
+  const Mode* holding(const double* x, const IndexSet& set);
   bool accepts(const Mode& mode, const double* x);
   bool is_violated(const Mode& mode, const double* x);
   [[nodiscard]] IndexSet with_falling_flipped(IndexSet set) const;
@@ -113,7 +126,9 @@ class Selector {
   double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
   /// What is known of a set.
   struct Known {
-    std::unique_ptr<Mode> mode;           ///< empty: not built yet
+    std::unique_ptr<Mode> mode;  ///< empty: not built yet
+    std::unique_ptr<Mode> slow;  ///< its slow motion; empty: not built yet, or there is none
+    bool slow_is_known = false;
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
@@ -122,16 +137,19 @@ class Selector {
   Known& known(const IndexSet& set);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes goes on in one way from every x
-  std::array<Entry*, 4> recent_{};  ///< of them, those asked for last
+  std::array<Entry*, 4> recent_{};                              ///< of them, those asked for last
   std::size_t next_recent_ = 0;
   Verifier verifier_;
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;
   const Mode* departures_of_ = nullptr;
   const Mode* coordinates_of_ = nullptr;  ///< the mode in whose coordinates y_ is
-  int trigger_ = -1;  ///< port whose guard was seen to fall below zero, and the side it was on
+  int trigger_ = -1;                      ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_, settled_;
+  double unseen_ = 0.0;  ///< s
+  const Mode* settled_mode_ = nullptr;
+  Vector left_;           ///< of decays, when a slow motion was last entered
   bool may_jump_ = true;  ///< false while it is asked whether the state after a jump goes on without another
   Selected selected_;
   Details details_;

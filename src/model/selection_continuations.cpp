@@ -49,8 +49,9 @@ std::vector<std::size_t> Selector::open_outputs() const {
   std::vector<char> open(system_.outputs.size(), 0);
   if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
   for (const auto& [set, known] : known_) {
-    if (!known.mode || known.mode->visits == 0) continue;
-    const Matrix directions = open_directions(*known.mode);
+    const Mode* visited = known.slow && known.slow->visits > 0 ? known.slow.get() : known.mode.get();
+    if (!visited || visited->visits == 0) continue;
+    const Matrix directions = open_directions(*visited);
     if (directions.cols() == 0) continue;
     for (std::size_t i = 0; i < open.size(); ++i) {
       const Vector moved = directions.transpose() * system_.outputs[i].input;
@@ -117,7 +118,8 @@ std::vector<const Mode*> Selector::continuations(const double* x, const Mode& ch
   const std::vector<double> copy(x, x + system_.size());
   std::vector<const Mode*> found{&chosen};
   const auto keep_if_new = [&](const IndexSet& set) {
-    const Mode& m = mode(set);
+    const Mode* slow = slow_mode(set);
+    const Mode& m = slow && strictly_consistent(*slow, copy.data(), projected_.data()) ? *slow : mode(set);
     if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || is_violated(m, projected_.data()) ||
         !accepts(m, projected_.data()))
       return false;

@@ -5,7 +5,12 @@
 
 namespace pwlsim::model {
 
-SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosystem) {}
+SourceDeparture::SourceDeparture(const Exosystem& exosystem) : exosystem_(exosystem) {
+  // States that move others are no larger than 1: slopes in units of the steepest, sinusoids, decays. Those that grow are.
+  if (exosystem.size() > 0) steepest_ = exosystem.a().cwiseAbs().rowwise().sum().maxCoeff();
+  const auto& blocks = exosystem.blocks();
+  if (std::any_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.damping < 0.0; })) steepest_ = forever;
+}
 
 bool SourceDeparture::take(const Exosystem::Phase& phase, double time, const double* zeta) {
   if (known_ > 0 && time == time_ && std::equal(zeta, zeta + exosystem_.size(), derivatives_.begin())) return false;
@@ -38,6 +43,16 @@ bool SourceDeparture::extend() {
   return !others_vanish_;
 }
 
+/// Whether a value that is this far from its level passes it within the tolerance, by its slope.
+bool SourceDeparture::is_on_level(const double* row, double distance) {
+  double gains = 0.0;
+  for (Eigen::Index i = 0; i < absolute_.rows(); ++i) gains += std::abs(row[i]);
+  if (!(distance <= tolerance_ * gains * steepest_) || (known_ == 1 && !extend())) return false;
+  double slope = 0.0;
+  for (std::size_t i = 0, states = static_cast<std::size_t>(exosystem_.size()); i < states; ++i) slope += row[i] * derivatives_[states + i];
+  return distance <= tolerance_ * std::abs(slope);
+}
+
 double SourceDeparture::of(const double* row, double level) {
   const auto states = static_cast<std::size_t>(exosystem_.size());
   double value = -level;
@@ -48,7 +63,7 @@ double SourceDeparture::of(const double* row, double level) {
       value += row[i] * derivatives_[order * states + i];
       size += std::abs(row[i]) * sizes_[order * states + i];
     }
-    if (std::abs(value) > threshold_noise * size) return value;
+    if (std::abs(value) > threshold_noise * size && (order > 0 || !is_on_level(row, std::abs(value)))) return value;
     value = size = 0.0;
   }
   return 0.0;

@@ -1,5 +1,6 @@
 #pragma once
-/// On which side of a level a sum of sources is about to be: the first of row·ζ − level and its derivatives row·S^k ζ that is not rounding.
+/// On which side of a level a sum of sources is about to be: the first of row·ζ − level and its derivatives row·S^k ζ that is not rounding. A sum
+/// that passes the level within the time that counts as one instant, before or after, is on it.
 
 #include <vector>
 
@@ -11,6 +12,9 @@ class SourceDeparture {
  public:
   explicit SourceDeparture(const Exosystem& exosystem);
 
+  /// Times closer than this are one instant.
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+
   /// ζ (exosystem.size() entries) at `time` in that phase; false where it is what was taken last. (A corner is passed before the first question
   /// at its time, or shows in ζ.)
   [[nodiscard]] bool take(const Exosystem::Phase& phase, double time, const double* zeta);
@@ -19,12 +23,14 @@ class SourceDeparture {
 
  private:
   bool extend();
+  bool is_on_level(const double* row, double distance);
 
   const Exosystem& exosystem_;
   linalg::Matrix absolute_;                  ///< |S|
   std::vector<double> derivatives_, sizes_;  ///< S^k ζ one behind the other, and sums of the magnitudes that each is a sum of
   std::size_t known_ = 0;
-  double time_ = 0.0;
+  double time_ = 0.0, tolerance_ = 0.0;
+  double steepest_ = 0.0;       ///< bound of the states' first derivatives
   bool others_vanish_ = false;  ///< all derivatives beyond
 };
 

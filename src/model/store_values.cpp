@@ -20,6 +20,7 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   const auto currents = static_cast<Eigen::Index>(inductors.size());
   coordinates_ = assembly.energy_unit() * extraction.descriptor.store_state;
   sign_ = extraction.descriptor.store_sign;
+  capacitors_ = voltages;
   rows_ = Matrix::Zero(voltages + currents, coordinates_.cols());
   for (Eigen::Index i = 0; i < voltages; ++i) {
     const auto& capacitor = capacitors[static_cast<std::size_t>(i)];
@@ -42,5 +43,10 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
 }
 
 double StoreValues::energy(const Vector& x) const { return 0.5 * (sign_.array() * (coordinates_ * x).array().square()).sum(); }
+
+double StoreValues::magnetic_energy(const Vector& x) const {
+  const Eigen::Index own = coordinates_.rows() - capacitors_;
+  return 0.5 * (sign_.tail(own).array() * (coordinates_.bottomRows(own) * x).array().square()).sum();
+}
 
 }  // namespace pwlsim::model

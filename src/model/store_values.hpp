@@ -18,12 +18,15 @@ class StoreValues {
   [[nodiscard]] Vector values(const Vector& x) const { return rows_ * x; }
   /// J. A negative capacitance or inductance counts negative.
   [[nodiscard]] double energy(const Vector& x) const;
+  /// J, of the inductors alone.
+  [[nodiscard]] double magnetic_energy(const Vector& x) const;
 
  private:
   std::vector<std::string> names_;
   Matrix rows_;         ///< values × (ξ, ζ)
   Matrix coordinates_;  ///< energy coordinates of all stores, in √J
   Vector sign_;
+  Eigen::Index capacitors_ = 0;  ///< the first so many of the coordinates are theirs
 };
 
 }  // namespace pwlsim::model

@@ -63,6 +63,7 @@ struct System {
   std::vector<int> switch_number;  ///< of port diodes + i: number of the switch in the whole model
   std::vector<char> switch_inverted;
   std::vector<Control> controls;   ///< guards that this island's signals feed, for switches of any island
+  std::vector<Control> clocked;    ///< those of them that piecewise linear sources alone drive (clock.hpp); not in `controls`
   std::vector<OutputRow> outputs;  ///< signals this island contributes to
   std::vector<int> output_signal;  ///< their numbers in the model
   std::shared_ptr<const Exosystem> exosystem;

@@ -8,6 +8,10 @@ namespace pwlsim::model {
 namespace {
 
 constexpr double share_of_norm = 0.1;
+/// Beyond, the sign of a guard is decided as if it had these digits.
+constexpr double most_guard_noise = 1e-11;
+/// Of decays: as long as they may hold a guard, and until they are over.
+constexpr double time_constants_unresolved = 4.0, time_constants_to_rest = 40.0;
 /// What is left of a state that has come to rest, as a fraction of the largest there ever was; counts at relaxed levels only.
 constexpr double rest_noise = 1e-18;
 
@@ -38,7 +42,7 @@ void Verifier::extend(const Mode& mode, int order) {
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
   size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
-  double bound = relaxation_ * mode.noise * size;
+  double bound = relaxation_ * std::min(mode.guard_noise[row], std::max(mode.noise, most_guard_noise)) * size;
   if (relaxation_ > 1.0) bound += relaxation_ * rest_noise * mode.guard_norm[row] * largest_;
   return bound;
 }
@@ -68,6 +72,36 @@ Departure Verifier::departure(const Mode& mode, int row) {
     if (significant(mode, row, order, value)) return {order, value * scale};
   }
   return {-1, 0.0};
+}
+
+/// Whether decays may hold a guard that is below zero now and moves at the rate `next`.
+bool Verifier::may_be_held(const Mode& mode, int row, const Departure& now, double next) const {
+  const Decays& decays = *mode.decays;
+  const double time = time_constants_unresolved * decays.slowest;
+  // A parabola that dips no deeper than the guard's own rounding has not crossed either.
+  const double zero = rounding(mode, row, 0, values_[static_cast<std::size_t>(mode.guards.rows() + row)]);
+  if (now.order == 1 && next > 0.0 && now.value * now.value <= 2.0 * next * zero) return true;
+  if (!(-now.value <= time * std::abs(next))) return false;
+  if (time_constants_to_rest * decays.slowest <= unseen_) return true;
+  return now.order == 0 && left_ && left_->size() == decays.guards.cols() &&
+         -now.value <= decays.guards.row(row).cwiseAbs().dot(left_->cwiseAbs());
+}
+
+/// What is there once the decays beside a slow motion are over: a guard below zero by what it makes good meanwhile rises.
+Departure Verifier::after_decays(const Mode& mode, int row, Departure first) {
+  if (!mode.decays || !(first.value < 0.0)) return first;
+  if (known_ == 0) prepare();
+  double scale = std::pow(mode.norm_a, first.order);
+  for (Departure d = first; d.value < 0.0 && d.order < ny_;) {
+    double next = 0.0;
+    if (!significant(mode, row, d.order + 1, next)) return first;
+    scale *= mode.norm_a;
+    next *= scale;
+    if (!may_be_held(mode, row, d, next)) return first;
+    d = {d.order + 1, next};
+    if (next > 0.0) return d;
+  }
+  return first;
 }
 
 /// Values of all guards at once: few need more than a look, and fewer a derivative.
@@ -102,7 +136,7 @@ void Verifier::prepare() {
 /// Square of the most that the rounding of a guard's value can be, in units of the guard's norm.
 double Verifier::square_of_most_rounding(const Mode& mode, const double* y) const {
   if (relaxation_ > 1.0) return INFINITY;
-  const double most = mode.noise * (1.0 + share_of_norm * (1.0 + mode.n1));
+  const double most = (mode.decays ? mode.guard_noise.maxCoeff() : mode.noise) * (1.0 + share_of_norm * (1.0 + mode.n1));
   return most * most * linalg::square(y, mode.ny);
 }
 
@@ -115,12 +149,12 @@ void Verifier::departures(const Mode& mode, const double* y, const std::vector<i
     const double value = values_[row];
     const double norm = mode.guard_norm[rows[i]];
     if (value * value > most * (norm * norm)) {
-      out[i] = {0, value};
+      out[i] = after_decays(mode, rows[i], {0, value});
       continue;
     }
     if (known_ == 0) prepare();
     const bool decided = std::abs(value) > rounding(mode, rows[i], 0, values_[guards + row]);
-    out[i] = decided ? Departure{0, value} : departure(mode, rows[i]);
+    out[i] = after_decays(mode, rows[i], decided ? Departure{0, value} : departure(mode, rows[i]));
   }
 }
 

@@ -19,6 +19,8 @@ class Verifier {
   /// of the terms, where an error of a tenth of the state's norm in every entry of c counts too. (An error in proportion to the largest
   /// row of the mode, as least squares would make, is not allowed for: u comes from factors of incidence-like matrices, row by row
   /// exact; allowing for it lets a diode with a finite Roff pass unseen beside one with a small Ron.)
+  /// A mode that is the slow motion beside decays of time constant T resolves no time below that: a guard that is below zero by no more than it rises within a few
+  /// T has not crossed where the decays hold it until then: they are not followed, or what was left of them is enough.
   void departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out);
 
   /// Factor on the rounding level, for a state that no mode accepts at the ordinary one; above 1, what is left of a state that once had
@@ -28,17 +30,25 @@ class Verifier {
     largest_ = largest;
   }
   [[nodiscard]] double relaxation() const { return relaxation_; }
+  /// What was left of the decays beside a slow motion when it was entered (Decays::coordinates); valid until set again.
+  void set_left(const Vector* left) { left_ = left; }
+  /// Decays that are over within this time, s, are not followed.
+  void set_unseen(double time) { unseen_ = time; }
 
  private:
   void take(const Mode& mode, const double* y);
   void prepare();
   [[nodiscard]] double square_of_most_rounding(const Mode& mode, const double* y) const;
   Departure departure(const Mode& mode, int row);  ///< of a row whose value is rounding
+  Departure after_decays(const Mode& mode, int row, Departure first);
+  [[nodiscard]] bool may_be_held(const Mode& mode, int row, const Departure& now, double next) const;
   [[nodiscard]] double rounding(const Mode& mode, int row, int order, double size) const;
   bool significant(const Mode& mode, int row, int order, double& value);
   void extend(const Mode& mode, int order);
 
   double relaxation_ = 1.0, largest_ = 0.0;
+  double unseen_ = 0.0;
+  const Vector* left_ = nullptr;
   /// The state that was asked about last, since the next question is often about the same one: `mode_`, and z_ up to ny. Modes must stay as and
   /// where they are.
   const Mode* mode_ = nullptr;

@@ -27,6 +27,23 @@ bool exists_as_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
+/// What stands where a file is meant; "" where there is nothing.
+std::string kind_of(const std::string& path) {
+  std::error_code error;
+  switch (std::filesystem::status(path, error).type()) {
+    case std::filesystem::file_type::none:
+      return "cannot be examined (" + error.message() + ')';
+    case std::filesystem::file_type::not_found:
+      return std::filesystem::is_symlink(path, error) ? "is a symbolic link to a file that does not exist" : "";
+    case std::filesystem::file_type::directory:
+      return "is a directory";
+    case std::filesystem::file_type::fifo:
+      return "is a pipe, and only regular files can be included";
+    default:
+      return "is a device or socket, and only regular files can be included";
+  }
+}
+
 }  // namespace
 
 FileBytes read_file(const std::filesystem::path& path) {
@@ -55,7 +72,7 @@ FileBytes read_file(const std::filesystem::path& path) {
   return result;
 }
 
-std::optional<std::filesystem::path> find_file(std::string_view name, const std::filesystem::path& directory) {
+FoundFile find_file(std::string_view name, const std::filesystem::path& directory) {
   std::string with_slashes(name);
   std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
   std::vector<std::string> candidates;
@@ -67,7 +84,10 @@ std::optional<std::filesystem::path> find_file(std::string_view name, const std:
     }
   }
   const auto found = std::find_if(candidates.begin(), candidates.end(), exists_as_file);
-  return found == candidates.end() ? std::nullopt : std::optional<std::filesystem::path>(*found);
+  if (found != candidates.end()) return {*found, {}};
+  for (const std::string& candidate : candidates)
+    if (const std::string kind = kind_of(candidate); !kind.empty()) return {{}, "it " + kind};
+  return {{}, "no such file beside the file that names it, nor in the current directory"};
 }
 
 bool is_windows_path(std::string_view name) {

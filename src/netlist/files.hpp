@@ -2,7 +2,6 @@
 /// Files named in a deck.
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,9 +15,13 @@ struct FileBytes {
 };
 [[nodiscard]] FileBytes read_file(const std::filesystem::path& path);
 
+struct FoundFile {
+  std::filesystem::path path;  ///< empty where there is none
+  std::string reason;          ///< then: "no such file …", "it is a directory …"
+};
 /// Where `name`, written in a file of `directory`, is found: beside that file, then in the current directory; backslashes may part
-/// the folders. Nothing where there is no such regular file.
-[[nodiscard]] std::optional<std::filesystem::path> find_file(std::string_view name, const std::filesystem::path& directory);
+/// the folders. Only regular files count.
+[[nodiscard]] FoundFile find_file(std::string_view name, const std::filesystem::path& directory);
 
 /// `C:\…`, or any name with a backslash.
 [[nodiscard]] bool is_windows_path(std::string_view name);

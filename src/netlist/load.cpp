@@ -12,10 +12,12 @@ Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnost
   FileBytes file = read_file(path);
   if (!file.readable) {
     diagnostics.error("E-file-unreadable", {}, "cannot read '" + path + "': " + file.reason);
-    return {{}, false};
+    return {{}, false, {}};
   }
   Loader loader(sources, diagnostics, limits);
-  return {loader.read_deck(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true};
+  Loaded loaded{loader.read_deck(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true, {path}};
+  for (std::string& name : loader.files()) loaded.files.push_back(std::move(name));
+  return loaded;
 }
 
 Deck parse(const std::string& name, std::string_view text, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {

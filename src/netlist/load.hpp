@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
@@ -21,6 +22,7 @@ struct LoadLimits {
 struct Loaded {
   Deck deck;
   bool readable = true;
+  std::vector<std::string> files;  ///< those read: the top file, then the others
 };
 [[nodiscard]] Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits = {});
 

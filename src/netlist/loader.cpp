@@ -285,22 +285,22 @@ void Loader::read_request(const File& from, const Request& request) {
 }
 
 const Loader::File* Loader::open_file(const File& from, const Request& request) {
-  const auto path = find_file(request.file, from.directory);
+  const auto [path, not_found] = find_file(request.file, from.directory);
   FileBytes read;
-  if (path) {
+  if (!path.empty()) {
     std::error_code error;
-    const auto canonical = std::filesystem::weakly_canonical(*path, error);
-    const std::string key = error ? path->string() : canonical.string();
+    const auto canonical = std::filesystem::weakly_canonical(path, error);
+    const std::string key = error ? path.string() : canonical.string();
     const auto known = files_.find(key);
     if (known != files_.end()) {
       return &known->second;
     }
-    read = read_file(*path);
+    read = read_file(path);
     if (read.readable) {
-      return &files_.emplace(key, add_text(path->string(), std::move(read.bytes), path->parent_path())).first->second;
+      return &files_.emplace(key, add_text(path.string(), std::move(read.bytes), path.parent_path())).first->second;
     }
   } else {
-    read.reason = "no such file beside the file that names it, nor in the current directory";
+    read.reason = not_found;
   }
   const std::string text = fmt::format("cannot read '{}': {}", request.file, read.reason);
   if (request.is_library && (is_standard_library(request.file) || is_windows_path(request.file))) {
@@ -309,6 +309,12 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
     errors_.report("E-include-unreadable", request.file_span, text);
   }
   return nullptr;
+}
+
+std::vector<std::string> Loader::files() const {
+  std::vector<std::string> names;
+  for (const auto& [path, file] : files_) names.push_back(path);
+  return names;
 }
 
 bool Loader::may_visit(const Visit& visit, const Request& request) {

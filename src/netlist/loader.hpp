@@ -26,6 +26,8 @@ class Loader {
 
   /// The whole deck; `bytes` are those of the top file, `directory` is where its includes are sought first.
   Deck read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory);
+  /// Those read besides the top file.
+  [[nodiscard]] std::vector<std::string> files() const;
 
  private:
   struct File {

@@ -2,15 +2,15 @@
 /// How far ngspice's answer to a smoothed deck is from its own limit: refinement of its step and of the smoothing until the answer stands still.
 ///
 /// Both ladders divide what makes the error by a constant: level k of the first has the largest step h/2^k and reltol/4^k at a fixed sharpness X,
-/// level k of the second X/4^k at the finest of these steps. With d_k the largest change from level k − 1 to k at the sample times and
-/// r = d_{m−1}/d_m, at most 4 (the trapezoidal rule is of second order in h, smoothing of first in X), Richardson's estimate of what is left
-/// at the last level is d_m/(r − 1). Where r is below 1.5 the ladder is no geometric one yet: the estimate is then twice the larger of the two
-/// changes, and the signal counts as not settled unless that is below the target.
+/// level k of the second X/4^k at the finest of these steps: both divide the error by 4 (the trapezoidal rule is of second order in h, smoothing of first in X). What is left at
+/// the last level is estimated from the largest changes at the sample times (base/remainder.hpp). Where they are no geometric sequence the signal counts as not settled unless the
+/// estimate is below the target.
 
 #include <atomic>
 #include <string>
 #include <vector>
 
+#include "base/remainder.hpp"
 #include "circuit/circuit.hpp"
 #include "spice/deck.hpp"
 #include "spice/ngspice.hpp"
@@ -68,12 +68,5 @@ class SignalReader {
   std::vector<std::pair<std::size_t, double>> terms_;
   bool known_ = true;
 };
-
-/// Richardson's estimate of what is left after the last of these changes, each the largest from one level to the next.
-struct Remainder {
-  double size = 0.0;
-  bool geometric = false;
-};
-[[nodiscard]] Remainder remainder_after(const std::vector<double>& changes);
 
 }  // namespace pwlsim::spice

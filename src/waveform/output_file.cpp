@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -23,26 +22,17 @@ struct Target {
   mode_t mode = 0;
 };
 
-std::string follow_links(const std::string& path) {
-  char* resolved = ::realpath(path.c_str(), nullptr);
-  if (resolved == nullptr) return path;
-  std::string result = resolved;
-  std::free(resolved);
-  return result;
-}
-
 // errno, or 0 and the target described.
 int examine(const std::string& path, Target& target) {
   struct stat status {};
-  target.path = path;
   if (path.empty()) return ENOENT;
+  target.path = final_target(path);
   if (::stat(path.c_str(), &status) != 0) return errno == ENOENT ? 0 : errno;
   if (S_ISDIR(status.st_mode)) return EISDIR;
   target.exists = true;
   target.mode = status.st_mode & 07777;
   target.regular = S_ISREG(status.st_mode);
   if (::access(path.c_str(), W_OK) != 0) return errno;
-  if (target.regular) target.path = follow_links(path);
   return 0;
 }
 
@@ -85,6 +75,20 @@ int write_all(int descriptor, std::string_view bytes, std::size_t& written) {
   return 0;
 }
 
+std::string final_target(const std::string& name) {
+  constexpr int most_links = 40;  // as the kernel has it
+  std::error_code problem;
+  std::filesystem::path path = name;
+  for (int links = 0; links < most_links && std::filesystem::is_symlink(path, problem); ++links) {
+    const std::filesystem::path next = std::filesystem::read_symlink(path, problem);
+    if (problem) break;
+    path = path.parent_path() / next;  // an absolute link replaces all of it
+  }
+  return path.string();
+}
+
+std::string partial_of(const std::string& name) { return final_target(name) + ".partial"; }
+
 bool same_file(const std::string& a, const std::string& b) {
   struct stat first {
   }, second{};
@@ -104,7 +108,7 @@ std::optional<OutputFile> OutputFile::open(const std::string& name, std::string&
   if (error_number == 0) {
     if (target.regular) {
       file.target_ = target.path;
-      file.partial_ = target.path + ".partial";
+      file.partial_ = partial_of(name);
       file.descriptor_ = open_locked(file.partial_);
       if (file.descriptor_ < 0 && errno == EWOULDBLOCK) {
         file.partial_ += fmt::format(".{}", ::getpid());

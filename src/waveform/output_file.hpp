@@ -61,6 +61,12 @@ class OutputFile {
   int failure_ = 0;       // errno
 };
 
+/// Where a file of that name is written: symbolic links at its end are followed, also one to a file that does not exist yet.
+[[nodiscard]] std::string final_target(const std::string& name);
+
+/// Where the bytes for `name` wait until the file is complete.
+[[nodiscard]] std::string partial_of(const std::string& name);
+
 /// Whether both names lead to one existing file.
 [[nodiscard]] bool same_file(const std::string& a, const std::string& b);
 

@@ -229,8 +229,8 @@ struct GateCase {
 TEST_CASE("a switch follows the corners of its gate, whether anything else reads the gate or not", "[unit]") {
   const auto c =
       GENERATE(GateCase{trapezoid(), 0.5, 4 * 0.45, 8}, GateCase{trapezoid(2.0), 0.5, 2 * 0.45, 4},
-               GateCase{trapezoid(), 1.0, 0.0, 0},   // reaches the threshold, and does not pass it
-               GateCase{trapezoid(), 0.0, 3.75, 1},  // never falls below the threshold again
+               GateCase{trapezoid(), 1.0, 0.0, 0},      // reaches the threshold, and does not pass it
+               GateCase{trapezoid(), 0.0, 4 * 0.6, 8},  // rests at the threshold, where the switch is off
                GateCase{through({{0, 0}, {0.5, 0.5}, {1, 2}, {2, 0.5}, {3, 0}}), 0.5, 1.5, 2},  // passes at corners
                GateCase{through({{0, 0}, {1, 0.5}, {2, 0}}), 0.5, 0.0, 0}, GateCase{through({{0, 1}, {1, 0.5}, {2, 1}}), 0.5, 4.0, 0});
   const bool is_read = GENERATE(false, true);

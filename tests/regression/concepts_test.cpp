@@ -129,6 +129,16 @@ TEST_CASE("concepts, ports: one state for two capacitors", "[regression]") {
   page.states(at(run, 5e-6, 0), 0.25 / std::numbers::e, "{:.13f} V after one time constant");
 }
 
+// ½·C1·(10 − v)² + ½·C2·v² has its minimum at 10·C1/(C1 + C2), and grows from there to either side: over v ≤ 2 it is least at 2.
+TEST_CASE("concepts, operating point: a clamped divider", "[regression]") {
+  const Page page("operating-point");
+  const DeckRun run = run_of("docs/concepts/clamped_divider.net");
+  page.states(at(run, 0.0, 0), std::min(2.0, 10.0 * 1e-6 / (1e-6 + 3e-6)), "{:.2f} V stores least");
+  page.states(10.0 * 1e-6 / (1e-6 + 3e-6), 2.5, "of the source, {:.2f} V");
+  CHECK(
+      std::any_of(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& remark) { return remark.id == "W-op-not-unique"; }));
+}
+
 // V and T from the equations of the paper's first page.
 TEST_CASE("concepts, modes: two carts", "[regression]") {
   const auto stopped = inspected("netlists/carts.net", analysis::ModeRequest{{"D1", true}});

@@ -51,7 +51,7 @@ void make_terminal(int (&ends)[2]) {
 }  // namespace
 
 Spawned::Spawned(const std::vector<std::string>& arguments, const SpawnOptions& options) : start_(now()), limit_(options.seconds) {
-  std::vector<std::string> words{PWLSIM_PROGRAM};
+  std::vector<std::string> words{options.program.empty() ? PWLSIM_PROGRAM : options.program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

@@ -15,6 +15,7 @@ struct SpawnOptions {
   double seconds = 60.0;          ///< it is killed then
   bool limit_memory = true;       ///< 2 GiB of address space (not under AddressSanitizer, which maps terabytes)
   unsigned long file_size = 0;    ///< no file of the child grows beyond this many bytes; 0: no limit
+  std::string program{};          ///< empty: PWLSIM_PROGRAM
 };
 
 struct Finished {

@@ -163,10 +163,10 @@ void CertificateRecorder::start(const IslandModel& island, const double* x) {
 
 void CertificateRecorder::add(const IslandModel& island, const Segment& segment, double length) {
   const auto keep = [&](std::vector<Sample>& list) {
-    const auto ny = static_cast<std::ptrdiff_t>(segment.whole->ny);
-    list.push_back({&island, segment.whole, {segment.y0.begin(), segment.y0.begin() + ny}, length});
+    const auto ny = static_cast<std::ptrdiff_t>(segment.mode->ny);
+    list.push_back({&island, segment.mode, {segment.y0.begin(), segment.y0.begin() + ny}, length});
   };
-  if (segment.whole->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
+  if (segment.mode->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
   if ((seen_++ & (stride_ - 1)) != 0) return;
   keep(samples_);
   if (samples_.size() < most_samples) return;

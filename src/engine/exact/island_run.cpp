@@ -22,14 +22,26 @@ constexpr double row_time_rounding = 8.9e-16;
 constexpr std::uint64_t worth_building = 4;
 /// Entries of a control's row below this fraction of the largest are rounding.
 constexpr double row_noise = 1e-12;
+/// Decays that are over within 1e-9 of the run are not followed, where they take no guard to zero.
+constexpr double unseen_per_tolerance = 1e5;
+/// A decay of e^-40 is rounding.
+constexpr double time_constants_to_rest = 40.0;
+constexpr int settled = -2;  ///< in the place of a guard's row: no guard ends the segment, but the end of its fast decays
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
+
+/// A switch without hysteresis is off where its control rests at the threshold.
+bool is_off_at_rest(const model::Control& control) { return control.on_level == control.off_level; }
 
 std::span<const double> entries(const linalg::Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
 IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
-    : model_(island_model), system_(island_model.extraction.system), selector_(system_, several), source_departure_(*system_.exosystem) {
+    : model_(island_model),
+      system_(island_model.extraction.system),
+      selector_(system_, several),
+      source_departure_(*system_.exosystem),
+      guard_watch_(system_) {
   const auto size = static_cast<std::size_t>(system_.size());
   x.assign(size, 0.0);
   scratch_.resize(size);
@@ -41,6 +53,7 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
   outputs_.resize(system_.outputs.size());
   control_rows_.resize(system_.controls.size());
   control_departures_.resize(system_.controls.size());
+  passed_.resize(system_.controls.size());
   for (const auto& control : system_.controls) {
     const double noise = row_noise * std::max(largest(entries(control.value.state)), 1e-300);
     const bool reads_ports = largest(entries(control.value.input)) > noise;
@@ -68,16 +81,37 @@ void IslandRun::set_switch(int port, bool closed) {
   if (system_.switch_inverted[index] != 0) closed = !closed;
   // Closed means zero voltage; whether that is u = 0 (inactive) or y = 0 (active) is the port's causality.
   wanted.set(port, closed == system_.port[static_cast<std::size_t>(port)].input_is_current);
+  is_set_ = true;
 }
 
 double IslandRun::certify(double end) {
   if (event_.found && event_time_ <= end) return event_time_;
   if (event_.found) return end;
   if (segment_.anchor + segment_.certified >= end) return end;
-  locator_.locate(segment_, end - segment_.anchor, event_);
+  const double length = end - segment_.anchor;
+  locate(std::min(length, time_to_settle_));
+  if (!event_.found && time_to_settle_ <= length) settle();
   if (!event_.found) return end;
   take_event(end);
   return event_time_;
+}
+
+void IslandRun::locate(double length) {
+  locator_.locate(segment_, length, event_);
+  if (dropped_event_ == 0) return;
+  if (!event_.found || event_.row < 0 || event_.row >= system_.diodes || ++port_events_ != dropped_event_) return;
+  const auto place = std::find(segment_.rows.begin(), segment_.rows.end(), event_.row) - segment_.rows.begin();
+  segment_.rows.erase(segment_.rows.begin() + place);
+  segment_.departures.erase(segment_.departures.begin() + place);
+  segment_.certified = segment_.tau;
+  locator_.locate(segment_, length, event_);
+}
+
+/// The fast decays are over: the segment ends, and the slow motion goes on.
+void IslandRun::settle() {
+  settled_y_.assign(segment_.y0.begin(), segment_.y0.end());
+  mode->flow.apply_once(time_to_settle_, settled_y_.data(), work_.data());
+  event_ = {true, time_to_settle_, settled, settled_y_.data()};
 }
 
 /// The time of the event that was found before `end`.
@@ -91,31 +125,54 @@ void IslandRun::take_event(double end) {
 void IslandRun::open(double time, double late) {
   if (open_) return;
   open_ = true;
-  trigger = -1;
-  undecided_ = false;
+  trigger = passed_row = -1;
+  undecided_ = is_set_ = false;
+  is_as_before_ = true;
+  late_ = late;
+  std::fill(passed_.begin(), passed_.end(), 0);
   const model::Mode& m = *mode;
   auto& y = segment_.y;
   wanted = m.active;
   if (is_at_limit(time)) {
-    at_limit_ = false;
+    at_limit_ = is_as_before_ = false;
     take_limit(time, x.data());
     return;
   }
   at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
-  if (event_.found && event_time_ == time) {
+  if (has_event_at(time)) {
+    late_ = (event_time_ - time) + event_late_;
     linalg::copy(event_.y, m.ny, y.data());
+    passed_row = event_.row;
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
-    undecided_ = event_.row < 0;
+    is_settled_ = event_.row == settled;
+    undecided_ = event_.row < 0 && !is_settled_;
   } else {
     const double tau = (time - segment_.anchor) + (late - segment_.late);
-    // The march may have stepped past this instant, or go on in a slow part; then the anchor is the place to start from.
-    const bool from_anchor = tau < segment_.tau || segment_.part != nullptr;
+    // The march may have stepped past this instant; then the anchor is the place to start from.
+    const bool from_anchor = tau < segment_.tau;
     if (from_anchor) linalg::copy(segment_.y0.data(), m.ny, y.data());
     m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
   }
-  if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late, y.data() + m.n1);
+  if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late_, y.data() + m.n1);
+  guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, time - segment_.anchor);
+  guard_watch_.look(m, y.data(), time);
   model::from_mode(system_, m, y.data(), x.data());
+}
+
+void IslandRun::look_at_end(double time) {
+  const double tau = (time - segment_.anchor) - segment_.late;
+  if (system_.diodes == 0 || !(tau > 0.0)) return;
+  guard_watch_.look_inside(*mode, segment_.y0.data(), segment_.anchor, tau);
+  scratch_ = segment_.y0;
+  mode->flow.apply_once(tau, scratch_.data(), work_.data());
+  guard_watch_.look(*mode, scratch_.data(), time);
+}
+
+model::Vector IslandRun::state_before() const {
+  model::Vector before(system_.size());
+  model::from_mode(system_, *segment_.mode, segment_.y.data(), before.data());
+  return before;
 }
 
 void IslandRun::go_to_limit(const AccumulationWatch::Limit& limit) {
@@ -141,9 +198,12 @@ bool IslandRun::take_breakpoints(double time) {
 }
 
 const model::Selected& IslandRun::select() {
+  is_as_before_ = false;
   if (system_.ports == 0 && mode) return selector_.stay_in(*mode);
   const model::Mode* before = mode;
+  selector_.set_settled(is_settled_ ? mode : nullptr);
   const model::Selected& result = selector_.select(x.data(), wanted, trigger);
+  is_settled_ = false;
   const bool same = result.mode == before && result.jumps == 0;
   rests_ = same ? trigger : -1;
   all_rest_ = same && undecided_;
@@ -160,9 +220,21 @@ int IslandRun::control_row(std::size_t i, const std::vector<char>& on) const {
   return system_.diodes + 2 * static_cast<int>(i) + (is_on ? 0 : 1);
 }
 
-const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on) {
-  violated_.clear();
-  if (system_.controls.empty()) return violated_;
+/// A control that passes its threshold within the tolerance, before or after, is on it, and its slope decides.
+void IslandRun::take_slope_at_threshold(int row, const double* y, model::Departure& departure) {
+  const model::Mode& m = *mode;
+  const double value = departure.value;
+  linalg::multiply(m.flow.a(), y, work_.data());
+  const double slope = linalg::row_times(m.guards, row, work_.data());
+  if (std::abs(value) > tolerance_ * std::abs(slope) || (value > 0.0) == (slope > 0.0)) return;
+  // What moves faster than that has its say, too.
+  ahead_.assign(y, y + m.ny);
+  m.flow.apply(tolerance_, ahead_.data(), work_.data());
+  if ((linalg::row_times(m.guards, row, ahead_.data()) > 0.0) != (value > 0.0)) departure = {1, slope};
+}
+
+/// Of the controls that read the state or a port, in the mode as it is: control_numbers_, control_rows_, control_departures_; false: none.
+bool IslandRun::find_control_departures(const double* y, const std::vector<char>& on) {
   control_rows_.clear();
   control_numbers_.clear();
   for (std::size_t i = 0; i < system_.controls.size(); ++i) {
@@ -170,11 +242,57 @@ const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on
     control_rows_.push_back(control_row(i, on));
     control_numbers_.push_back(static_cast<int>(i));
   }
-  if (control_rows_.empty()) return violated_;
+  if (control_rows_.empty()) return false;
+  selector_.verifier().departures(*mode, y, control_rows_, control_departures_.data());
+  const double reach =
+      tolerance_ * mode->norm_a * linalg::norm(y, mode->ny);  // the farthest that a guard of norm 1 moves within the tolerance
+  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
+    model::Departure& departure = control_departures_[i];
+    if (departure.order != 0 || std::abs(departure.value) > reach * mode->guard_norm[control_rows_[i]]) continue;
+    // One that has changed already at this instant does not come back before its time.
+    if (departure.value > 0.0 && passed_[static_cast<std::size_t>(control_numbers_[i])] != 0) continue;
+    take_slope_at_threshold(control_rows_[i], y, departure);
+  }
+  return true;
+}
+
+/// Those that must change go to violated_.
+void IslandRun::note_violated(const double* y, const std::vector<char>& on) {
+  if (!find_control_departures(y, on)) return;
+  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
+    if (!(control_departures_[i].value < 0.0)) continue;
+    violated_.push_back(control_numbers_[i]);
+    passed_[static_cast<std::size_t>(control_numbers_[i])] = 1;
+  }
+}
+
+bool IslandRun::senses_state() const {
+  return std::any_of(control_reads_.begin(), control_reads_.end(), [](Reads reads) { return reads != Reads::sources; });
+}
+
+const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on) {
+  violated_.clear();
   model::to_mode(system_, *mode, x.data(), scratch_.data());
-  selector_.verifier().departures(*mode, scratch_.data(), control_rows_, control_departures_.data());
-  for (std::size_t i = 0; i < control_rows_.size(); ++i)
-    if (control_departures_[i].value < 0.0) violated_.push_back(control_numbers_[i]);
+  note_violated(scratch_.data(), on);
+  return violated_;
+}
+
+const std::vector<int>& IslandRun::passing_controls(const std::vector<char>& on) {
+  violated_.clear();
+  // A current that a diode stops at zero does not pass it.
+  if (!is_as_before_ || !std::exchange(is_set_, false) || trigger >= 0) return violated_;
+  is_as_before_ = false;
+  if (system_.n > 0) note_violated(segment_.y.data(), on);
+  return violated_;
+}
+
+const std::vector<int>& IslandRun::controls_at_rest(const std::vector<char>& on) {
+  violated_.clear();
+  for (std::size_t i = 0; i < control_numbers_.size(); ++i) {
+    const model::Control& control = system_.controls[static_cast<std::size_t>(control_numbers_[i])];
+    if (control_departures_[i].order < 0 && is_off_at_rest(control) && on[static_cast<std::size_t>(control.driven)] != 0)
+      violated_.push_back(control_numbers_[i]);
+  }
   return violated_;
 }
 
@@ -196,16 +314,18 @@ const std::vector<int>& IslandRun::violated_without_mode(double time, const std:
     const model::Control& control = system_.controls[i];
     const bool is_on = on[static_cast<std::size_t>(control.driven)] != 0;
     double departure = 0.0;
+    bool rests = false;
     if (control_reads_[i] == Reads::sources) {
       if (!std::exchange(taken, true) && source_departure_.take(phase_, time, x.data() + system_.n))
         std::fill(source_departures_.begin(), source_departures_.end(), std::numeric_limits<double>::quiet_NaN());
       departure = source_departure_of(i, is_on);
+      rests = departure == 0.0 && is_on && is_off_at_rest(control);
     }
     if (control_reads_[i] == Reads::state && at_start) {
       const double value = control.value.state.dot(Eigen::Map<const model::Vector>(x.data(), system_.size()));
       departure = is_on ? value - control.off_level : control.on_level - value;
     }
-    if (departure < 0.0) violated_.push_back(static_cast<int>(i));
+    if (departure < 0.0 || rests) violated_.push_back(static_cast<int>(i));
   }
   return violated_;
 }
@@ -247,15 +367,27 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
   selector_.verifier().departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
   for (std::size_t i = 0; i < control_rows_.size(); ++i) {
     if (departures_[i].order < 0 && mode->guard_norm[control_rows_[i]] == 0.0) continue;
+    if (departures_[i].order == 0 && departures_[i].value < 0.0 && control_rows_[i] >= system_.diodes)
+      take_slope_at_threshold(control_rows_[i], segment_.y0.data(), departures_[i]);
     rows.push_back(control_rows_[i]);
     departures.push_back(departures_[i]);
   }
 }
 
-void IslandRun::close(double time, double late, const std::vector<char>& on) {
+void IslandRun::set_tolerance(double tolerance) {
+  tolerance_ = tolerance;
+  source_departure_.set_tolerance(tolerance);
+  selector_.set_unseen(unseen_per_tolerance * tolerance);
+}
+
+/// Until the fast decays of the mode are over; ∞ where it has none, or is their slow motion.
+double IslandRun::time_to_settle() { return mode->slow ? time_constants_to_rest * mode->slow->decays->slowest : model::forever; }
+
+void IslandRun::close(double time, const std::vector<char>& on) {
   open_ = false;
   event_ = {};
-  begin_segment(time, late);
+  time_to_settle_ = time_to_settle();
+  begin_segment(time, late_);
   choose_guards(on);
   selector_.mark_visited(*mode);
   row_valid_ = false;
@@ -263,8 +395,7 @@ void IslandRun::close(double time, double late, const std::vector<char>& on) {
 
 /// From x in the mode as it is.
 void IslandRun::begin_segment(double time, double late) {
-  segment_.mode = segment_.whole = mode;
-  segment_.part = nullptr;
+  segment_.mode = mode;
   segment_.anchor = time;
   segment_.late = late;
   ++segment_number_;
@@ -279,6 +410,7 @@ void IslandRun::begin_segment(double time, double late) {
   linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;
+  segment_.is_brief = time_to_settle_ < model::forever;
   segment_.turns = segment_.turns_without_modal_form = 0;
   segment_.sampled = false;
 }
@@ -324,6 +456,8 @@ void IslandRun::add_signals(double time, double* out) {
   // Over many rows without an event what each step rounds would add up.
   if (system_.exosystem->has_curved() && (is_static() || ++rows_ % rows_between_sources == 0))
     system_.exosystem->evaluate_curved(phase_, time, 0.0, row_y_.data() + m.n1);
+  const bool is_long = m.flow.rate() * (time - segment_.anchor) >= 1.0;  // else no guard can have dipped since it began
+  if (is_long && (time < event_time_ || !event_.found)) guard_watch_.look(m, row_y_.data(), time);
   outputs_from(m, row_y_.data(), out);
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/exact/accumulation.hpp"
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/guard_watch.hpp"
 #include "engine/exact/locator.hpp"
 #include "model/selection.hpp"
 #include "model/source_departure.hpp"
@@ -20,6 +21,11 @@ class IslandRun {
   [[nodiscard]] model::Selector& selector() { return selector_; }
   [[nodiscard]] const model::Selector& selector() const { return selector_; }
   [[nodiscard]] const Locator& locator() const { return locator_; }
+  [[nodiscard]] const GuardWatch& guards() const { return guard_watch_; }
+  /// The run ends at `time`, within the segment.
+  void look_at_end(double time);
+  /// For tests: the n-th event (from 1) at which a port's guard falls is passed over, as if the search had missed it.
+  void drop_event(std::uint64_t number) { dropped_event_ = number; }
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
   [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
@@ -29,12 +35,14 @@ class IslandRun {
   [[nodiscard]] double next_break() const { return phase_.next; }
   /// Certifies the segment up to absolute time `end`, or finds the first event before it; returns its time, else `end`.
   double certify(double end);
-  [[nodiscard]] bool has_event() const { return event_.found; }
   [[nodiscard]] double event_time() const { return event_time_; }
   /// What rounding took off the event's time. Over many events it would add up to a drift of the sources.
   [[nodiscard]] double event_late() const { return event_late_; }
+  /// Whether the event at hand belongs to the instant `time`: it lies before it, or within the tolerance after it.
+  [[nodiscard]] bool has_event_at(double time) const { return event_.found && event_time_ <= (at_limit_ ? time : time + tolerance_); }
 
-  /// Opens the instant `time` + `late`: the state just before it goes to x, sources still at their left limit.
+  /// Opens the instant `time` + `late`, or that of the island's own event within the tolerance: the state just before it goes to x, sources still at
+  /// their left limit.
   void open(double time, double late);
   [[nodiscard]] bool is_open() const { return open_; }
   /// The next event is the limit of those before it (accumulation.hpp): at that time the states are ξ.
@@ -43,8 +51,8 @@ class IslandRun {
   [[nodiscard]] bool is_at_limit(double time) const { return at_limit_ && event_time_ == time; }
   [[nodiscard]] AccumulationWatch& accumulation() { return accumulation_; }
 
-  /// Breakpoints closer than `tolerance` are one.
-  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  /// Breakpoints closer than `tolerance` are one, and so are passages of controls.
+  void set_tolerance(double tolerance);
   /// Takes the breakpoints at `time`; true if a source value jumped.
   bool take_breakpoints(double time);
   /// ζ at `time` from the sources themselves.
@@ -52,13 +60,20 @@ class IslandRun {
   /// Selects the mode that follows at x; `set` is the wanted active set.
   const model::Selected& select();
   void set_switch(int port, bool closed);
+  /// Whether some of its controls read more than sources.
+  [[nodiscard]] bool senses_state() const;
   /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
   const std::vector<int>& violated_controls(const std::vector<char>& on);
+  /// Those whose switch changes because its control rests at the threshold from here on, of the controls that violated_controls looked at last.
+  const std::vector<int>& controls_at_rest(const std::vector<char>& on);
   /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
   const std::vector<int>& violated_without_mode(double time, const std::vector<char>& on, bool at_start);
-  /// Begins the new segment at `time` + `late`.
-  void close(double time, double late, const std::vector<char>& on);
+  /// Numbers of controls that read the state and pass at this instant in the mode as it was: asked once, where a switch of this island has
+  /// been set before a mode is selected.
+  const std::vector<int>& passing_controls(const std::vector<char>& on);
+  /// Begins the new segment at `time`, and as late as it was opened.
+  void close(double time, const std::vector<char>& on);
 
   /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
   void add_signals(double time, double* out);
@@ -69,9 +84,12 @@ class IslandRun {
   const model::Mode* mode = nullptr;
   model::IndexSet wanted;  ///< active set with the switches as they stand
   int trigger = -1;        ///< diode port whose guard reached zero
+  int passed_row = -1;     ///< guard of the event at which this was opened last; −1: none
   /// Whether the mode goes on otherwise than `before` would have: a port determined in both modes, and not identically zero, lies on
   /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
   bool changes_visibly(const model::Mode& before);
+  /// The full state just before the instant at hand.
+  [[nodiscard]] model::Vector state_before() const;
   /// t = 0: x and `wanted` are set by the caller, no segment precedes.
   void open_at_start() { open_ = true; }
   [[nodiscard]] const IslandModel& model() const { return model_; }
@@ -79,9 +97,15 @@ class IslandRun {
  private:
   double source_departure_of(std::size_t i, bool is_on);
   [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
+  void note_violated(const double* y, const std::vector<char>& on);
+  bool find_control_departures(const double* y, const std::vector<char>& on);
+  void take_slope_at_threshold(int row, const double* y, model::Departure& departure);
   void take_limit(double time, double* out) const;
   void take_event(double end);
   void begin_segment(double time, double late);
+  [[nodiscard]] double time_to_settle();
+  void settle();
+  void locate(double length);
   void choose_guards(const std::vector<char>& on);
   void outputs_from(const model::Mode& m, const double* y, double* out);
   void advance_row(const model::Matrix& m, double factor);
@@ -91,8 +115,13 @@ class IslandRun {
   model::Selector selector_;
   model::SourceDeparture source_departure_;
   Locator locator_;
+  GuardWatch guard_watch_;
+  std::uint64_t dropped_event_ = 0, port_events_ = 0;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
+  double time_to_settle_ = model::forever;  ///< s from the anchor, after which the mode at hand is its slow motion
+  std::vector<double> settled_y_;           ///< state there
+  bool is_settled_ = false;                 ///< the instant at hand is that
   Segment segment_;
   std::uint64_t segment_number_ = 0;
   Located event_;
@@ -101,11 +130,15 @@ class IslandRun {
   model::Vector limit_;    ///< ξ where events accumulate
   bool at_limit_ = false;  ///< the event at hand is that
   bool open_ = false;
-  bool undecided_ = false;  ///< the event at hand is only where the locator could not tell
-  bool all_rest_ = false;   ///< and nothing came of it: guards at zero count from where they are visibly negative
-  int rests_ = -1;          ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
+  double late_ = 0.0;          ///< of the instant at hand
+  bool is_as_before_ = false;  ///< open, and no mode selected yet
+  std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
+  bool is_set_ = false;        ///< a switch of it, since the instant began
+  bool undecided_ = false;     ///< the event at hand is only where the locator could not tell
+  bool all_rest_ = false;      ///< and nothing came of it: guards at zero count from where they are visibly negative
+  int rests_ = -1;             ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
-  std::vector<double> row_y_, work_, scratch_, outputs_;
+  std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;
   double row_time_ = 0.0, row_late_ = 0.0;  ///< of row_y_
   bool row_valid_ = false;
   std::uint64_t rows_ = 0;

@@ -15,8 +15,6 @@ constexpr double epsilon = 2.220446049250313e-16;
 /// A minimum of a guard within this fraction of the terms it is made of touches zero.
 constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
-/// Its coordinates add to the rounding of a guard in a slow part.
-constexpr double parting_noise = 16.0;
 /// A root is found when the guard is this small against the sum of its terms' magnitudes.
 constexpr double root_noise = 4.0 * epsilon;
 /// ‖A‖·step that a search for a root may leave over.
@@ -29,8 +27,6 @@ constexpr int most_series_intervals = 40;
 /// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
 constexpr double short_step = 0.02;
 constexpr int series_in_turn = 16, bounds_in_turn = 64;
-/// So many intervals in, a segment is worth looking for slow parts.
-constexpr std::uint64_t intervals_before_parts = 6;
 /// So many intervals in, a segment that would need more than `most_intervals` has its guards sampled instead (and the run says so),
 /// and how finely. A lossless ring that is followed for 10⁵ periods takes some 10⁶.
 constexpr std::uint64_t intervals_before_sampling = 20000;
@@ -63,7 +59,7 @@ double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::mi
 double Locator::noise_of(const Segment& s, int row) const {
   const double size = std::max(linalg::absolute_row_times(s.mode->guards, row, s.y.data()),
                                share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
-  return (s.part ? parting_noise : 1.0) * std::max(graze_noise, s.mode->noise) * size;
+  return std::max(graze_noise, s.mode->guard_noise[row]) * size;
 }
 
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
@@ -448,23 +444,13 @@ void Locator::locate(Segment& s, double end, Located& located) {
   }
   prepare(s);
   march(s, end, located);
-  if (located.found && s.part) leave_slow_part(s, located);
 }
 
 void Locator::march(Segment& s, double end, Located& located) {
   if (s.mode->piecewise_linear) return straight_lines(s, end, located);
-  const double shortest = std::max(smallest_interval * end, 4.0 * epsilon * (s.anchor + end));
+  const double shortest = std::max(smallest_interval * end, s.is_brief ? 0.0 : 4.0 * epsilon * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
-    const bool by_modal_form = s.mode->modal_form && s.turns_without_modal_form == 0;
-    if (s.intervals >= intervals_before_parts && !by_modal_form && enter_slow_part(s)) {
-      if (s.rows.empty()) {
-        s.certified = end;
-        return;
-      }
-      if (s.mode->piecewise_linear) return straight_lines(s, end, located);
-      series_intervals = 0;
-    }
     derive(s);
     if (look_ahead(s, end, located)) return;
     const Progress progress = has_to_sample(s, end) ? Progress::none : search_modal_form(s, end, shortest, located);

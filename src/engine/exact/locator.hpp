@@ -8,13 +8,12 @@
 ///
 /// which is insensitive to stiffness because energy coordinates make e^{A₁τ} a contraction for passive circuits. Guards that
 /// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m. Where that takes many intervals,
-/// eigenvectors take the guard apart (modal_search.hpp), or the slow part of the mode is followed alone (model/slow_part.hpp).
+/// eigenvectors take the guard apart (modal_search.hpp).
 
 #include <vector>
 
 #include "engine/exact/modal_search.hpp"
 #include "model/mode.hpp"
-#include "model/slow_part.hpp"
 #include "model/verify.hpp"
 
 namespace pwlsim::engine {
@@ -22,16 +21,15 @@ namespace pwlsim::engine {
 /// A segment: one mode from its anchor on. `tau` counts from the anchor.
 struct Segment {
   const model::System* system = nullptr;
-  const model::Mode* mode = nullptr;         ///< what is marched: the mode itself, or a slow part of it
-  const model::Mode* whole = nullptr;        ///< the mode itself
-  const model::SlowPart* part = nullptr;     ///< of which `mode` is the mode; y is then in its coordinates
+  const model::Mode* mode = nullptr;
   double anchor = 0.0;                       ///< absolute time, s
   double late = 0.0;                         ///< what rounding took off the anchor
   std::vector<double> y0;                    ///< state at the anchor
   std::vector<int> rows;                     ///< guard rows in force
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
-  double tau = 0.0;  ///< marched so far; y is the state there
+  bool is_brief = false;  ///< as long as fast decays last: it may be shorter than the rounding of the anchor
+  double tau = 0.0;       ///< marched so far; y is the state there
   std::vector<double> y;
   double certified = 0.0;            ///< no guard falls below zero before
   std::uint64_t intervals = 0;       ///< examined so far
@@ -109,9 +107,6 @@ class Locator {
   static bool is_worth_eigenvectors(const Segment& segment);
   enum class Progress { none, some, to_end };
   Progress search_modal_form(Segment& segment, double end, double shortest, Located& located);
-  bool enter_slow_part(Segment& segment);
-  void drop_idle_rows(Segment& segment);
-  void leave_slow_part(const Segment& segment, Located& located);
   void differentiate(const Segment& segment);
   void series_state(const Segment& segment, double step, double* out);
   struct Isolated {
@@ -135,7 +130,6 @@ class Locator {
 
   std::size_t size_ = 0;  ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
-  std::vector<double> whole_y_, slow_y_;  ///< of a segment that enters or leaves a slow part
   std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
   std::vector<double> least_bend_, most_bend_;  ///< bounds of the guards' second derivatives
   std::vector<double> derivatives_;             ///< A^j y at the interval's start, j = 0 … order + 1

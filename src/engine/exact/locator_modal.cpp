@@ -36,7 +36,7 @@ bool Locator::is_worth_eigenvectors(const Segment& s) {
 /// To the end of the segment, or its first event; some way, with no event before; or none, where eigenvectors have nothing to say. Needs first derivatives.
 Locator::Progress Locator::search_modal_form(Segment& s, double end, double shortest, Located& located) {
   const model::Mode& m = *s.mode;
-  if (s.part || --s.turns_without_modal_form >= 0) return Progress::none;
+  if (--s.turns_without_modal_form >= 0) return Progress::none;
   s.turns_without_modal_form = 0;
   if (!is_worth_eigenvectors(s)) return Progress::none;
   const auto nothing = [&s](int turns) {

@@ -47,6 +47,7 @@ class OperatingPointSolver {
       : model_(model), systems_(std::move(systems)), given_(systems_.size(), 0), solutions_(systems_.size()), asked_(systems_.size()) {
     for (const auto& s : model.switches) on.push_back(s.initially_on);
     restless_.resize(on.size());
+    rested_.resize(on.size());
     frozen_.resize(on.size());
   }
 
@@ -121,34 +122,56 @@ class OperatingPointSolver {
       frozen_[k] = 1;
       on[k] = model_.switches[k].initially_on;
       for (std::size_t i = 0; i < systems_.size(); ++i) {
-        const auto& controls = systems_[i]->controls;
-        const bool drives = std::any_of(controls.begin(), controls.end(),
-                                        [&](const model::Control& control) { return static_cast<std::size_t>(control.driven) == k; });
+        const auto drives_it = [k](const model::Control& control) { return static_cast<std::size_t>(control.driven) == k; };
+        const auto &controls = systems_[i]->controls, &clocked = systems_[i]->clocked;
+        const bool drives =
+            std::any_of(controls.begin(), controls.end(), drives_it) || std::any_of(clocked.begin(), clocked.end(), drives_it);
         if (given_[i] == 0 && (drives || model_.switches[k].island == static_cast<int>(i))) start_from_values(i, remarks);
       }
     }
     if (!names.empty()) missing.add_restless(names);
   }
 
-  /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
-  bool flip_switches(bool together) {
+  /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever. Where there are none, once
+  /// each, those whose control rests at a threshold that counts as passed.
+  bool flip_switches(bool together) { return flip_switches(together, false) || flip_switches(together, true); }
+
+  bool flip_switches(bool together, bool at_rest) {
     bool flipped = false;
     for (std::size_t i = 0; i < systems_.size(); ++i) {
       if (!is_solved(i)) continue;
-      for (const auto& control : systems_[i]->controls) {
-        const auto k = static_cast<std::size_t>(control.driven);
-        if (frozen_[k] != 0) continue;
-        const double value = control.value.state.dot(solutions_[i].x) + control.value.input.dot(solutions_[i].u);
-        // On the threshold itself nothing moves: it is a value at rest.
-        const bool flip = on[k] != 0 ? value < control.off_level : value > control.on_level;
-        if (!flip) continue;
-        on[k] = on[k] == 0;
-        restless_[k] = 1;
-        flipped = true;
-        if (!together) return true;
-      }
+      for (const auto* controls : {&systems_[i]->clocked, &systems_[i]->controls})
+        for (const model::Control& control : *controls) {
+          if (!flip_contradicted(control, solutions_[i], at_rest)) continue;
+          flipped = true;
+          if (!together) return true;
+        }
     }
     return flipped;
+  }
+
+  bool flip_contradicted(const model::Control& control, const StaticSolution& solution, bool at_rest) {
+    const auto k = static_cast<std::size_t>(control.driven);
+    if (frozen_[k] != 0) return false;
+    const double value = control.value.state.dot(solution.x) + control.value.input.dot(solution.u);
+    const double margin = on[k] != 0 ? value - control.off_level : control.on_level - value;
+    const double rounding = rounding_at(solution, control);
+    const bool is_off_at_rest = control.on_level == control.off_level;
+    const bool rests = at_rest && is_off_at_rest && on[k] != 0 && rested_[k] == 0 && margin <= rounding;
+    if (!rests && margin >= -rounding) return false;
+    on[k] = on[k] == 0;
+    if (rests) rested_[k] = 1;
+    restless_[k] = 1;
+    return true;
+  }
+
+  /// Of a control's value: against its terms, and against the largest current or voltage of a port where it reads ports.
+  [[nodiscard]] static double rounding_at(const StaticSolution& at, const model::Control& control) {
+    constexpr double rounding = 1e-13;
+    double size = std::max(std::abs(control.on_level), std::abs(control.off_level));
+    size += control.value.state.cwiseAbs().dot(at.x.cwiseAbs());
+    if (at.u.size() > 0) size += control.value.input.cwiseAbs().maxCoeff() * at.u.cwiseAbs().maxCoeff();
+    return rounding * size;
   }
 
   const ExactModel& model_;
@@ -157,6 +180,7 @@ class OperatingPointSolver {
   std::vector<StaticSolution> solutions_;
   std::vector<std::optional<std::vector<char>>> asked_;  ///< with which switches active each island was solved last
   std::vector<char> restless_;                           ///< switches that have changed sides since they do so one by one
+  std::vector<char> rested_;                             ///< those that changed sides since their control rests at a threshold
   std::vector<char> frozen_;                             ///< and those that are no longer asked
 };
 

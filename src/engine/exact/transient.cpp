@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "engine/exact/steering.hpp"
 #include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
@@ -18,6 +20,8 @@ constexpr double merge_fraction = 1e-14;
 constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
+constexpr int slow_size = 50;         ///< states and ports whose modes take milliseconds each
+constexpr double longest_wait = 0.1;  ///< s, of rows of such circuits for their block to be full
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -28,6 +32,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       request_(request),
       sink_(sink),
       jump_recorder_(exact_model.islands, request.jumps),
+      losses_(exact_model.islands),
       port_watch_(islands_, request.watcher),
       pieces_(exact_model.islands, request.probes, request.interrupt),
       impulses_(exact_model.islands, request.probes) {
@@ -38,8 +43,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     for (auto& island : islands_) island.selector().share_in_any_case();
   tolerance_ = merge_fraction * request.stop;
   make_clocks();
-  order_ = running_;
-  std::stable_sort(order_.begin(), order_.end(), [](const auto* a, const auto* b) { return a->system().size() < b->system().size(); });
+  make_groups();
   modes_before_.assign(islands_.size(), nullptr);
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
@@ -47,7 +51,12 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
-  for (auto& island : islands_) island.set_tolerance(tolerance_);
+  for (auto& island : islands_) {
+    island.set_tolerance(tolerance_);
+    island.drop_event(request.dropped_event);
+  }
+  is_slow_ = std::any_of(islands_.begin(), islands_.end(),
+                         [](const auto& island) { return island.system().size() + island.system().ports > slow_size; });
   if (request.grid.rows > 2)
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
 }
@@ -55,13 +64,38 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
 void Transient::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
-    if (!model::Clock::can_drive(system)) {
-      running_.push_back(&islands_[i]);
-      if (!system.controls.empty()) steering_.push_back(&islands_[i]);
-      continue;
-    }
-    for (const model::Control& control : system.controls) clocks_.emplace_back(system, control, tolerance_);
+    for (const model::Control& control : system.clocked) clocks_.emplace_back(system, control, tolerance_);
+    if (system.n == 0 && system.ports == 0 && system.outputs.empty() && system.controls.empty()) continue;
+    running_.push_back(&islands_[i]);
+    (system.controls.empty() ? following_ : steering_).push_back(&islands_[i]);
+    if (islands_[i].senses_state()) sensing_.push_back(&islands_[i]);
   }
+}
+
+void Transient::make_groups() {
+  std::vector<IslandRun*> order = running_;
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->system().size() < b->system().size(); });
+  std::vector<std::size_t> place(islands_.size(), order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[number_of(*order[i])] = i;
+  const auto place_of_switch = [&](int number) {
+    const int island = model_.switches[static_cast<std::size_t>(number)].island;
+    return island < 0 ? order.size() : place[static_cast<std::size_t>(island)];
+  };
+  std::vector<std::pair<std::size_t, std::size_t>> steers;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (const model::Control& control : order[i]->system().controls)
+      if (const std::size_t to = place_of_switch(control.driven); to < order.size()) steers.emplace_back(i, to);
+  std::vector<std::size_t> group_of(order.size());
+  for (const SteeringGroup& group : steering_groups(order.size(), steers)) {
+    Group& made = groups_.emplace_back();
+    made.steered_by = group.steered_by;
+    for (const std::size_t island : group.islands) {
+      made.islands.push_back(order[island]);
+      group_of[island] = groups_.size() - 1;
+    }
+  }
+  for (const model::Clock& clock : clocks_)
+    if (const std::size_t to = place_of_switch(clock.driven()); to < order.size()) groups_[group_of[to]].clocks.push_back(&clock);
 }
 
 Answer Transient::run(const Start& start) {
@@ -73,13 +107,12 @@ Answer Transient::run(const Start& start) {
     if (!rows_before(time, false)) break;
     now_ = time;
     going = handle(time) && time < request_.stop;
-    if (++instants_ % instants_between_checks == 0) {
-      if (request_.progress) request_.progress(time);
-      if (is_interrupted()) {
-        fail_interrupted();
-        break;
-      }
+    if (is_interrupted()) {
+      fail_interrupted();
+      break;
     }
+    if (is_slow_ && !hand_over_in_time()) break;
+    if (++instants_ % instants_between_checks == 0 && request_.progress) request_.progress(time);
   }
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   flush();
@@ -87,6 +120,11 @@ Answer Transient::run(const Start& start) {
   if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail_interrupted();
   answer_.time = now_;
   answer_.probed = pieces_.is_cut() ? pieces_.cut_at() : now_;
+  for (auto& island : islands_) {
+    if (!island.mode || island.is_open()) continue;
+    island.look_at_end(now_);
+    if (answer_.outcome == Outcome::completed) holds(island);
+  }
   for (const auto& island : islands_)
     if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
   answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
@@ -97,6 +135,7 @@ Answer Transient::run(const Start& start) {
 /// t = 0: states as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
   on_ = start.on;
+  rested_.assign(on_.size(), 0);
   pieces_.before_start(start.signals);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
@@ -122,12 +161,20 @@ bool Transient::begin(const Start& start) {
   return true;
 }
 
+/// A group looks as far as nothing happens to it, whatever happens elsewhere: else an answer would depend, in its last digits, on what other parts run
+/// beside it, that is on what is saved.
 double Transient::next_instant() {
   double horizon = request_.stop;
-  for (const model::Clock& clock : clocks_) horizon = std::min(horizon, clock.next().time);
-  for (const IslandRun* island : running_) horizon = std::min(horizon, island->next_break());
-  for (IslandRun* island : order_) horizon = island->certify(horizon);
-  return std::min(horizon, request_.stop);
+  for (Group& group : groups_) {
+    double own = request_.stop;
+    for (const std::size_t other : group.steered_by) own = std::min(own, groups_[other].horizon);
+    for (const model::Clock* clock : group.clocks) own = std::min(own, clock->next().time);
+    for (const IslandRun* island : group.islands) own = std::min(own, island->next_break());
+    for (IslandRun* island : group.islands) own = island->certify(own);
+    group.horizon = own;
+    horizon = std::min(horizon, own);
+  }
+  return horizon;
 }
 
 void Transient::open_island(IslandRun& island, Instant& instant) {
@@ -152,7 +199,7 @@ void Transient::open_event_islands(double time, Instant& instant) {
   std::fill(opened_.begin(), opened_.end(), Opened::no);
   for (IslandRun* island : running_) {
     const bool breaks = island->next_break() <= time + tolerance_;
-    const bool crosses = island->has_event() && island->event_time() <= time;
+    const bool crosses = island->has_event_at(time);
     if (crosses && !breaks) opened_[number_of(*island)] = Opened::by_own_event;
     if (breaks || crosses) open_island(*island, instant);
   }
@@ -169,7 +216,7 @@ bool Transient::handle(double time) {
     if (clock.next().time == time && instant.late == 0.0) instant.late = clock.next().late;
   }
   for (const IslandRun* island : running_) {
-    const bool crosses = island->has_event() && island->event_time() <= time;
+    const bool crosses = island->has_event_at(time);
     instant.crossing |= crosses;
     any |= crosses || island->next_break() <= time + tolerance_;
     if (crosses && island->event_time() == time && instant.late == 0.0) instant.late = island->event_late();
@@ -178,6 +225,8 @@ bool Transient::handle(double time) {
   const bool has_rows = request_.events && time >= first_row_time_ - tolerance_;
   if (has_rows) fill_row(time, row_before_.data());
   open_event_islands(time, instant);
+  if (!std::all_of(running_.begin(), running_.end(), [&](const IslandRun* island) { return !island->is_open() || holds(*island); }))
+    return false;
   if (!settle(instant, false)) return false;
   watch_accumulation(instant);
   const bool happened = instant.source_edge || instant.mode_change || instant.jumps > 0;
@@ -200,19 +249,22 @@ bool Transient::handle(double time) {
   return watch_crowd(instant);
 }
 
-/// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes,
-/// and what those do to the other switches, until nothing moves.
+/// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes, and what those do to
+/// the other switches, until nothing moves. Parts that steer nothing have their turn then: logic that settles reaches them as one change.
 bool Transient::settle(Instant& instant, bool at_start) {
+  std::fill(rested_.begin(), rested_.end(), 0);
   for (int round = 0; round < most_rounds; ++round) {
-    if (flip_without_mode(instant, at_start && round == 0)) continue;
-    if (!select_open(instant)) return false;
-    if (flip_violated(instant)) continue;
+    if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
+    if (!select_open(steering_, instant)) return false;
+    if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
+    if (!select_open(following_, instant)) return false;
     note_mode_changes(instant);
     impulses_.end(instant.time, !at_start || !request_.use_initial_conditions);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
       jump_recorder_.after(number_of(*island), instant.time, island->x);
-      island->close(instant.time, instant.late, on_);
+      if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
+      island->close(instant.time, on_);
     }
     return true;
   }
@@ -225,8 +277,8 @@ bool Transient::settle(Instant& instant, bool at_start) {
   return false;
 }
 
-bool Transient::select_open(Instant& instant) {
-  for (IslandRun* island : running_) {
+bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& instant) {
+  for (IslandRun* island : islands) {
     if (!island->is_open()) continue;
     const model::Selected& selected = island->select();
     instant.jumps += selected.jumps;
@@ -265,12 +317,36 @@ bool Transient::flip_without_mode(Instant& instant, bool at_start) {
   return flip(instant);
 }
 
+/// What passes at one instant with switches that have been set already, by its mode of before: no position between the two is entered.
+bool Transient::flip_passing(Instant& instant) {
+  flips_.clear();
+  for (IslandRun* island : sensing_) {
+    if (!island->is_open()) continue;
+    for (const int c : island->passing_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
+  }
+  return flip(instant);
+}
+
 /// All switches whose control has passed at this instant change together.
 bool Transient::flip_violated(Instant& instant) {
   flips_.clear();
-  for (IslandRun* island : steering_) {
+  for (IslandRun* island : sensing_) {
     if (!island->is_open()) continue;
     for (const int c : island->violated_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
+  }
+  return flip(instant);
+}
+
+/// Where nothing is violated any more: the switches whose control rests at a threshold that counts as passed. A switch that changes back holds its
+/// control there by itself, and stays.
+bool Transient::flip_at_rest(Instant& instant) {
+  flips_.clear();
+  for (IslandRun* island : sensing_) {
+    if (!island->is_open()) continue;
+    for (const int c : island->controls_at_rest(on_)) {
+      const int driven = island->system().controls[static_cast<std::size_t>(c)].driven;
+      if (std::exchange(rested_[static_cast<std::size_t>(driven)], 1) == 0) flips_.push_back(driven);
+    }
   }
   return flip(instant);
 }
@@ -290,6 +366,20 @@ bool Transient::flip(Instant& instant) {
     island.set_switch(info.port, on_[index] != 0);
   }
   return true;
+}
+
+/// What a jump costs where the switches that flipped last have opened.
+void Transient::note_loss(const IslandRun& island, const Instant& instant) {
+  std::vector<std::string> opened;
+  const model::System& system = island.system();
+  for (const int i : last_flips_) {
+    const SwitchInfo& info = model_.switches[static_cast<std::size_t>(i)];
+    if (info.island != static_cast<int>(number_of(island))) continue;
+    const bool inverted = system.switch_inverted[static_cast<std::size_t>(info.port - system.diodes)] != 0;
+    if ((on_[static_cast<std::size_t>(i)] != 0) == inverted) opened.push_back(info.name);
+  }
+  const model::Vector now = Eigen::Map<const model::Vector>(island.x.data(), system.size());
+  losses_.after(number_of(island), instant.time, island.state_before(), now, opened);
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.
@@ -343,6 +433,12 @@ bool Transient::push_row() {
   return flush();
 }
 
+/// A search through large modes may take long: rows do not wait for a block to be full, so that they are there when the run is ended from outside.
+bool Transient::hand_over_in_time() {
+  if (buffered_ == 0 || seconds_since(last_flush_) < longest_wait) return true;
+  return flush();
+}
+
 bool Transient::flush() {
   if (buffered_ == 0) return true;
   const auto clock = Clock::now();
@@ -351,6 +447,7 @@ bool Transient::flush() {
   const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
   sink_seconds_ += seconds_since(clock);
   buffered_ = 0;
+  if (is_slow_) last_flush_ = Clock::now();
   if (!accepted && answer_.outcome == Outcome::completed) fail(Outcome::sink_stopped, "", "", {});
   return accepted;
 }

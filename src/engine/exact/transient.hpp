@@ -8,6 +8,7 @@
 #include "engine/exact/certificate.hpp"
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
+#include "engine/exact/loss_watch.hpp"
 #include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/probe_impulses.hpp"
@@ -33,6 +34,14 @@ class Transient {
     int jumps = 0;
   };
 
+  /// Running islands that steer each other, those without states first, and what may happen to them from outside.
+  struct Group {
+    std::vector<IslandRun*> islands;
+    std::vector<const model::Clock*> clocks;
+    std::vector<std::size_t> steered_by;  ///< groups, all before this one
+    double horizon = 0.0;                 ///< the next instant there, or in what steers it
+  };
+
   /// Instants near one another.
   struct Crowd {
     double start = 0.0;
@@ -44,26 +53,34 @@ class Transient {
 
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
   void make_clocks();
+  void make_groups();
   bool begin(const Start& start);
   double next_instant();
   bool handle(double time);
   bool settle(Instant& instant, bool at_start);
-  bool select_open(Instant& instant);
+  bool select_open(const std::vector<IslandRun*>& islands, Instant& instant);
   void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
+  bool flip_passing(Instant& instant);
   bool flip_violated(Instant& instant);
+  bool flip_at_rest(Instant& instant);
   bool flip(Instant& instant);
   void open_event_islands(double time, Instant& instant);
   void note_mode_changes(Instant& instant);
+  bool holds(const IslandRun& island);
+  void note_loss(const IslandRun& island, const Instant& instant);
   bool rows_before(double time, bool inclusive);
   bool emit_row(double time);
   [[nodiscard]] bool is_interrupted() const;
   void fail_interrupted();
   bool push_row();
   bool flush();
+  bool hand_over_in_time();
   bool watch_crowd(const Instant& instant);
   bool watch_idle_crowd(const Instant& instant);
-  bool fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names);
+  bool fail_crowd(const Instant& instant, const Crowd& crowd);
+  [[nodiscard]] std::vector<std::string> what_happens(const Instant& instant) const;
+  [[nodiscard]] std::string passed_name(const IslandRun& island) const;
   void watch_accumulation(const Instant& instant);
   bool may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
@@ -81,19 +98,24 @@ class Transient {
   RowSink& sink_;
   Answer answer_;
   std::vector<IslandRun> islands_;
-  std::vector<IslandRun*> running_;   ///< those that are not clocks
-  std::vector<model::Clock> clocks_;  ///< switches that only piecewise linear sources drive
-  std::vector<IslandRun*> steering_;  ///< the running ones that drive switches
-  std::vector<IslandRun*> order_;     ///< the running ones, those without states first
-  std::vector<char> on_;              ///< switches
-  std::vector<int> flips_;            ///< switches that are to change
-  std::vector<int> last_flips_;       ///< and those that did last
+  std::vector<IslandRun*> running_;               ///< those that are not clocks
+  std::vector<model::Clock> clocks_;              ///< switches that only piecewise linear sources drive
+  std::vector<IslandRun*> following_, steering_;  ///< the running ones that drive no switch, and that drive some
+  std::vector<IslandRun*> sensing_;               ///< of these the ones whose controls read more than sources
+  std::vector<Group> groups_;
+  std::vector<char> on_;         ///< switches
+  std::vector<int> flips_;       ///< switches that are to change
+  std::vector<int> last_flips_;  ///< and those that did last
+  std::vector<char> rested_;     ///< switches that have changed at this instant because their control rests at a threshold
+  bool is_slow_ = false;         ///< an island is large
+  std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
   std::vector<Opened> opened_;  ///< at the instant at hand
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
+  LossWatch losses_;
   PortWatch port_watch_;
   PieceMaker pieces_;
   ProbeImpulses impulses_;

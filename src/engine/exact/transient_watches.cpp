@@ -106,29 +106,49 @@ bool Transient::Crowd::note(double time, double length) {
 }
 
 bool Transient::watch_crowd(const Instant& instant) {
-  if (!crowd_.note(instant.time, crowd_fraction * request_.stop)) return true;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < islands_.size(); ++i)
-    if (modes_before_[i] && islands_[i].mode != modes_before_[i])
-      for (auto& name : differing_elements(islands_[i].system(), {modes_before_[i], islands_[i].mode})) names.push_back(std::move(name));
-  return fail_crowd(instant.time, crowd_, names);
+  return !crowd_.note(instant.time, crowd_fraction * request_.stop) || fail_crowd(instant, crowd_);
 }
 
 /// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
 bool Transient::watch_idle_crowd(const Instant& instant) {
-  if (!instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop)) return true;
-  std::vector<std::string> names;
-  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
-  for (std::size_t i = 0; i < islands_.size() && !instant.flips; ++i)
-    if (opened_[i] == Opened::by_own_event) names = all_names(islands_[i].system());
-  return fail_crowd(instant.time, idle_crowd_, names);
+  return !instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop) || fail_crowd(instant, idle_crowd_);
 }
 
-bool Transient::fail_crowd(double time, const Crowd& crowd, const std::vector<std::string>& names) {
+/// The element whose guard was passed at the event at which the island was opened; empty where that is not known.
+std::string Transient::passed_name(const IslandRun& island) const {
+  const model::System& system = island.system();
+  const int row = island.passed_row;
+  if (row < 0) return {};
+  if (row < system.diodes) return system.port[static_cast<std::size_t>(row)].name;
+  const model::Control& control = system.controls[static_cast<std::size_t>(row - system.diodes) / 2];
+  return model_.switches[static_cast<std::size_t>(control.driven)].name;
+}
+
+/// What changes sides at the instant, or else whose guard is passed.
+std::vector<std::string> Transient::what_happens(const Instant& instant) const {
+  std::vector<std::string> names;
+  if (instant.flips)
+    for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    if (modes_before_[i] && islands_[i].mode && islands_[i].mode != modes_before_[i])
+      for (auto& name : differing_elements(islands_[i].system(), {modes_before_[i], islands_[i].mode})) names.push_back(std::move(name));
+  for (std::size_t i = 0; names.empty() && i < islands_.size(); ++i)
+    if (opened_[i] == Opened::by_own_event) names.push_back(passed_name(islands_[i]));
+  std::erase(names, std::string());
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
+  const double time = instant.time;
+  const std::vector<std::string> names = what_happens(instant);
+  std::string where = names.empty() ? "" : fmt::format(", at {}", fmt::join(names, ", "));
+  for (std::size_t i = 0; i < islands_.size() && where.empty(); ++i)  // nothing but sources
+    if (opened_[i] != Opened::no) where = fmt::format(", in the part with {}", islands_[i].system().name);
   fail(Outcome::accumulation, "E-accumulation",
-       fmt::format(
-           "events accumulate at t = {} s ({} of them within {} s), at {}; try a resistor, capacitor or hysteresis that separates them",
-           time, crowd.count, time - crowd.start, fmt::join(names, ", ")),
+       fmt::format("events accumulate at t = {} s ({} of them within {} s){}; try a resistor, capacitor or hysteresis that separates them",
+                   time, crowd.count, time - crowd.start, where),
        names);
   return false;
 }
@@ -198,6 +218,17 @@ void Transient::note_open_signals() {
                      fmt::join(names, ", "))});
 }
 
+/// Whether every port has kept its inequality up to here.
+bool Transient::holds(const IslandRun& island) {
+  if (!island.guards().is_broken()) return true;
+  const GuardWatch::Violation violation = island.guards().worst();
+  fail(Outcome::no_solution, "E-no-solution",
+       fmt::format("the mode no longer holds: {}; the run has missed an event; try --engine sparse, and report the deck",
+                   violation_text(island.system(), violation)),
+       {island.system().port[static_cast<std::size_t>(violation.port)].name});
+  return false;
+}
+
 void Transient::finish() {
   Statistics& s = answer_.statistics;
   std::set<int> parts;
@@ -222,6 +253,7 @@ void Transient::finish() {
   s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
   note_open_signals();
   answer_.jumps = jump_recorder_.take();
+  if (auto remark = losses_.remark()) answer_.remarks.push_back(std::move(*remark));
   if (several_ > 0)
     answer_.remarks.push_back(
         {"N-not-unique",
@@ -231,6 +263,8 @@ void Transient::finish() {
   s.seconds_model = model_.seconds;
   const auto clock = std::chrono::steady_clock::now();
   answer_.certificate = recorder_.check();
+  for (const auto& island : islands_)
+    answer_.certificate.complementarity = std::max(answer_.certificate.complementarity, island.guards().worst().share());
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
   if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
   answer_.certificate.has_passivity = true;

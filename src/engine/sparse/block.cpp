@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/sparse/fastest.hpp"
+
 namespace pwlsim::engine::sparse {
 
 namespace {
@@ -32,6 +34,10 @@ constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
 constexpr int absorbed_levels = 6;         ///< the Euler step behind such a step is so much shorter
 constexpr int longest_pause = 63;          ///< of such steps between two attempts
+/// A step of this part of √reltol of the fastest time constant moves nothing by the tolerance, once what it moves is drawn back.
+constexpr double shortest_share = 0.25;
+/// Of the run: what is faster is left to the laws of jumps. (An inductor behind Roff alone, whose steps would be rounding.)
+constexpr double shortest_fraction = 1e-15;
 constexpr std::size_t most_positions = 1u << 20;
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
@@ -67,6 +73,7 @@ Block::Block(const Part& part, const Request& request, double reltol)
   level_ = first_level;
   tolerance_ = merge_fraction * request.stop;
   break_tolerance_ = break_fraction * request.stop;
+  shortest_ = std::max(shortest_share * std::sqrt(reltol) * fastest_time(part.island.network), shortest_fraction * request.stop);
 }
 
 void Block::signals(double time, double* values) {
@@ -137,7 +144,7 @@ bool Block::step() {
       if (solved != Solved::yes) return fail_step(solved, trial_.error);
     }
     const double reach = std::min(1.0, remaining() / h);
-    const std::vector<Crossing> list = crossings(trial_, reach);
+    const std::vector<Crossing> list = crossings(h, reach);
     if (list.empty()) {
       accept(trial_, reach);
       if (reach >= whole) control_size(trial_.error);
@@ -195,10 +202,14 @@ void Block::accept(const Trial& trial, double reach) {
     next.time = point_.time + reach * (trial.end.time - point_.time);
     const double limit = point_.time + remaining();
     if (std::abs(next.time - limit) <= break_tolerance_) next.time = limit;
-    stretch_.interpolate(stretch_.weights(next.time), next.z);
+    stretch_.interpolate(Stretch::weights_within(reach), next.z);
     sources_.evaluate(next.time, next.w);
   }
   certificate_.add_step(point_, trial, next, ports_);
+  if (standing_ + 1 >= standing_limit_) {
+    descriptor_.measure_states(point_.z.data(), states_);
+    moved_ = difference(states_, next.z);
+  }
   settle_in(next);
 }
 
@@ -232,6 +243,7 @@ void Block::control_size(double error) {
   standing_ = 0;
   standing_limit_ = std::min(2 * standing_limit_, longest_standing);
   level_ = first_level;
+  damped_ = std::max(damped_, moved_);
 }
 
 /// Down the ladder from a step of h by what its error asks for. False: the end of the ladder.
@@ -240,7 +252,7 @@ bool Block::reduce(double h, double error) {
   const double factor = error < model::forever ? std::cbrt(0.5 * reltol_ / error) : 0.25;
   while (ladder(level_) >= h) ++level_;
   while (ladder(level_) > 1.4 * factor * h) ++level_;
-  return level_ <= last_level && ladder(level_) > tolerance_;
+  return level_ <= last_level;
 }
 
 std::vector<std::string> Block::names(const std::vector<int>& ports) const {

@@ -63,15 +63,21 @@ class Block {
   /// What jumped, where the request wants it.
   [[nodiscard]] const std::vector<Jump>& jumps() const { return jump_details_; }
   [[nodiscard]] const CertificateRecorder& certificate() const { return certificate_; }
+  /// The largest motion that was damped instead of followed, of a state's size.
+  [[nodiscard]] double damped() const { return damped_; }
   /// Whether the start contradicted the network.
   [[nodiscard]] bool start_projected() const { return start_projected_; }
 
  private:
   using Trial = Stepper::Trial;
-  static constexpr int last_level = 44;  ///< of the ladder
+  static constexpr int last_level = 96;  ///< of the ladder
 
   // block.cpp: steps
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
+  /// The first whose Euler steps are no longer than shortest_.
+  [[nodiscard]] int shortest_level() const {
+    return shortest_ < h_max_ ? static_cast<int>(std::ceil(std::min(std::log2(diagonal * h_max_ / shortest_), 1.0 * last_level))) : 0;
+  }
   [[nodiscard]] double next_break() const { return std::min(sources_.next_break(), next_gate_); }
   [[nodiscard]] double remaining() const;
   [[nodiscard]] int step_level() const;
@@ -98,15 +104,16 @@ class Block {
   };
   [[nodiscard]] double margin(std::size_t index, bool is_control, const Point& at) const;
   [[nodiscard]] double margin_size(std::size_t index, bool is_control) const;
-  [[nodiscard]] std::vector<Crossing> crossings(const Trial& trial, double reach) const;
+  [[nodiscard]] std::vector<Crossing> crossings(double h, double reach);
+  [[nodiscard]] double largest_input(const Point& at) const;
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
   bool restart();
   void note_jump(double time, double h);
-  void note_first_step();
   void note_impulses(double h);
   void find_next_gate();
   bool take_gates(double until);
+  bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   /// Before the Euler steps of an instant.
@@ -115,12 +122,16 @@ class Block {
     Instant instant;
   };
   [[nodiscard]] bool find_position(const Beginning& beginning, Instant& instant, int& level);
+  [[nodiscard]] bool decays(const Beginning& beginning, Instant& instant, int& level, int usual);
+  [[nodiscard]] bool go_back(const Beginning& beginning, Instant& instant, int level);
   [[nodiscard]] int levels_too_long(double h) const;
   void end_before_passage(const Beginning& beginning, Instant& instant, int& level);
   [[nodiscard]] Solved euler_steps(double h, Instant& instant);
-  [[nodiscard]] bool jumps(double h, double motion);
+  [[nodiscard]] bool settled(double h, Instant& instant);
+  [[nodiscard]] bool repeats(double shorter, double motion);
   [[nodiscard]] const std::vector<double>& drawn_back(const Point& first, const Point& second);
   [[nodiscard]] double difference(const std::vector<double>& states, const std::vector<double>& z) const;
+  [[nodiscard]] std::vector<std::string> changed_ports() const;
   bool watch_crowd(double time);
 
   const Part& part_;
@@ -145,16 +156,17 @@ class Block {
   Point point_;
   Position position_before_;  ///< before the instant that is due
   Trial trial_, free_;
-  Point first_, second_;
+  Point first_, second_, third_;  ///< of the Euler steps of an instant
   std::vector<double> w_, signals_before_, impulses_;
   std::vector<double> states_;        ///< of point_, or those given, at an instant
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
   std::vector<Jump> jump_details_;
   Answer failure_;
-  double h_max_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
+  double h_max_ = 0.0, shortest_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;
   int level_ = 0;
   bool starting_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
+  double moved_ = 0.0, motion_left_ = 0.0, damped_ = 0.0;
   double crowd_start_ = 0.0;
   int crowd_ = 0;
   int absorb_wait_ = 0, absorb_pause_ = 0;

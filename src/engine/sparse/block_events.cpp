@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/largest.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
 
@@ -19,14 +20,15 @@ constexpr double together = 1e-6;      ///< of a step: what passes at one instan
 constexpr int most_idle_located = 20;  ///< passages in a row that changed nothing: the next need not be met to rounding
 constexpr int most_rounds = 200;       ///< of switches answering switches at one instant: logic has long chains
 constexpr double room_share = 1.0 / 16.0;
-/// A state that moves at an instant by more than this part of the tolerance jumps, or there is a motion shorter than the Euler steps: which of the
-/// two, a step 2^−6 as long tells.
-constexpr double jump_share = 1.0;
+/// A state that moves at an instant by more than the tolerance jumps, or there is a motion shorter than the Euler steps: which of the two, steps tell that
+/// are so much shorter, and shorter than any time constant.
 constexpr int deeper = 6;
 constexpr double small_motion = 0.01;
+constexpr double least_of_time = 1e-13;  ///< an Euler step: time has no more digits
 /// Levels by which the Euler steps may shrink for the sake of a motion, or where they end in two positions, or in none.
 constexpr int most_refinement = 16, refinement = 4;
-constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it
+
+constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it, in a network that is not passive
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
@@ -65,20 +67,30 @@ double Block::margin(std::size_t index, bool is_control, const Point& at) const 
 
 double Block::margin_size(std::size_t index, bool is_control) const {
   if (is_control) return std::max(controls_[index].level_size(), controls_[index].largest);
-  return point_.on[index] != 0 ? ports_.scale().input : ports_.scale().slack;
+  return point_.on[index] != 0 ? ports_.input_size(0.0) : ports_.scale().slack;
 }
 
-/// What passes its zero in the part `reach` of a step, the first to do so first.
-std::vector<Block::Crossing> Block::crossings(const Trial& trial, double reach) const {
+double Block::largest_input(const Point& at) const {
+  double most = 0.0;
+  for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(at.z[static_cast<std::size_t>(port.row)]));
+  return most;
+}
+
+/// What passes its zero in the part `reach` of a step of length h (trial_), the first to do so first.
+std::vector<Block::Crossing> Block::crossings(double h, double reach) {
   std::vector<Crossing> result;
+  const double input = ports_.input_size(largest_input(trial_.end)), shift = 1.0 / (diagonal * h), unknown = largest(point_.z);
   const auto examine = [&](std::size_t i, bool is_control) {
-    const double size = margin_size(i, is_control);
-    const double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
+    const bool is_input = !is_control && point_.on[i] != 0;
+    const double size = is_input ? input : margin_size(i, is_control);
+    const double rounding = is_input ? ports_.rounding_of_input(shift, i) : 0.0;
+    double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size + rounding;
+    if (is_control) tolerance = std::max(tolerance, controls_[i].rounding(unknown));
     const double dip = std::max(tolerance, dip_share * reltol_ * size);
     const double start = margin(i, is_control, point_);
     const bool overdue = is_control && start < -2.0 * tolerance;  // it jumped there in the last Euler step
     const double at =
-        overdue ? 0.0 : first_passage(start, margin(i, is_control, trial.stage), margin(i, is_control, trial.end), reach, tolerance, dip);
+        overdue ? 0.0 : first_passage(start, margin(i, is_control, trial_.stage), margin(i, is_control, trial_.end), reach, tolerance, dip);
     if (at >= 0.0) result.push_back({i, is_control, at});
   };
   for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);
@@ -124,12 +136,13 @@ bool Block::locate(double h, Crossing crossing) {
 
 bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
   bool flipped = false;
+  const double unknown = largest(point_.z);
   if (by_sources) sources_.evaluate(time, w_);
   for (const Control& control : controls_) {
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(on, value) >= -sign_tolerance * size) continue;
+    if (control.margin(on, value) >= -std::max(sign_tolerance * size, control.rounding(unknown))) continue;
     on[control.port] ^= 1;
     flipped = true;
     instant.mode_change = true;
@@ -137,14 +150,31 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
   return flipped;
 }
 
+/// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,
+/// and no rounding of a control: that is taken before the instant.
+bool Block::flip_at_rest(const Point& at, Instant& instant) {
+  bool flipped = false;
+  const double unknown = largest(point_.z);
+  for (Control& control : controls_) {
+    if (control.has_rested || !control.passes_at_rest(point_.on)) continue;
+    const double value = control.value.value(at.z.data(), at.w.data());
+    const double size = std::max({control.level_size(), control.largest, std::abs(value)});
+    if (control.margin(point_.on, value) > std::max(sign_tolerance * size, control.rounding(unknown))) continue;
+    point_.on[control.port] ^= 1;
+    control.has_rested = flipped = instant.mode_change = true;
+  }
+  return flipped;
+}
+
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` says so where they find no rest.
 bool Block::settle(double h, Instant& instant, Point& first) {
+  for (Control& control : controls_) control.has_rested = false;
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
     if (trial_.solved != Solved::yes) return false;
-    if (!flip(first, false, instant.time + h, instant, point_.on)) return true;
+    if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
   }
   std::vector<std::string> restless;
   for (const Control& control : controls_)
@@ -165,15 +195,40 @@ double Block::difference(const std::vector<double>& states, const std::vector<do
   return worst;
 }
 
-/// Switches and two Euler steps, into first_ and second_.
+/// Switches and three Euler steps.
 Solved Block::euler_steps(double h, Instant& instant) {
   if (!settle(h, instant, first_)) return trial_.solved;
-  return stepper_.euler(first_, h, second_);
+  const Solved solved = stepper_.euler(first_, h, second_);
+  return solved == Solved::yes ? stepper_.euler(second_, h, third_) : solved;
 }
 
-/// Whether the states move at the instant itself because they jump: then they do in much shorter steps as well.
-bool Block::jumps(double h, double motion) {
+/// Whether the Euler steps of length h lead where much shorter ones do, and on: states that move there at the instant itself have jumped, and what moves in
+/// h and not there is to be followed in shorter steps, as diodes that conduct on the way may send charges elsewhere. So is what changes sides
+/// on the way, unless nothing moves by the tolerance.
+bool Block::settled(double h, Instant& instant) {
+  const bool is_expected = first_.on == point_.on && second_.on == point_.on && third_.on == point_.on;
+  const double motion = difference(states_, drawn_back(first_, second_));
+  instant.jump = motion > reltol_;
+  if (is_expected && !instant.jump) return true;
   const double shorter = h * std::ldexp(1.0, -deeper);
+  if (!passive_ && instant.jump && !repeats(shorter, motion)) return false;
+  Point first, second;
+  if (stepper_.euler(point_, std::min(shorter, shortest_), first, start_memory_) != Solved::yes) return true;
+  if (stepper_.euler(first, std::min(shorter, shortest_), second) != Solved::yes) second = first;
+  std::vector<double> states;
+  descriptor_.measure_states(drawn_back(first, second).data(), states);
+  const double jump = difference(states_, w_);
+  if (!passive_) return jump >= (1.0 - unsettled_jump) * motion - reltol_;
+  instant.jump = jump > reltol_;
+  motion_left_ = difference(states, drawn_back(first_, second_));
+  if (motion_left_ > reltol_) return false;
+  const bool is_position_kept = first_.on == second.on && second_.on == second.on && third_.on == second.on;
+  return is_position_kept || difference(states, third_.z) <= reltol_;
+}
+
+/// In a network that is not passive, where a jump may be of higher order, and a state two integrations away be held back from rounding in ever shorter steps:
+/// whether it is much the same in a shorter step.
+bool Block::repeats(double shorter, double motion) {
   Point first, second;
   if (stepper_.euler(point_, shorter, first, start_memory_) != Solved::yes) return true;
   // What h draws back of a motion, (h/τ)², is what the shorter step moves, h/64τ, where h/τ is 1/64: from that the instant is drawn, too.
@@ -198,19 +253,14 @@ void Block::note_jump(double time, double h) {
   jump_details_.push_back(describe_jump(part_, {time, states_, after}, {h, first_, second_}, reltol_));
 }
 
-/// Signals at the end of the first Euler step, which holds the impulses.
-void Block::note_first_step() {
-  impulses_.resize(signals_.size());
-  for (std::size_t i = 0; i < signals_.size(); ++i) impulses_[i] = signals_[i].value(first_.z.data(), first_.w.data());
-}
-
 /// What the three Euler steps deliver, without what the line through the ends of the last two does, which stands for the signal from the instant on:
 /// states and their integrals go together.
 void Block::note_impulses(double h) {
+  impulses_.resize(signals_.size());
   for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const double first = impulses_[i];
-    const double second = signals_[i].value(first_.z.data(), first_.w.data());
-    const double third = signals_[i].value(second_.z.data(), second_.w.data());
+    const double first = signals_[i].value(first_.z.data(), first_.w.data());
+    const double second = signals_[i].value(second_.z.data(), second_.w.data());
+    const double third = signals_[i].value(third_.z.data(), third_.w.data());
     const double largest = std::max({std::abs(second), std::abs(third), std::abs(signals_before_[i])});
     impulses_[i] = std::abs(first - second) > least_impulse * largest ? h * (first - 3.5 * second + 2.5 * third) : 0.0;
   }
@@ -253,17 +303,13 @@ bool Block::restart() {
   end_before_passage(beginning, instant, level);
   if (instant.jump) note_jump(time, diagonal * ladder(level));
   const bool has_impulses = instant.jump && request_.probes.sink != nullptr;
-  if (has_impulses) note_first_step();
-  instant.mode_change |= second_.on != position_before_;
-  position_before_.clear();
+  instant.mode_change |= third_.on != position_before_;
   start_memory_.clear();
   starting_ = false;
-  // The first holds the impulses, be they no larger than the error of the instant.
-  if (stepper_.euler(second_, diagonal * ladder(level), first_) == Solved::yes) std::swap(first_, second_);
   if (has_impulses) note_impulses(diagonal * ladder(level));
-  stretch_.set(first_, second_);
-  certificate_.add_point(second_, ports_);
-  settle_in(second_);
+  stretch_.set(second_, third_);  // the first holds the impulses, be they no larger than the error of the instant
+  certificate_.add_point(third_, ports_);
+  settle_in(third_);
   if (time > 0.0 && instant.happened()) {
     ++events_;
     jumps_ += instant.jump ? 1 : 0;
@@ -271,14 +317,19 @@ bool Block::restart() {
   }
   stall_.note_instant(instant.happened());
   if (time == 0.0) start_projected_ = instant.jump;
-  return watch_crowd(time);
+  const bool goes_on = watch_crowd(time);
+  position_before_.clear();
+  return goes_on;
 }
 
 /// Euler steps so short that the states either stay where they are or jump. False: failed.
 bool Block::find_position(const Beginning& beginning, Instant& instant, int& level) {
-  const int deepest = std::min(level + most_refinement, last_level);
+  const int usual = level;
+  int deepest = std::min(std::max(level + most_refinement, shortest_level()), last_level);
+  while (deepest > level && diagonal * ladder(deepest) < least_of_time * instant.time) --deepest;
   double before = 0.0;
   bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
+  int found = -1;          // the deepest level with a position, if one that moves what it should not
   while (true) {
     const double h = diagonal * ladder(level);
     const bool end = level >= deepest;
@@ -288,10 +339,10 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
     if (!failure_.id.empty() && !tentative) return false;
     if (trial_.solved == Solved::yes) {
       scale_.note(second_.z);
-      const double motion = difference(states_, drawn_back(first_, second_));
-      instant.jump = motion > jump_share * reltol_;
-      const bool settled = !instant.jump || jumps(h, motion);
-      if (settled || (end && (passive_ || motion <= shrinking * before))) {
+      const bool is_settled = settled(h, instant);
+      const double motion = instant.jump ? difference(states_, drawn_back(first_, second_)) : 0.0;
+      if (is_settled || (end && (passive_ || motion <= shrinking * before))) {
+        if (!is_settled && passive_ && !decays(beginning, instant, level, usual)) damped_ = std::max(damped_, motion_left_);
         failure_ = {};
         return true;
       }
@@ -303,12 +354,49 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
         return false;
       }
       before = motion;
+      found = level;
     } else if (!tentative) {
       tentative = !fail_step(trial_.solved, 0.0);
     }
-    if (end) return false;
+    if (end && (!passive_ || found < 0)) return false;
+    if (end) return go_back(beginning, instant, level = found);
     level = std::min(level + refinement, deepest);
   }
+}
+
+/// Of what is too fast for the digits of time: whether it decays in the longest steps without a change of sides, so that nothing depends on its way. Then
+/// these are taken.
+bool Block::decays(const Beginning& beginning, Instant& instant, int& level, int usual) {
+  const Point first = first_, second = second_, third = third_;
+  const Position on = point_.on;
+  const Instant deep = instant;
+  point_.on = beginning.on;
+  instant = beginning.instant;
+  const double h = diagonal * ladder(usual);
+  const bool taken = euler_steps(h, instant) == Solved::yes && first_.on == point_.on && second_.on == point_.on &&
+                     third_.on == point_.on && repeats(h * std::ldexp(1.0, -deeper), 0.0);
+  instant.jump = taken || deep.jump;
+  if (taken) level = usual;
+  if (taken) return true;
+  failure_ = {};
+  first_ = first;
+  second_ = second;
+  third_ = third;
+  point_.on = on;
+  instant = deep;
+  return false;
+}
+
+/// To steps that are longer than what moves in them, as shorter ones find no position: told, not followed.
+bool Block::go_back(const Beginning& beginning, Instant& instant, int level) {
+  point_.on = beginning.on;
+  instant = beginning.instant;
+  const double h = diagonal * ladder(level);
+  trial_.solved = euler_steps(h, instant);
+  if (trial_.solved != Solved::yes) return false;
+  if (!settled(h, instant)) damped_ = std::max(damped_, motion_left_);
+  failure_ = {};
+  return true;
 }
 
 /// Levels (two at most) by which three Euler steps are too long: a control that passes behind the first of them would change sides late.
@@ -325,7 +413,7 @@ int Block::levels_too_long(double h) const {
 void Block::end_before_passage(const Beginning& beginning, Instant& instant, int& level) {
   const int more = levels_too_long(diagonal * ladder(level));
   if (more == 0 || level + more > last_level) return;
-  const Point first = first_, second = second_;
+  const Point first = first_, second = second_, third = third_;
   const Position on = point_.on;
   const Instant found = instant;
   int shorter = level + more;
@@ -336,8 +424,19 @@ void Block::end_before_passage(const Beginning& beginning, Instant& instant, int
   failure_ = {};
   first_ = first;
   second_ = second;
+  third_ = third;
   point_.on = on;
   instant = found;
+}
+
+/// Names of the ports that have changed sides at the instant.
+std::vector<std::string> Block::changed_ports() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < position_before_.size(); ++i) {
+    const std::string& name = descriptor_.ports()[i].name;
+    if (point_.on[i] != position_before_[i] && (names.empty() || names.back() != name)) names.push_back(name);
+  }
+  return names;
 }
 
 bool Block::watch_crowd(double time) {
@@ -346,10 +445,12 @@ bool Block::watch_crowd(double time) {
     crowd_ = 0;
   }
   if (++crowd_ < crowd_limit) return true;
-  fail(Outcome::accumulation, "E-accumulation",
-       fmt::format("events accumulate at t = {} s ({} of them within {} s); try a resistor, capacitor or hysteresis that separates them",
-                   time, crowd_, time - crowd_start_),
-       {});
+  const std::vector<std::string> names = changed_ports();
+  fail(
+      Outcome::accumulation, "E-accumulation",
+      fmt::format("events accumulate at t = {} s ({} of them within {} s){}{}; try a resistor, capacitor or hysteresis that separates them",
+                  time, crowd_, time - crowd_start_, names.empty() ? "" : ", at ", fmt::join(names, ", ")),
+      names);
   return false;
 }
 

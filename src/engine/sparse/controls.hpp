@@ -12,7 +12,8 @@ struct Control {
   Form value;            ///< SI units
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
-  double largest = 0.0;  ///< magnitude of the value over the run
+  double largest = 0.0;     ///< magnitude of the value over the run
+  bool has_rested = false;  ///< its switch was switched off at the instant at hand since the value rests at the threshold
 
   /// Whether the condition holds in a position of the ports: the switch is closed, or open where inverted.
   [[nodiscard]] bool holds(const Position& on) const { return (on[port] != 0) != inverted; }
@@ -20,9 +21,13 @@ struct Control {
   [[nodiscard]] double margin(const Position& on, double form_value) const {
     return holds(on) ? form_value - off_level : on_level - form_value;
   }
+  /// Whether the switch changes sides where the value rests at the threshold: without hysteresis it is off there.
+  [[nodiscard]] bool passes_at_rest(const Position& on) const { return on_level == off_level && holds(on); }
   [[nodiscard]] bool by_sources() const { return value.z.empty(); }
   /// Size of what margins are differences of.
   [[nodiscard]] double level_size() const;
+  /// What rounding of the unknowns makes of the value: a current that is zero is as small as the solution's error.
+  [[nodiscard]] double rounding(double largest_unknown) const;
 };
 
 [[nodiscard]] std::vector<Control> controls_of(const model::Network& network, const Descriptor& descriptor);

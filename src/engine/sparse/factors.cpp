@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/largest.hpp"
 #include "lcp/condition.hpp"
@@ -31,15 +32,14 @@ void Factor::solve_base(std::vector<double>& r) const {
   for (std::size_t i = static_cast<std::size_t>(descriptor_->nodes()); i < r.size(); ++i) r[i] *= unit_;
 }
 
+/// What the flipped closing rows ask for goes into t alone: the current that a diode is to lose is no voltage across it.
 void Factor::solve(std::vector<double>& r) const {
+  linalg::Vector t(static_cast<Eigen::Index>(flips_.size()));
+  for (std::size_t i = 0; i < flips_.size(); ++i)
+    t[static_cast<Eigen::Index>(i)] = -std::exchange(r[static_cast<std::size_t>(flipped(i).row)], 0.0);
   solve_base(r);
   if (flips_.empty()) return;
-  linalg::Vector t(static_cast<Eigen::Index>(flips_.size()));
-  for (std::size_t i = 0; i < flips_.size(); ++i) {
-    const Port& port = descriptor_->ports()[static_cast<std::size_t>(flips_[i])];
-    const bool on = flipped_on_[i] != 0;
-    t[static_cast<Eigen::Index>(i)] = port.response(!on, r.data()) - port.response(on, r.data());
-  }
+  for (std::size_t i = 0; i < flips_.size(); ++i) t[static_cast<Eigen::Index>(i)] += flipped(i).response(flipped_on_[i] == 0, r.data());
   const linalg::Vector share = scale_.asDiagonal() * small_.solve(scale_.asDiagonal() * t);
   for (std::size_t i = 0; i < flips_.size(); ++i) {
     const double factor = share[static_cast<Eigen::Index>(i)];

@@ -37,6 +37,7 @@ class Factor {
  private:
   friend class Factors;
   void solve_base(std::vector<double>& r) const;
+  [[nodiscard]] const Port& flipped(std::size_t i) const { return descriptor_->ports()[static_cast<std::size_t>(flips_[i])]; }
 
   const Descriptor* descriptor_ = nullptr;
   std::shared_ptr<linalg::KluFactor> klu_;
@@ -47,7 +48,8 @@ class Factor {
   std::vector<std::vector<double>> open_;
   Eigen::LDLT<linalg::Matrix> shares_;
   /// Few ports of another position than that of klu_: A' = A + Σ e_i (a'_i − a_i)ᵀ over their closing rows, by the formula of Sherman, Morrison
-  /// and Woodbury: z = z0 − W S⁻¹ t,  W = A⁻¹ e,  S_ij = a'_i W_j,  t_i = (a'_i − a_i) z0.
+  /// and Woodbury: z = z0 − W S⁻¹ t,  W = A⁻¹ e,  S_ij = a'_i W_j,  t_i = a'_i z0 − r_i,  z0 that of r without
+  /// these rows.
   std::vector<int> flips_;
   std::vector<char> flipped_on_;  ///< their new sides
   std::vector<std::vector<double>> columns_;

@@ -20,30 +20,52 @@ using model::LinearForm;
 using model::Network;
 using model::Term;
 
-struct HeldVoltage {
-  int p = ground, n = ground;
-  const LinearForm* voltage = nullptr;
+/// A node's voltage: that of `root`, and on top of it a sum of sources.
+struct Held {
+  int root = ground;
+  LinearForm above{};
 };
+using HeldNodes = std::unordered_map<int, Held>;
 
-/// The voltage of every node that sources hold, by themselves or one on the other.
-std::unordered_map<int, LinearForm> held_nodes(const Network& network) {
-  std::vector<HeldVoltage> sources;
-  for (const auto& b : network.branches)
-    if (model::is_independent(b.voltage)) sources.push_back({b.p, b.n, &b.voltage});
-  std::unordered_set<int> conditioned;
-  for (const auto& condition : network.node_conditions) conditioned.insert(condition.node);
-  std::unordered_map<int, LinearForm> held{{ground, {}}};
-  const auto is_held = [&](int node) { return held.contains(node); };
-  model::spread_voltages(sources, is_held, [&](const HeldVoltage& source, bool from_p) {
-    const int node = from_p ? source.n : source.p;
-    if (conditioned.contains(node)) return false;
-    LinearForm voltage = held.at(from_p ? source.p : source.n);
-    model::accumulate(voltage, *source.voltage, from_p ? -1.0 : 1.0);
-    held.emplace(node, std::move(voltage));
-    return true;
-  });
-  return held;
-}
+/// All nodes between which sources hold voltages, by themselves or one on the other: above ground, or above one of them that floats.
+class Holding {
+ public:
+  explicit Holding(const Network& network) {
+    for (const auto& condition : network.node_conditions) conditioned_.insert(condition.node);
+    for (const auto& branch : network.branches) {
+      if (!model::is_independent(branch.voltage)) continue;
+      at_[branch.p].push_back(&branch);
+      at_[branch.n].push_back(&branch);
+    }
+    spread(ground);
+    for (const auto& branch : network.branches)
+      if (model::is_independent(branch.voltage) && !conditioned_.contains(branch.p)) spread(branch.p);
+  }
+  [[nodiscard]] HeldNodes take() { return std::move(held_); }
+
+ private:
+  /// From a node on, where it is not held yet.
+  void spread(int root) {
+    if (!held_.try_emplace(root, Held{root}).second) return;
+    std::vector<int> reached{root};
+    while (!reached.empty()) {
+      const int from = reached.back();
+      reached.pop_back();
+      for (const model::Branch* branch : at_[from]) {
+        const int to = branch->p == from ? branch->n : branch->p;
+        if (conditioned_.contains(to) || held_.contains(to)) continue;
+        Held held = held_.at(from);
+        model::accumulate(held.above, branch->voltage, branch->p == from ? -1.0 : 1.0);
+        held_.emplace(to, std::move(held));
+        reached.push_back(to);
+      }
+    }
+  }
+
+  std::unordered_set<int> conditioned_;
+  std::unordered_map<int, std::vector<const model::Branch*>> at_;
+  HeldNodes held_;
+};
 
 /// Terms of one quantity as one, without those that cancel.
 LinearForm collected(const LinearForm& form) {
@@ -60,9 +82,9 @@ LinearForm collected(const LinearForm& form) {
   return result;
 }
 
-/// The same form of sources and constants alone, where that is what it reads.
-std::optional<LinearForm> by_sources(const LinearForm& form, const std::unordered_map<int, LinearForm>& held) {
-  LinearForm result;
+/// The same form of sources and constants alone, where that is what it reads: of nodes that float, differences.
+std::optional<LinearForm> by_sources(const LinearForm& form, const HeldNodes& held) {
+  LinearForm result, roots;
   for (const Term& term : form) {
     if (model::is_independent(term)) {
       result.push_back(term);
@@ -72,8 +94,10 @@ std::optional<LinearForm> by_sources(const LinearForm& form, const std::unordere
     if (term.index == ground) continue;
     const auto found = held.find(term.index);
     if (found == held.end()) return std::nullopt;
-    model::accumulate(result, found->second, term.coefficient);
+    model::accumulate(result, found->second.above, term.coefficient);
+    if (found->second.root != ground) roots.push_back({Term::Kind::node_voltage, found->second.root, term.coefficient});
   }
+  if (!collected(roots).empty()) return std::nullopt;
   return collected(result);
 }
 
@@ -124,7 +148,7 @@ void Gate::skip_empty() {
 }
 
 Network with_controls_of_sources(Network network) {
-  const auto held = held_nodes(network);
+  const HeldNodes held = Holding(network).take();
   for (auto& s : network.switches)
     if (auto form = by_sources(s.control, held)) s.control = std::move(*form);
   return network;

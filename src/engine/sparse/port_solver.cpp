@@ -39,8 +39,11 @@ std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({
 }  // namespace
 
 void PortSolver::note_scale(const std::vector<double>& z, const std::vector<double>& w) {
+  present_input_ = 0.0;
   for (const Port& p : descriptor_.ports()) {
-    scale_.input = std::max(scale_.input, std::abs(z[static_cast<std::size_t>(p.row)]));
+    const double input = std::abs(z[static_cast<std::size_t>(p.row)]);
+    present_input_ = std::max(present_input_, input);
+    scale_.input = std::max(scale_.input, input);
     scale_.slack = std::max(scale_.slack, std::abs(p.slack.value(z.data(), w.data())));
   }
 }
@@ -50,28 +53,33 @@ PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double vo
 
 PortSolver::~PortSolver() = default;
 
-/// An input is judged against the largest of all, a slack against the voltages it is a difference of, and either against the largest of the run. A
-/// current into a capacitor is the rounding of its voltage times C/h at least.
+double PortSolver::input_size(double most) const { return std::max({most, present_input_, cross_scale * scale_.slack}); }
+
+double PortSolver::rounding_of_input(double shift, std::size_t port) {
+  if (shift != admittance_shift_) {
+    admittances_ = descriptor_.port_admittances(shift);
+    admittance_shift_ = shift;
+  }
+  return rounding_of_voltages * scale_.slack * admittances_[port];
+}
+
+/// An input is judged against the largest of all, a slack against the voltages it is a difference of and the largest of the run.
 std::vector<int> PortSolver::violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
                                       double tolerance) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<int> negative;
-  double most = scale_.input;
+  double most = 0.0;
   for (std::size_t i = 0; i < diodes; ++i) {
     const double value = descriptor_.ports()[i].free_variable(on[i] != 0, z.data(), w.data());
     if (on[i] != 0) most = std::max(most, std::abs(value));
     if (value < 0.0) negative.push_back(static_cast<int>(i));
   }
-  const double input = std::max(most, cross_scale * scale_.slack);
-  if (shift != admittance_shift_ && !negative.empty()) {
-    admittances_ = descriptor_.port_admittances(shift);
-    admittance_shift_ = shift;
-  }
+  const double input = input_size(most);
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const Port& p = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : std::max(scale_.slack, p.slack_size(z.data(), w.data()));
-    const double rounding = on[i] != 0 ? rounding_of_voltages * scale_.slack * admittances_[i] : 0.0;
+    const double rounding = on[i] != 0 ? rounding_of_input(shift, i) : 0.0;
     return p.free_variable(on[i] != 0, z.data(), w.data()) >= -tolerance * size - rounding;
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());

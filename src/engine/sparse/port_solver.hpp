@@ -55,6 +55,11 @@ class PortSolver {
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
   void note_voltage(double voltage) { scale_.slack = std::max(scale_.slack, voltage); }
   [[nodiscard]] const PortScale& scale() const { return scale_; }
+  /// What the sign of an input counts against: the largest of the last accepted step, and `most`, of a step beyond it. Not that of the run: what a
+  /// surge leaves behind flows for long.
+  [[nodiscard]] double input_size(double most) const;
+  /// What the rounding of voltages makes of the input of a port that is on: C/h of it at least.
+  [[nodiscard]] double rounding_of_input(double shift, std::size_t port);
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   /// Ports that no position satisfied, after `no_position`.
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
@@ -86,6 +91,7 @@ class PortSolver {
   Factors& factors_;
   bool passive_;
   PortScale scale_;
+  double present_input_ = 0.0;  ///< largest of the last accepted step
   std::vector<int> disputed_;
   std::vector<double> right_, refined_, residual_, sizes_, values_;
   std::vector<double> admittances_;  ///< of the ports at admittance_shift_

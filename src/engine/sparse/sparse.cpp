@@ -17,6 +17,11 @@ std::size_t stores_and_ports(const model::Network& n) {
   return n.capacitors.size() + n.inductors.size() + n.diodes.size() + n.complementarities.size() + n.switches.size();
 }
 
+std::size_t unknowns(const model::Network& n) {
+  return n.nodes.size() + n.capacitors.size() + 2 * n.inductors.size() + n.branches.size() + n.diodes.size() + n.complementarities.size() +
+         n.switches.size();
+}
+
 }  // namespace
 
 class SparseModel {
@@ -105,6 +110,13 @@ std::size_t largest_part(const model::Network& network) {
   for (const model::Island& island : model::split_islands(network))
     if (island.needed) largest = std::max(largest, stores_and_ports(island.network));
   return largest;
+}
+
+std::size_t most_unknowns(const model::Network& network) {
+  if (unknowns(network) <= unknown_limit) return unknowns(network);
+  std::size_t most = 0;
+  for (const model::Island& island : model::split_islands(network)) most = std::max(most, unknowns(island.network));
+  return most;
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/largest.hpp"
 #include "base/log_mean.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
@@ -101,12 +102,20 @@ class RestFinder {
            change[1] <= rest_tolerance * std::max(size[1], least_of_all * total);
   }
 
-  /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever.
-  bool flip_switches(bool together) {
+  /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever. Where there are none, once
+  /// each, those whose control rests at a threshold that counts as passed.
+  bool flip_switches(bool together) { return flip_switches(together, false) || flip_switches(together, true); }
+
+  bool flip_switches(bool together, bool at_rest) {
     bool flipped = false;
-    for (const Control& control : controls_) {
-      const double slack = rest_tolerance * control.level_size();
-      if (control.margin(on, control.value.value(z.data(), w_.data())) >= -slack) continue;
+    const double unknown = largest(z);
+    for (Control& control : controls_) {
+      const double slack = std::max(rest_tolerance * control.level_size(), control.rounding(unknown));
+      const double margin = control.margin(on, control.value.value(z.data(), w_.data()));
+      const double rounding = std::max(slack, rest_tolerance * control.value.size(z.data(), w_.data()));
+      const bool rests = at_rest && !control.has_rested && control.passes_at_rest(on) && margin <= rounding;
+      if (!rests && margin >= -slack) continue;
+      control.has_rested |= rests;
       on[control.port] ^= 1;
       flipped = true;
       if (!together) break;

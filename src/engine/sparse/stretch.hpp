@@ -20,6 +20,8 @@ class Stretch {
   using Weights = std::array<double, 3>;
   /// value(time) = Σ weight·value at the points.
   [[nodiscard]] Weights weights(double time) const;
+  /// The same at a part of a step of TR-BDF2 through all of its stages.
+  [[nodiscard]] static Weights weights_within(double fraction);
   /// Its terms in z, and its constant.
   [[nodiscard]] double value(const Form& form, const Weights& weights) const;
   void interpolate(const Weights& weights, std::vector<double>& z) const;

@@ -20,6 +20,7 @@ constexpr std::size_t rows_per_block = 256;
 /// Of the terms that a signal is a sum of: rounding of the solutions of a step.
 constexpr double rounding_of_terms = 1e-12;
 constexpr int steps_between_checks = 64;
+constexpr double longest_wait = 0.1;  ///< s, of rows for their block to be full
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
 
@@ -119,10 +120,9 @@ Answer Transient::run(const std::vector<Start>& starts) {
   bool going = begin(starts);
   for (int count = 0; going && !order_.empty(); ++count) {
     going = advance_least();
-    if (going && count % steps_between_checks == 0) {
-      if (request_.progress && !order_.empty()) request_.progress(tracks_[order_.front()]->block.time());
-      going = !interrupted();
-    }
+    if (going && count % steps_between_checks == 0 && request_.progress && !order_.empty())
+      request_.progress(tracks_[order_.front()]->block.time());
+    if (going) going = !interrupted() && hand_over_in_time();
   }
   if (answer_.outcome != Outcome::sink_stopped && !close_event()) going = false;
   if (answer_.outcome == Outcome::completed && going) rows_before(request_.stop, true);
@@ -285,6 +285,12 @@ bool Transient::push_row() {
   return ++buffered_ < rows_per_block || (flush() && !interrupted());
 }
 
+/// Large circuits take long for a step: rows do not wait for a block to be full, so that they are there when the run is ended from outside.
+bool Transient::hand_over_in_time() {
+  if (buffered_ == 0 || seconds_since(last_flush_) < longest_wait) return true;
+  return flush();
+}
+
 bool Transient::flush() {
   if (buffered_ == 0) return true;
   const auto clock = Clock::now();
@@ -293,6 +299,7 @@ bool Transient::flush() {
   const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
   sink_seconds_ += seconds_since(clock);
   buffered_ = 0;
+  last_flush_ = Clock::now();
   if (!accepted && answer_.outcome == Outcome::completed) {
     answer_.outcome = Outcome::sink_stopped;
     answer_.mode = mode_text();
@@ -305,6 +312,7 @@ void Transient::finish() {
   const auto clock = Clock::now();
   Certificate& c = answer_.certificate;
   c.has_passivity = c.passive = true;
+  double damped = 0.0;
   for (const auto& track : tracks_) {
     track->block.add_statistics(answer_.statistics);
     const auto& jumps = track->block.jumps();
@@ -314,12 +322,13 @@ void Transient::finish() {
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);
     c.energy = std::max(c.energy, own.energy);
     c.points_checked += own.points_checked;
+    damped = std::max(damped, track->block.damped());
     c.passive = c.passive && track->part.descriptor.passive();
   }
   std::stable_sort(answer_.jumps.begin(), answer_.jumps.end(), [](const Jump& a, const Jump& b) { return a.time < b.time; });
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
-  const double worst = std::max(c.complementarity, c.kcl_kvl);
+  const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
   if (worst > doubtful_tolerances * reltol_) answer_.remarks.push_back(doubtful_certificate(worst));
   if (!c.passive)
     answer_.remarks.push_back(

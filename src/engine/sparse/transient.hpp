@@ -50,6 +50,7 @@ class Transient {
   void watch(const Track& track);
   bool push_row();
   bool flush();
+  bool hand_over_in_time();
   bool interrupted();
   void finish();
 
@@ -68,6 +69,7 @@ class Transient {
   bool event_open_ = false;            ///< its row after it is due
   std::uint64_t shared_instants_ = 0;  ///< at which several parts came upon something
   double sink_seconds_ = 0.0;
+  std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
   std::vector<char> on_;     ///< of all ports
   double piece_time_ = 0.0;  ///< up to which pieces have been handed over
   std::vector<double> piece_values_;

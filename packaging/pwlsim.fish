@@ -1,0 +1,29 @@
+# Completion of pwlsim for fish.
+
+function __pwlsim_has
+    __fish_seen_subcommand_from $argv
+end
+
+complete -c pwlsim -n 'not __pwlsim_has inspect export compare' -a 'inspect export compare'
+complete -c pwlsim -s h -l help -d 'Print the options and stop'
+complete -c pwlsim -l quiet -d 'No notes, warnings, summary or progress'
+
+set -l run 'not __pwlsim_has inspect export compare'
+complete -c pwlsim -n $run -l version -d 'Print the version and stop'
+complete -c pwlsim -n "$run; or __pwlsim_has export" -s o -l output -r -F -d 'The file of rows, or of the deck'
+complete -c pwlsim -n $run -l events -d 'A row before and after every event'
+complete -c pwlsim -n $run -l engine -x -a 'auto exact sparse' -d 'Which engine'
+complete -c pwlsim -n $run -l reltol -x -d 'Bound on the local error of the sparse engine'
+complete -c pwlsim -n $run -l stats -r -F -d 'What the run did, as JSON'
+complete -c pwlsim -n $run -l format -x -a 'csv raw' -d 'Of the rows'
+complete -c pwlsim -n $run -l split -d 'A file a run of .step'
+complete -c pwlsim -n $run -l no-rows -d 'Write no rows'
+complete -c pwlsim -n $run -l jobs -x -d 'How many runs of .step at a time'
+complete -c pwlsim -n "$run; or __pwlsim_has compare" -l plot -r -F -d 'Draw the waveforms'
+complete -c pwlsim -n $run -l report -r -F -d 'Write a web page'
+complete -c pwlsim -n $run -l check -d 'Run the other engine too'
+complete -c pwlsim -n "$run; or __pwlsim_has inspect compare" -l json -d 'As one JSON object'
+complete -c pwlsim -n $run -l verbose -d 'Say where the time went'
+complete -c pwlsim -n $run -l no-progress -d 'No progress bar'
+complete -c pwlsim -n '__pwlsim_has inspect' -l mode -x -d 'Diodes and switches that are on or off'
+complete -c pwlsim -n '__pwlsim_has export compare' -l smooth -x -d 'How sharp the smoothed elements are'

@@ -1,0 +1,17 @@
+#pragma once
+/// How far a sequence of refinements is from its limit.
+
+#include <vector>
+
+namespace pwlsim {
+
+/// Richardson's estimate of what is left after the last of these changes, each the largest from one level to the next, where a level divides
+/// what makes the error by a constant. With r the ratio of the last two changes, at most 4, it is the last one over r − 1. Where r is below 1.5 the levels are no geometric
+/// sequence yet: the estimate is then twice the larger of the two. Without a change it is infinite.
+struct Remainder {
+  double size = 0.0;
+  bool geometric = false;
+};
+[[nodiscard]] Remainder remainder_after(const std::vector<double>& changes);
+
+}  // namespace pwlsim

@@ -1,0 +1,53 @@
+#pragma once
+/// Complementarity of every port in its own terms, over the whole of a run.
+///
+/// At the end of every segment (just before the event that ends it), and at rows and Chebyshev points inside of segments that are long in their mode's own time, each
+/// port's u or y, whichever the mode leaves free, is looked at: it must not be below zero. What it is below zero, beyond the rounding of its own terms, counts against the largest value that this very quantity had in the run: a diode's voltage
+/// against its own voltage, its current against its own current. An event that the search has missed shows here, since the guard goes on below zero; the scale of
+/// another element, or of the wave coordinates, cannot hide it.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "model/mode.hpp"
+
+namespace pwlsim::engine {
+
+class GuardWatch {
+ public:
+  explicit GuardWatch(const model::System& system);
+
+  /// At time `time` the mode is at y.
+  void look(const model::Mode& mode, const double* y, double time);
+
+  /// The same inside a segment of this length from y0 at `begin`: all of the first segments, an even selection of the later ones.
+  void look_inside(const model::Mode& mode, const double* y0, double begin, double length);
+
+  struct Violation {
+    int port = -1;          ///< none: −1
+    bool is_input = false;  ///< u (the mode has the port active), else y
+    double value = 0.0;     ///< below zero, in the port's own unit
+    double largest = 0.0;   ///< that this quantity was, in magnitude
+    double time = 0.0;
+    [[nodiscard]] double share() const { return largest > 0.0 ? value / largest : 0.0; }
+  };
+  /// The one with the largest share.
+  [[nodiscard]] Violation worst() const;
+  /// Whether the last look found a violation that no rounding explains: the mode in force is not the solution.
+  [[nodiscard]] bool is_broken() const { return is_broken_; }
+
+ private:
+  void find_violation(const model::Mode& mode, const double* y, int port, double value, double time);
+
+  const model::System& system_;
+  std::uint64_t segments_ = 0;
+  std::vector<double> y_, work_;
+  std::vector<double> values_, largest_, below_, time_;  ///< of guards; of y and u of each port
+  bool is_broken_ = false;
+};
+
+/// "D1: -3.2 V, where its largest voltage is 640 V".
+[[nodiscard]] std::string violation_text(const model::System& system, const GuardWatch::Violation& violation);
+
+}  // namespace pwlsim::engine

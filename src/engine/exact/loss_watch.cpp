@@ -1,0 +1,48 @@
+#include "engine/exact/loss_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace pwlsim::engine {
+
+namespace {
+
+/// Of the energy stored before the jump: less is rounding, or what a transformer's coupling leaves.
+constexpr double least_loss = 1e-9;
+/// Of an inductor's current: the share whose loss makes it a broken one.
+constexpr double least_change = 1e-6;
+
+}  // namespace
+
+std::string LossWatch::broken_currents(const model::StoreValues& stores, const model::Vector& before, const model::Vector& now) const {
+  const model::Vector old_values = stores.values(before), new_values = stores.values(now);
+  std::string names;
+  for (Eigen::Index i = 0; i < old_values.size(); ++i) {
+    const std::string& name = stores.names()[static_cast<std::size_t>(i)];
+    if (!name.starts_with("i(") || std::abs(new_values[i] - old_values[i]) <= least_change * std::abs(old_values[i])) continue;
+    names += fmt::format("{}{} from {:.4g} A to {:.4g} A", names.empty() ? "" : ", ", name, old_values[i], new_values[i]);
+  }
+  return names;
+}
+
+void LossWatch::after(std::size_t island, double time, const model::Vector& before, const model::Vector& now,
+                      const std::vector<std::string>& switches) {
+  const IslandModel& model = islands_[island];
+  if (model.island.network.inductors.empty() || switches.empty()) return;
+  const model::StoreValues& stores = stores_.try_emplace(island, model.island, model.extraction).first->second;
+  const double stored = stores.energy(before);
+  const double lost = stores.magnetic_energy(before) - stores.magnetic_energy(now);
+  if (!(lost > least_loss * std::abs(stored)) || count_++ > 0) return;
+  first_ = fmt::format(
+      "at t = {:.6g} s {} {} a current that has no other path ({}): {:.3g} J of the {:.3g} J stored there are lost at once", time,
+      fmt::join(switches, ", "), switches.size() > 1 ? "break" : "breaks", broken_currents(stores, before, now), lost, stored);
+}
+
+std::optional<Remark> LossWatch::remark() const {
+  if (count_ == 0) return std::nullopt;
+  return Remark{"W-jump-loses-energy", fmt::format("{}{}; try a diode, a snubber or a finite Roff that gives the current a path", first_,
+                                                   count_ > 1 ? fmt::format(" (and so at {} more instants)", count_ - 1) : "")};
+}
+
+}  // namespace pwlsim::engine

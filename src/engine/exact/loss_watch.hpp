@@ -1,0 +1,35 @@
+#pragma once
+/// Switches that break the current of an inductor: it has no other path, so the energy that it stores is gone in no time. The jump is what the ideal
+/// elements ask for, and seldom what the user meant. (Charge that closed contacts share without resistance loses energy, too, but no current breaks.)
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "engine/run.hpp"
+#include "model/store_values.hpp"
+
+namespace pwlsim::engine {
+
+class LossWatch {
+ public:
+  explicit LossWatch(const std::vector<IslandModel>& islands) : islands_(islands) {}
+
+  /// States x = (ξ, ζ) of an island left and right of an instant at which they have jumped. `switches`: those that opened there.
+  void after(std::size_t island, double time, const model::Vector& before, const model::Vector& now,
+             const std::vector<std::string>& switches);
+  /// W-jump-loses-energy.
+  [[nodiscard]] std::optional<Remark> remark() const;
+
+ private:
+  [[nodiscard]] std::string broken_currents(const model::StoreValues& stores, const model::Vector& before, const model::Vector& now) const;
+
+  const std::vector<IslandModel>& islands_;
+  std::map<std::size_t, model::StoreValues> stores_;
+  std::string first_;  ///< in words
+  std::size_t count_ = 0;
+};
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,25 @@
+#pragma once
+/// The DC equations of one mode, to the last place of extended precision:  0 = A ξ + B_J u_J + e,  0 = C_J ξ + D_JJ u_J + f_J.
+///
+/// Where they leave ξ open, the solution nearest to a given x₀, and of what u they leave open the least. Iterated regularisation (the
+/// proximal-point method): (K − E)(v⁺ − v) = r − K v, E = diag(ε, δ), δ ≪ ε. In a passive system −K is monotone: v keeps its component in
+/// the kernel of K, all others converge to the solution, and the rank of K is nowhere decided. What E does not outweigh by far converges
+/// slowly; then ε is lowered.
+
+#include <vector>
+
+#include "model/system.hpp"
+
+namespace pwlsim::engine {
+
+struct StaticModeSolution {
+  bool exists = false;
+  bool unique = true;  ///< ξ
+  linalg::WideVector xi, u;
+};
+
+/// `rate`: of the slowest states.
+[[nodiscard]] StaticModeSolution solve_static_mode(const model::System& system, const linalg::Vector& zeta, const std::vector<int>& active,
+                                                   const linalg::Vector& x0, double rate);
+
+}  // namespace pwlsim::engine

@@ -1,0 +1,281 @@
+#include "model/slow_manifold.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <vector>
+
+#include "linalg/elimination.hpp"
+#include "model/mode.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+using Eigen::Index;
+using linalg::Matrix;
+using linalg::product;
+using linalg::Vector;
+using linalg::Wide;
+using linalg::WideElimination;
+using linalg::WideMatrix;
+using linalg::WideVector;
+
+/// Ratio of neighbouring rates that makes a cut.
+constexpr double gap = 1e4;
+/// −Re λ/|λ| of a plain decay.
+constexpr double least_damping = 0.999;
+/// The shift, against the slow rates and against the fast ones where those are nothing beside them.
+constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
+/// Pivots of the ports' equations, of order one, below this are what rounding leaves of zero.
+constexpr Wide port_tolerance = 1e-17L;
+/// Of an equation that holds of itself, in terms of order one.
+constexpr Wide cancelled = 1e-13L;
+constexpr Wide converged = 1e-17L;
+constexpr int most_iterations = 16;
+constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
+constexpr double eigenvector_tolerance = 1e-9;
+constexpr int rounds_of_equilibration = 4;
+
+/// How many of the mode's motions are decays with a time constant of at most `longest`, far faster than the rest; and the rates on both sides of the cut.
+struct Cut {
+  Index fast = 0;
+  double slow_rate = 0.0, fast_rate = 0.0;
+};
+
+Cut find_cut(const System& system, const Mode& whole, double longest) {
+  const Matrix a = whole.flow.a().topLeftCorner(whole.n1, whole.n1);
+  if (!(linalg::norm_bound(a) * longest > 1.0)) return {};
+  const Eigen::EigenSolver<Matrix> solver(a, false);
+  if (solver.info() != Eigen::Success) return {};
+  std::vector<std::complex<double>> rates(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
+  Cut cut;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const double rate = std::abs(rates[i]);
+    if (!(rate * longest > 1.0) || !(-rates[i].real() > least_damping * rate)) break;
+    const double next = std::max(i + 1 < rates.size() ? std::abs(rates[i + 1]) : 0.0, system.exosystem->fastest());
+    if (rate > gap * next) cut = {static_cast<Index>(i) + 1, next, rate};
+  }
+  return cut;
+}
+
+/// Powers of two s with s_i |m_ij| s_j about one at most, in each row and column.
+WideVector equilibration(const WideMatrix& m) {
+  WideVector s = WideVector::Ones(m.rows());
+  const WideMatrix size = m.cwiseAbs().cwiseMax(m.cwiseAbs().transpose());
+  for (int round = 0; round < rounds_of_equilibration; ++round) {
+    WideVector next = s;
+    for (Index i = 0; i < s.size(); ++i) {
+      const Wide largest = s[i] * size.row(i).cwiseProduct(s.transpose()).maxCoeff();
+      if (largest > 0) next[i] = s[i] / std::sqrt(largest);
+    }
+    s = next;
+  }
+  return s.unaryExpr([](Wide x) { return std::ldexp(Wide{1}, std::ilogb(x)); });
+}
+
+/// S, U and the shift; sources behind the states.
+struct Resolvent {
+  Wide shift = 0;
+  WideMatrix states, on_sources;  ///< S: ξ of z_ξ, and of z_ζ
+  WideMatrix inputs;              ///< U
+  WideMatrix free;                ///< directions of u_J that nothing decides
+};
+
+/// False where the mode is not regular.
+bool make_resolvent(const System& system, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d, Resolvent& result) {
+  const Index n = system.n, nz = system.n_zeta;
+  const std::shared_ptr<const Unrounded> unrounded = system.unrounded_matrices();
+  const WideMatrix& a = unrounded->a;
+  const auto shifted = [&](const WideMatrix& m) { return WideMatrix(result.shift * WideMatrix::Identity(m.rows(), m.rows()) - m); };
+  const WideElimination own(shifted(a.topLeftCorner(n, n)), 0), sources(shifted(a.bottomRightCorner(nz, nz)), 0);
+  if (own.rank() < n || sources.rank() < nz) return false;
+  WideMatrix r(n, n + nz);
+  r.leftCols(n) = own.inverse();
+  const WideMatrix of_sources = sources.inverse();
+  r.rightCols(nz) = product(product(r.leftCols(n), a.topRightCorner(n, nz)), of_sources);
+  const WideMatrix rb = product(r.leftCols(n), b.topRows(n));
+  WideMatrix cr = product(c.leftCols(n), r);
+  cr.rightCols(nz) += product(c.rightCols(nz), of_sources);
+  const WideMatrix m = d + product(c.leftCols(n), rb);
+  const WideVector scale = equilibration(m);
+  const WideElimination ports(scale.asDiagonal() * m * scale.asDiagonal(), port_tolerance);
+  const WideMatrix right = scale.asDiagonal() * cr;
+  if (ports.rank() < m.rows()) {
+    // Equations that hold of themselves, and inputs that are in none.
+    const WideMatrix open = scale.asDiagonal() * ports.kernel();
+    const auto is_zero = [](const WideMatrix& x, const WideMatrix& terms) {
+      return ((x.cwiseAbs() - cancelled * terms).array() <= 0).all();
+    };
+    const WideMatrix left = ports.left_kernel().transpose();
+    if (!is_zero(product(left, right), linalg::absolute_product(left, right)) ||
+        !is_zero(product(rb, open), linalg::absolute_product(rb, open)))
+      return false;
+    result.free = open;
+  }
+  result.inputs = -(scale.asDiagonal() * ports.solve(right));
+  const WideMatrix s = r + product(rb, result.inputs);
+  result.states = s.leftCols(n);
+  result.on_sources = s.rightCols(nz);
+  return true;
+}
+
+WideMatrix orthonormal(const WideMatrix& m) {
+  if (m.cols() == 0) return m;
+  const Eigen::HouseholderQR<WideMatrix> qr(m);
+  return qr.householderQ() * WideMatrix::Identity(m.rows(), m.cols());
+}
+
+/// Orthonormal basis of what repeated application of S turns everything to.
+WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
+  if (dimension == 0) return WideMatrix(s.rows(), 0);
+  const Eigen::ColPivHouseholderQR<WideMatrix> qr(s);
+  WideMatrix basis = qr.householderQ() * WideMatrix::Identity(s.rows(), dimension);
+  for (int k = 0; k < most_iterations; ++k) {
+    WideMatrix next = orthonormal(product(s, basis));
+    const Wide change = (next - product(basis, product(basis.transpose(), next))).norm();
+    basis = std::move(next);
+    if (change <= converged) break;
+  }
+  return basis;
+}
+
+/// Orthonormal basis of what is orthogonal to orthonormal columns.
+WideMatrix complement(const WideMatrix& basis) {
+  const Index n = basis.rows(), k = basis.cols();
+  if (k == 0) return WideMatrix::Identity(n, n);
+  const Eigen::HouseholderQR<WideMatrix> qr(basis);
+  const WideMatrix q = qr.householderQ() * WideMatrix::Identity(n, n);
+  return q.rightCols(n - k);
+}
+
+class Splitter {
+ public:
+  Splitter(const System& system, const Mode& whole, Cut cut, double shift_factor) : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
+    // What the mode itself holds at zero is faster still: a jump.
+    fast_ = cut.fast + (system.n - whole.n1);
+    resolvent_.shift = static_cast<Wide>(shift_factor) * std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
+  }
+
+  std::optional<SlowManifold> run(const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
+    if (!make_resolvent(system_, b, c, d, resolvent_) || !split_states()) return std::nullopt;
+    find_lift();
+    find_motion();
+    if (!separate_decays()) return std::nullopt;
+    result_.free_inputs = std::move(resolvent_.free);
+    return std::move(result_);
+  }
+
+ private:
+  bool split_states();
+  void find_lift();
+  void find_motion();
+  bool separate_decays();
+
+  const System& system_;
+  const Mode& whole_;
+  Cut cut_;
+  Index n_, nz_, fast_ = 0;
+  Resolvent resolvent_;
+  WideMatrix slow_, w_;  ///< N, and (WᵀN)⁻¹Wᵀ
+  WideMatrix off_, f_;   ///< rows orthogonal to N, and F
+  WideMatrix lift_;      ///< L
+  SlowManifold result_;
+};
+
+bool Splitter::split_states() {
+  slow_ = dominant_subspace(resolvent_.states, n_ - fast_);
+  const WideMatrix w = dominant_subspace(resolvent_.states.transpose(), n_ - fast_);
+  const WideElimination between(product(w.transpose(), slow_), 0);
+  if (between.rank() < n_ - fast_) return false;
+  w_ = between.solve(w.transpose());
+  if (w_.size() > 0 && !(w_.norm() < largest_condition)) return false;
+  off_ = complement(slow_).transpose();
+  f_ = complement(w);
+  return true;
+}
+
+/// L = (fast part of) (S_ξ L + S_ζ)(σ − A_ζ), by fixed point.
+void Splitter::find_lift() {
+  const WideMatrix z = resolvent_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
+  lift_ = WideMatrix::Zero(n_, nz_);
+  Wide last = INFINITY;
+  for (int k = 0; k < most_iterations && nz_ > 0; ++k) {
+    WideMatrix next = product(product(resolvent_.states, lift_) + resolvent_.on_sources, z);
+    next -= product(slow_, product(w_, next));
+    const Wide change = (next - lift_).norm();
+    lift_ = std::move(next);
+    if (change <= converged * lift_.norm() || !(change < last)) break;
+    last = change;
+  }
+}
+
+/// With X = (N L; 0 1): S X = X Y, so that X' = X (σ − Y⁻¹), and u_J of X is U X Y⁻¹.
+void Splitter::find_motion() {
+  const Index slow = n_ - fast_, size = n_ + nz_;
+  WideMatrix x = WideMatrix::Zero(size, slow + nz_);
+  x.topLeftCorner(n_, slow) = slow_;
+  x.topRightCorner(n_, nz_) = lift_;
+  x.bottomRightCorner(nz_, nz_).setIdentity();
+  WideMatrix coordinates = WideMatrix::Zero(slow + nz_, size);  // of x in X
+  coordinates.topLeftCorner(slow, n_) = w_;
+  coordinates.topRightCorner(slow, nz_) = -product(w_, lift_);
+  coordinates.bottomRightCorner(nz_, nz_).setIdentity();
+
+  const WideMatrix z = resolvent_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
+  const WideMatrix own = WideElimination(product(w_, product(resolvent_.states, slow_)), 0).inverse();
+  // S (L; 1) (σ − A_ζ) = L + N (…), whose coordinates are what E_s adds.
+  const WideMatrix across = product(w_, product(product(resolvent_.states, lift_) + resolvent_.on_sources, z));
+  WideMatrix motion = WideMatrix::Zero(slow + nz_, slow + nz_);  // σ − Y⁻¹
+  motion.topLeftCorner(slow, slow) = resolvent_.shift * WideMatrix::Identity(slow, slow) - own;
+  motion.topRightCorner(slow, nz_) = product(own, across);
+  motion.bottomRightCorner(nz_, nz_) = system_.exosystem->a().cast<Wide>();
+  const WideMatrix before = resolvent_.shift * x - product(x, motion);  // σX − X'
+  result_.feedback = product(product(resolvent_.inputs, before), coordinates);
+  result_.rate = product(product(x, motion), coordinates).topRows(n_);
+  result_.projector = product(x, coordinates);
+  result_.constraints.resize(fast_, size);
+  result_.constraints << off_, -product(off_, lift_);
+}
+
+/// Each decay by itself. Where the mode holds states at zero, all of its fast motion counts as a jump: what is at rest there is.
+bool Splitter::separate_decays() {
+  WideMatrix coordinates(fast_, n_ + nz_);
+  coordinates = WideElimination(product(off_, f_), 0).solve(result_.constraints);
+  result_.slowest = 1.0 / cut_.fast_rate;
+  result_.fast = f_.cast<double>();
+  result_.coordinates = coordinates.cast<double>();
+  result_.time_constants = Vector::Zero(fast_);
+  if (whole_.constrained) return true;
+  const Matrix a = whole_.flow.a().topLeftCorner(n_, n_);
+  const Matrix lambda = result_.coordinates.leftCols(n_) * (a * result_.fast);
+  const Eigen::EigenSolver<Matrix> solver(lambda);
+  if (solver.info() != Eigen::Success) return false;
+  for (Index i = 0; i < fast_; ++i) {
+    const std::complex<double> rate = solver.eigenvalues()[i];
+    if (!(-rate.real() > least_damping * std::abs(rate))) return false;
+    result_.time_constants[i] = -1.0 / rate.real();
+  }
+  const Matrix vectors = solver.eigenvectors().real();
+  const Eigen::FullPivLU<Matrix> lu(vectors);
+  if (!(lu.rcond() > eigenvector_tolerance)) return false;
+  result_.slowest = result_.time_constants.maxCoeff();
+  result_.fast = result_.fast * vectors;
+  result_.coordinates = lu.solve(result_.coordinates);
+  return true;
+}
+
+}  // namespace
+
+std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const WideMatrix& b, const WideMatrix& c,
+                                          const WideMatrix& d, double longest, double shift_factor) {
+  const Cut cut = find_cut(system, whole, longest);
+  if (cut.fast == 0) return std::nullopt;
+  return Splitter(system, whole, cut, shift_factor).run(b, c, d);
+}
+
+}  // namespace pwlsim::model

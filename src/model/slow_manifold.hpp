@@ -1,0 +1,44 @@
+#pragma once
+/// The slow motion of a mode that has very fast decays beside it.
+///
+/// A blocked diode's Roff beside an inductor, or a small Ron beside a capacitor, gives a mode rates of 10¹³ s⁻¹ beside those of milliseconds. Its matrix A_J has lost the
+/// slow ones to rounding. They are all in its resolvent at a shift σ between the two, which the ports give without ever forming a fast rate:
+///
+///     S = (σ − A_J)⁻¹ = R + R B U,   R = (σ − A)⁻¹,   U = −(D_JJ + C_J R B_J)⁻¹ C_J R,
+///
+/// where x = S z and u_J = U z are state and inputs with σx − x' = z. What is fast is nearly zero in S: the dominant subspace N of its states is the slow one (subspace
+/// iteration, which contracts by the ratio of the rates; Golub & Van Loan, Matrix Computations, §7.3), the dominant one W of Sᵀ tells it from the fast one, and with the
+/// quasi-static response L of the fast part to the sources
+///
+///     ξ = N c + L ζ + F φ,   c = (WᵀN)⁻¹ Wᵀ (ξ − L ζ),   c' = A_s c + E_s ζ,   φ' = Λ φ,   WᵀF = 0,
+///
+/// an exact similarity (Kokotović, Khalil, O'Reilly, Singular Perturbation Methods in Control (1986), §2.4). With Roff = ∞ the slow motion is that of the ideal
+/// mode, and the decay of φ its jump.
+
+#include <optional>
+
+#include "model/system.hpp"
+
+namespace pwlsim::model {
+
+struct Mode;
+
+struct SlowManifold {
+  linalg::WideMatrix feedback;     ///< u_J = feedback·x on the manifold (|J| × size)
+  linalg::WideMatrix rate;         ///< ξ' = rate·x there (n × size)
+  linalg::WideMatrix constraints;  ///< the manifold is {x : constraints·x = 0} (r × size)
+  linalg::WideMatrix projector;    ///< onto the manifold along the fast subspace (size × size)
+  linalg::WideMatrix free_inputs;  ///< directions of u_J that the mode leaves open (|J| × any number)
+  linalg::Matrix fast;             ///< ξ of the decays ψ, one a column (n × r)
+  linalg::Matrix coordinates;      ///< ψ of x (r × size)
+  linalg::Vector time_constants;   ///< of the decays, s (r); 0: that one is a jump
+  double slowest = 0.0;            ///< of the time constants
+};
+
+/// Of `whole`, the mode of the active ports whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
+/// most `longest`, s, or where what is fast is no plain decay. The answer does not depend on `shift_factor`, a few units, but for rounding.
+[[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const linalg::WideMatrix& b,
+                                                        const linalg::WideMatrix& c, const linalg::WideMatrix& d, double longest,
+                                                        double shift_factor = 1.0);
+
+}  // namespace pwlsim::model

@@ -1,0 +1,65 @@
+// SIGINT and SIGTERM within work that does not look for signals: large dense extractions.
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+using Names = std::vector<std::string>;
+
+namespace {
+
+constexpr double prompt = 5.0;  // seconds; 0.6 on an idle machine, where the extraction takes 50
+
+/// A ladder of resistors: so many nodes, one capacitor.
+std::string ladder(int nodes) {
+  std::string text = "ladder\nV1 n0 0 SIN(0 1 1k)\n";
+  for (int k = 0; k < nodes; ++k) {
+    const std::string next = 'n' + std::to_string(k + 1), number = std::to_string(k);
+    text += "Rs" + number + " n" + number + ' ' + next + " 1\nRp" + number + ' ' + next + " 0 1k\n";
+  }
+  return text + "C1 n" + std::to_string(nodes) + " 0 1u\n.save v(n1)\n";
+}
+
+}  // namespace
+
+TEST_CASE("a signal during a large extraction ends the program at once", "[regression]") {
+  const Scratch scratch;
+  scratch.write("big.net", ladder(2000) + ".tran 10u 1m uic\n");
+  scratch.write("op.net", ladder(2000) + ".op\n");
+  const int signal_number = GENERATE(SIGINT, SIGTERM);
+  const auto arguments =
+      GENERATE(Names{"big.net", "--engine", "exact"}, Names{"op.net", "--engine", "exact", "--json"}, Names{"inspect", "big.net"});
+  const Names before = scratch.names();
+  Spawned program(arguments, {.folder = scratch.path().string()});
+  pause(1000);
+  program.send(signal_number);
+  const auto sent = std::chrono::steady_clock::now();
+  const Finished finished = program.finish();
+  INFO(finished.err);
+  CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - sent).count() < prompt);
+  CHECK(finished.status == 128 + signal_number);
+  CHECK_THAT(finished.err, Contains("error[E-interrupted]: interrupted before"));
+  CHECK(scratch.names() == before);
+  if (arguments.back() == "--json") CHECK(read_json(finished.out)["status"].number == 128 + signal_number);
+}
+
+TEST_CASE("a network of thousands of resistors runs on the sparse engine without being asked", "[regression]") {
+  const Scratch scratch;
+  scratch.write("big.net", ladder(2500) + ".tran 10u 1m uic\n");
+  const Finished finished = run_in(scratch, {"big.net", "-o", "-"});
+  CHECK(finished.status == 0);
+  CHECK(finished.seconds < 20.0);  // 0.3 s; on the exact engine 100
+  CHECK_THAT(finished.err,
+             Contains("warning[W-sparse-engine]: a part of this circuit is too large for the exact engine's dense equations (2503 node"));
+  // r + (1k parallel r) = r of the endless ladder: r = (1 + sqrt(1 + 4000)) / 2; v(n1) = V1·(r − 1)/r. At 0.25 ms V1 = 1.
+  const double r = 0.5 * (1.0 + std::sqrt(4001.0));
+  const std::size_t row = finished.out.find("\n0.00025,");
+  REQUIRE(row != std::string::npos);
+  CHECK(std::stod(finished.out.substr(row + 9)) == Approx((r - 1.0) / r).epsilon(1e-6));
+}

@@ -1,0 +1,72 @@
+#pragma once
+/// Realistic converters with random values.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "converters/draw.hpp"
+#include "converters/netlist.hpp"
+
+namespace pwlsim::test::converters {
+
+struct Family {
+  const char* name;
+  void (*build)(Draw&, Builder&);
+};
+
+[[nodiscard]] const std::vector<Family>& families();
+/// The same for the same seed; of a family drawn from the seed where `name` is empty.
+[[nodiscard]] Converter make_converter(std::uint64_t seed, const std::string& name = {});
+
+// Parts that families share.
+
+/// A diode and, where it is asked for, a contact: Ron from 0 to 0.1 Ω, Roff from 1e5 Ω to inf.
+struct Parts {
+  std::size_t diode = 0, contact = 1;
+};
+[[nodiscard]] Parts add_models(Draw& draw, Builder& builder, double least_off = 1e5);
+/// Rows that do not meet the edges of the gates; `periods` of the source or gate.
+void set_times(Draw& draw, Builder& builder, double period, double periods, int rows);
+/// A gate from the fraction `from` of its period to the fraction `to`, with a random ramp that is common to the circuit.
+struct Clock {
+  double period, ramp, dead, offset;
+};
+[[nodiscard]] Clock draw_clock(Draw& draw, double least_frequency, double most_frequency);
+std::size_t add_gate(Builder& builder, const Clock& clock, double from, double to);
+/// Without a dead time: the ramps pass the threshold together.
+std::size_t add_inverse(Builder& builder, std::size_t gate);
+/// A contact with its body diode.
+void transistor(Builder& builder, const std::string& plus, const std::string& minus, std::size_t gate, const Parts& parts);
+
+// rectifiers.cpp
+void single_phase(Draw& draw, Builder& builder);
+void three_phase(Draw& draw, Builder& builder);
+void six_phase(Draw& draw, Builder& builder);
+void twelve_pulse(Draw& draw, Builder& builder);
+void vienna(Draw& draw, Builder& builder);
+void multiplier(Draw& draw, Builder& builder);
+
+// choppers.cpp
+void buck(Draw& draw, Builder& builder);
+void sync_buck(Draw& draw, Builder& builder);
+void boost(Draw& draw, Builder& builder);
+void buck_boost(Draw& draw, Builder& builder);
+void cuk(Draw& draw, Builder& builder);
+void sepic(Draw& draw, Builder& builder);
+void zeta(Draw& draw, Builder& builder);
+void interleaved(Draw& draw, Builder& builder);
+void charge_pump(Draw& draw, Builder& builder);
+
+// isolated.cpp
+void flyback(Draw& draw, Builder& builder);
+void forward(Draw& draw, Builder& builder);
+void push_pull(Draw& draw, Builder& builder);
+void half_bridge(Draw& draw, Builder& builder);
+void full_bridge(Draw& draw, Builder& builder);
+void llc(Draw& draw, Builder& builder);
+void dual_active_bridge(Draw& draw, Builder& builder);
+void class_e(Draw& draw, Builder& builder);
+void npc(Draw& draw, Builder& builder);
+
+}  // namespace pwlsim::test::converters

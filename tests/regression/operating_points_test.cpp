@@ -1,0 +1,111 @@
+/// Converters whose operating point was found or not by the order of their cards or by their values.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "regression/deck_run.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+
+namespace {
+
+bool starts_at_rest(const DeckRun& run) {
+  const auto& remarks = run.answer.remarks;
+  return std::none_of(remarks.begin(), remarks.end(),
+                      [](const auto& remark) { return remark.id == "W-no-operating-point" || remark.id == "W-start-projected"; });
+}
+
+std::string deck(const std::vector<std::string>& cards, const std::string& rest) {
+  std::string text = "t\n";
+  for (const auto& card : cards) text += card + "\n";
+  return text + rest;
+}
+
+}  // namespace
+
+// Both gates are at 1 V: 12 V over S1 (1 mΩ), L1 and S2 (1 mΩ), and D2 leads the middle to 2.7 Ω: v(out) = 12·1000/(2000 + 1/2.7).
+// S3 and S4 are open; their 1e12 Ω count in the 16th place.
+TEST_CASE("a non-inverting buck-boost converter starts at rest in any order of its cards", "[regression]") {
+  std::vector<std::string> cards = {"Vin in 0 12",    "V1 g1 0 1",  "V2 g2 0 1",     "S1 in x g1 0 SX", "D1 0 x D",         "L1 x y 7.5u",
+                                    "S2 y 0 g2 0 SX", "D2 y out D", "C1 out 0 7.5u", "S3 x 0 0 g1 SY",  "S4 y out 0 g2 SY", "R1 out 0 2.7"};
+  std::mt19937 random(3);
+  const double expected = 12.0 * 1000.0 / (2000.0 + 1.0 / 2.7);
+  constexpr double tolerance = 1e-7;  // resistances over 15 decades
+  for (int run = 0; run < 20; ++run) {
+    const DeckRun result = run_text(deck(cards,
+                                         ".model D D\n.model SX SW(Ron=1m Roff=1e12 Vt=0.5)\n.model SY SW(Ron=1m Roff=1e12 Vt=-0.5)\n"
+                                         ".save v(out) i(L1)\n.tran 1u 2u\n"));
+    CAPTURE(run, result.messages, result.answer.message);
+    REQUIRE(result.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(result));
+    CHECK(result.rows[0][1] == Approx(expected).epsilon(tolerance));
+    CHECK(result.rows[0][2] == Approx((12.0 - expected) * 1000.0).epsilon(tolerance));
+    std::shuffle(cards.begin(), cards.end(), random);
+  }
+}
+
+// S1 to S4 are open: v(a), and what hangs at it, leaks through 1e12 Ω. S1 and S2 carry the same current from 12 V to the load (68 Ω): v(a) is 6 V,
+// but for what D2 and D3 do, which block. The flying capacitor's other end may lie between D4's 0 V and D3's v(sw) = 0 V.
+TEST_CASE("a flying-capacitor converter starts at rest in any order of its cards", "[regression]") {
+  std::vector<std::string> cards = {"Vin in 0 12",   "V1 g1 0 0",     "V2 g2 0 0",  "S1 in a g1 0 SX", "S2 a sw g2 0 SX",
+                                    "D3 b sw D",     "D4 0 b D",      "D1 a in D",  "D2 sw a D",       "Cf a b 150n",
+                                    "L1 sw out 27u", "C1 out 0 1.6u", "R1 out 0 68"};
+  std::mt19937 random(4);
+  for (int run = 0; run < 20; ++run) {
+    const DeckRun result =
+        run_text(deck(cards, ".model D D\n.model SX SW(Ron=1m Roff=1e12 Vt=0.5)\n.save v(a) v(b) v(out)\n.tran 1u 2u\n"));
+    CAPTURE(run, result.messages, result.answer.message);
+    REQUIRE(result.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(result));
+    CHECK(result.rows[0][1] == Approx(6.0).epsilon(1e-6));
+    CHECK(result.rows[0][2] == Approx(0.0).margin(1e-6));
+    CHECK(result.rows[0][3] == Approx(68.0 * 6e-12).epsilon(1e-6));
+    std::shuffle(cards.begin(), cards.end(), random);
+  }
+}
+
+// At DC the diodes of a multiplier are in series from ground to the load, and nothing but leaks flows: v(out) = 0 with a load, each column within the
+// drops. Those of a Dickson pump lead from 5 V: a load of 10 kΩ sees 5 V less a drop for each diode.
+TEST_CASE("multipliers and pumps start at rest at every value", "[regression]") {
+  constexpr double e12[] = {1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2};
+  std::mt19937 random(5);
+  const auto value = [&](int least, int decades) {
+    return e12[random() % 12] * std::pow(10.0, static_cast<double>(least) + static_cast<double>(random() % static_cast<unsigned>(decades)));
+  };
+  for (int run = 0; run < 60; ++run) {
+    const int stages = 1 + run % 10;
+    std::string text = fmt::format("t\nV1 s 0 SIN(0 10 50 0 0 {})\nRs s a {}\n", run % 3 == 0 ? 90 : -45, value(-2, 4));
+    std::string bottom = "0", top = "a";
+    for (int k = 0; k < stages; ++k) {
+      text += fmt::format("Ca{0} {1} p{0} {3}\nDa{0} {2} p{0} D\nDb{0} p{0} q{0} D\nCb{0} {2} q{0} {4}\n", k, top, bottom, value(-10, 5),
+                          value(-10, 5));
+      top = fmt::format("p{}", k);
+      bottom = fmt::format("q{}", k);
+    }
+    if (run % 2 == 0) text += fmt::format("RL {} 0 {}\n", bottom, value(2, 5));
+    const char* const models[] = {"D", "D(Ron=1m Roff=1e9)", "D(Ron=1m Roff=1e12)", "D(Ron=10m Vfwd=0.6)"};
+    text += fmt::format(".model D {}\n.save v({})\n.tran 1u 2u\n", models[run % 4], bottom);
+    const DeckRun result = run_text(text);
+    CAPTURE(text, result.messages, result.answer.message);
+    REQUIRE(result.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(result));
+    if (run % 4 == 0) CHECK(std::abs(result.rows[0][1]) < 1e-9);
+  }
+  for (int stages = 2; stages <= 6; ++stages) {
+    std::string text = "t\nV1 in 0 5\nVc1 c1 0 0\nVc2 c2 0 3.3\n", before = "in";
+    for (int k = 0; k < stages; ++k) {
+      text += fmt::format("D{0} {1} n{0} D\nC{0} n{0} c{2} {3}\n", k, before, k % 2 + 1, value(-12, 6));
+      before = fmt::format("n{}", k);
+    }
+    text += fmt::format("Do {} out D\nCo out 0 {}\nRL out 0 10k\n.model D D(Vfwd=0.6)\n.save v(out)\n.tran 1u 2u\n", before, value(-9, 3));
+    const DeckRun result = run_text(text);
+    CAPTURE(text, result.messages, result.answer.message);
+    REQUIRE(result.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(result));
+    CHECK(result.rows[0][1] == Approx(5.0 - 0.6 * (stages + 1)).epsilon(1e-9));
+  }
+}
