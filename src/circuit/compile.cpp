@@ -24,6 +24,8 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (options.measure) compiled.measurements = circuit.measurements;
   compiled.measured_signals = circuit.measured_signals;
   compiled.hidden = circuit.hidden;
+  for (model::Switch& contact : compiled.network.switches)
+    if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
   if (options.keep_circuit) compiled.circuit = std::move(circuit);
   return compiled;
 }

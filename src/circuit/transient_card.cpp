@@ -80,6 +80,7 @@ class TransientReader {
     transient.use_initial_conditions = use_initial_conditions_;
     transient.stop = times_[times_.size() == 1 ? 0 : 1].value;
     if (times_.size() > 1) transient.step = times_[0].value;
+    if (times_.size() > 3 && transient.step.seconds == 0.0) transient.step = times_[3].value;
     if (times_.size() > 2) transient.start = times_[2].value;
     return transient;
   }

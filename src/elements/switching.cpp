@@ -94,6 +94,7 @@ void set_control(Emission& emission, const model::LinearForm& control) {
   const double reach = reach_of(emission.model(), levels);
   item.on_level = levels.on - reach;
   item.off_level = levels.off + reach;
+  item.written = model::WrittenControl{levels.scale, reach, emission.instance().control_nodes.empty() ? "A" : "V"};
 }
 
 /// ngspice follows the control of a switch to 0.05 V only: where no source holds it, it is amplified.

@@ -41,6 +41,7 @@ void add_channel(Emission& emission, const Channel& channel) {
   item.resistance = channel.resistance;
   item.control = model::voltage_between(nodes[gate], nodes[source], channel.p_type ? -1.0 : 1.0);
   item.on_level = item.off_level = level_of(channel);
+  item.written = model::WrittenControl{channel.p_type ? -1.0 : 1.0, 0.0, "V"};
   emission.result().item = emission.builder().add(std::move(item));
   emission.result().current.push_back({Quantity::switch_current, emission.result().item, 1.0});
 }

@@ -138,6 +138,25 @@ void Clock::search() {
   }
 }
 
+void Clock::trace(double stop, std::size_t most, const std::function<void(const Line&)>& see) const {
+  Clock own = *this;
+  own.is_on_ = true;  // the margin is then the control itself
+  own.on_level_ = own.off_level_ = 0.0;
+  for (Term& term : own.terms_) term.cursor = term.track->before(0.0);
+  own.pass(0.0, 0.0);
+  for (std::size_t lines = 0; lines < most && own.from_ < stop; ++lines) {
+    double next = stop, next_late = 0.0;
+    for (const Term& term : own.terms_)
+      if (term.cursor.next < next) {
+        next = term.cursor.next;
+        next_late = term.cursor.next_late;
+      }
+    const Margin first = own.margin_at(own.from_, own.late_), last = own.margin_at(next, next_late);
+    see({own.from_, next, first.value, last.value, std::max(first.noise, last.noise), first.slope == 0.0});
+    own.pass(next, next_late);
+  }
+}
+
 /// A crossing that rounding puts on the breakpoint itself is left to the slopes there.
 bool Clock::cross_before(double end, double end_late, const Margin& margin) {
   const double tau = late_ - margin.value / margin.slope;

@@ -6,6 +6,7 @@
 /// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides; where v rests there, a switch
 /// without hysteresis is off.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -45,6 +46,15 @@ class Clock {
   [[nodiscard]] const Instant& next() const { return next_; }
   /// Takes it and looks for the one behind it.
   void take();
+  /// The control between two corners.
+  struct Line {
+    double from = 0.0, to = 0.0;
+    double first = 0.0, last = 0.0;  ///< its values there
+    double noise = 0.0;              ///< rounding of the terms that they are sums of
+    bool is_flat = false;
+  };
+  /// The control itself from t = 0 to `stop`, wherever the clock stands: line by line, `most` of them.
+  void trace(double stop, std::size_t most, const std::function<void(const Line&)>& see) const;
   /// Number of the switch in the whole model.
   [[nodiscard]] int driven() const { return driven_; }
 

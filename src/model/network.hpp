@@ -5,6 +5,7 @@
 /// Signs: a current named after an element enters its first node p and leaves at n; v = v(p) − v(n).
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,13 @@ struct Diode {
   double resistance = 0.0;
   double drop = 0.0;
 };
+/// How the deck writes the control of a switch, for messages: the control in Switch is `sense` times it, and its levels lie `reach` inside of those
+/// written.
+struct WrittenControl {
+  double sense = 1.0;
+  double reach = 0.0;
+  std::string unit = "V";
+};
 /// Closed: v = drop + resistance·i. Open: i = 0. It closes when control rises above `on_level` and opens when control falls below `off_level`
 /// (off_level ≤ on_level); at equality the first nonzero derivative decides. `inverted` swaps closed and open.
 struct Switch {
@@ -109,6 +117,7 @@ struct Switch {
   double on_level = 0.0, off_level = 0.0;
   bool initially_on = false;  ///< inside the band at the start
   bool inverted = false;
+  std::optional<WrittenControl> written{};  ///< none: no element of the deck by itself, but part of an expression or of a device
 };
 /// 0 ≤ u ⊥ slack ≥ 0, u a number of its own that any form may hold, `slack` too.
 struct Complementarity {

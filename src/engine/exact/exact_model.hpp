@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/exact/exact.hpp"
+#include "engine/threshold_watch.hpp"
 #include "model/extraction.hpp"
 #include "model/islands.hpp"
 
@@ -28,6 +29,7 @@ class ExactModel {
   std::vector<IslandModel> islands;  ///< needed ones only
   std::vector<IslandModel> left_out;
   std::vector<SwitchInfo> switches;  ///< of the whole network
+  std::vector<WatchedSwitch> watched;  ///< the same for messages about their controls
   std::vector<std::string> signal_names;
   std::vector<Remark> remarks;
   double seconds = 0.0;

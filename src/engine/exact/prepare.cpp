@@ -10,6 +10,7 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
   const auto start = std::chrono::steady_clock::now();
   auto result = std::make_shared<ExactModel>();
   for (const auto& s : network.switches) result->switches.push_back({s.label.name, s.initially_on, s.on_level, s.off_level, -1, -1});
+  result->watched = watched_switches(network);
   for (const auto& s : network.signals) result->signal_names.push_back(s.name);
   const std::size_t errors_before = diagnostics.error_count();
   std::vector<model::Island> islands = model::split_islands(network, must_run);

@@ -33,6 +33,8 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       sink_(sink),
       jump_recorder_(exact_model.islands, request.jumps),
       losses_(exact_model.islands),
+      thresholds_(exact_model.watched, request.stop),
+      control_probe_(thresholds_),
       port_watch_(islands_, request.watcher),
       pieces_(exact_model.islands, request.probes, request.interrupt),
       impulses_(exact_model.islands, request.probes) {
@@ -123,6 +125,7 @@ Answer Transient::run(const Start& start) {
   for (auto& island : islands_) {
     if (!island.mode || island.is_open()) continue;
     island.look_at_end(now_);
+    control_probe_.look(island.system(), island.segment(), now_);
     if (answer_.outcome == Outcome::completed) holds(island);
   }
   for (const auto& island : islands_)
@@ -184,6 +187,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   pieces_.advance(islands_, instant.time);
+  if (!island.is_open() && island.mode != nullptr) control_probe_.look(island.system(), island.segment(), instant.time);
   island.open(instant.time, instant.late);
   jump_recorder_.before(number_of(island), island.x);
   // What holds nothing but sources has not been brought along.
@@ -359,6 +363,7 @@ bool Transient::flip(Instant& instant) {
   for (const int s : last_flips_) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
+    if (instant.time > 0.0) thresholds_.changed(s);
     const SwitchInfo& info = model_.switches[index];
     if (info.island < 0) continue;
     IslandRun& island = islands_[static_cast<std::size_t>(info.island)];

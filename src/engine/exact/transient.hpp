@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/exact/certificate.hpp"
+#include "engine/exact/control_probe.hpp"
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/loss_watch.hpp"
@@ -116,6 +117,8 @@ class Transient {
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
   LossWatch losses_;
+  ThresholdWatch thresholds_;
+  ControlProbe control_probe_;
   PortWatch port_watch_;
   PieceMaker pieces_;
   ProbeImpulses impulses_;

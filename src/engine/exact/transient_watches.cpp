@@ -253,6 +253,8 @@ void Transient::finish() {
   s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
   note_open_signals();
   answer_.jumps = jump_recorder_.take();
+  for (const model::Clock& clock : clocks_) thresholds_.trace(clock, clock.driven());
+  for (Remark& remark : thresholds_.remarks(on_, answer_.outcome == Outcome::completed)) answer_.remarks.push_back(std::move(remark));
   if (auto remark = losses_.remark()) answer_.remarks.push_back(std::move(*remark));
   if (several_ > 0)
     answer_.remarks.push_back(

@@ -59,6 +59,7 @@ Block::Block(const Part& part, const Request& request, double reltol)
       scale_(descriptor_, largest_held_voltage(part.island.network)),
       controls_(controls_of(part.island.network, descriptor_)),
       gates_(part.gates),
+      thresholds_(part.watched, request.stop),
       certificate_(descriptor_),
       passive_(descriptor_.passive()),
       stall_(passive_, request.stop, reltol) {
@@ -220,6 +221,7 @@ void Block::settle_in(Point& next) {
   ports_.note_scale(point_.z, point_.w);
   for (Control& control : controls_)
     control.largest = std::max(control.largest, std::abs(control.value.value(point_.z.data(), point_.w.data())));
+  if (thresholds_.asks_anything()) watch_controls();
   for (std::size_t i = 0; i < signals_.size(); ++i)
     signal_scale_[i] = std::max(signal_scale_[i], std::abs(signals_[i].value(point_.z.data(), point_.w.data())));
   ++steps_;

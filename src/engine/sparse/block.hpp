@@ -65,6 +65,8 @@ class Block {
   [[nodiscard]] const CertificateRecorder& certificate() const { return certificate_; }
   /// The largest motion that was damped instead of followed, of a state's size.
   [[nodiscard]] double damped() const { return damped_; }
+  /// What controls did beside their thresholds.
+  [[nodiscard]] std::vector<Remark> threshold_remarks();
   /// Whether the start contradicted the network.
   [[nodiscard]] bool start_projected() const { return start_projected_; }
 
@@ -112,6 +114,8 @@ class Block {
   void note_jump(double time, double h);
   void note_impulses(double h);
   void find_next_gate();
+  void watch_controls();
+  void watch_rest(Control& control, int number, double value, double noise);
   bool take_gates(double until);
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
@@ -146,6 +150,8 @@ class Block {
   std::vector<Control> controls_;  ///< of switches that are no gates
   std::vector<Gate> gates_;
   double next_gate_ = model::forever;
+  ThresholdWatch thresholds_;
+  std::vector<char> watched_on_;  ///< positions of switches, as their controls have them, when controls were looked at last
   std::vector<Form> signals_;
   std::vector<double> signal_scale_;
   bool signals_read_sources_ = false;

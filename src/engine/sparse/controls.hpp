@@ -1,6 +1,7 @@
 #pragma once
 /// Conditions that drive switches.
 
+#include <limits>
 #include <vector>
 
 #include "engine/sparse/descriptor.hpp"
@@ -13,6 +14,7 @@ struct Control {
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
   double largest = 0.0;     ///< magnitude of the value over the run
+  double at_threshold_since = std::numeric_limits<double>::quiet_NaN();  ///< s: the value has been at one threshold from there on
   bool has_rested = false;  ///< its switch was switched off at the instant at hand since the value rests at the threshold
 
   /// Whether the condition holds in a position of the ports: the switch is closed, or open where inverted.

@@ -19,6 +19,7 @@ class Gate {
   /// Goes to t = 0 with the switch in this position; what the control asks for at once is taken.
   void begin(bool closed, double stop);
   [[nodiscard]] bool closed() const { return clock_.is_on() != inverted_; }
+  [[nodiscard]] const model::Clock& clock() const { return clock_; }
   /// Time of its next change of sides, infinite where there is none before the end of the run.
   [[nodiscard]] double next() const { return clock_.next().time < stop_ ? clock_.next().time : model::forever; }
   /// Takes that change.

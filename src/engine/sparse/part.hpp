@@ -5,12 +5,13 @@
 
 #include "engine/sparse/descriptor.hpp"
 #include "engine/sparse/gates.hpp"
+#include "engine/threshold_watch.hpp"
 #include "model/islands.hpp"
 
 namespace pwlsim::engine::sparse {
 
 struct Part {
-  explicit Part(model::Island i) : island(std::move(i)), gates(take_gates(island.network)), descriptor(island.network) {}
+  explicit Part(model::Island i) : island(std::move(i)), gates(take_gates(island.network)), watched(watched_switches(island.network)), descriptor(island.network) {}
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 
@@ -23,6 +24,7 @@ struct Part {
 
   model::Island island;
   std::vector<Gate> gates;
+  std::vector<WatchedSwitch> watched;
   Descriptor descriptor;
 };
 

@@ -317,6 +317,7 @@ void Transient::finish() {
     track->block.add_statistics(answer_.statistics);
     const auto& jumps = track->block.jumps();
     answer_.jumps.insert(answer_.jumps.end(), jumps.begin(), jumps.end());
+    for (Remark& remark : track->block.threshold_remarks()) answer_.remarks.push_back(std::move(remark));
     const Certificate own = track->block.certificate().check();
     c.complementarity = std::max(c.complementarity, own.complementarity);
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);

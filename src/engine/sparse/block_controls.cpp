@@ -1,0 +1,56 @@
+/// What controls do beside their thresholds, for messages.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/largest.hpp"
+#include "engine/sparse/block.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+constexpr double at_threshold = 1e-12;  ///< of a control's size, as where signs of margins are judged
+constexpr double least_rest = 1e-6;     ///< of the run: what passes a threshold is at it for a moment
+
+}  // namespace
+
+/// At the point that has been reached: what controls do, and which switches have changed since the last one.
+void Block::watch_controls() {
+  const auto first = static_cast<std::size_t>(descriptor_.first_switch());
+  const bool begins = watched_on_.empty();
+  watched_on_.resize(part_.watched.size());
+  const auto note = [&](std::size_t port, bool is_on) {
+    const std::size_t number = port - first;
+    if (!begins && (watched_on_[number] != 0) != is_on) thresholds_.changed(static_cast<int>(number));
+    watched_on_[number] = static_cast<char>(is_on);
+  };
+  for (const Gate& gate : gates_) note(gate.port(), gate.clock().is_on());
+  const double unknown = largest(point_.z);
+  for (Control& control : controls_) {
+    note(control.port, control.holds(point_.on));
+    const auto number = static_cast<int>(control.port - first);
+    const double value = control.value.value(point_.z.data(), point_.w.data());
+    if (thresholds_.asks_range(number)) thresholds_.see(number, value);
+    const double size = std::max(control.level_size(), control.largest);
+    if (thresholds_.asks_rest(number)) watch_rest(control, number, value, std::max(at_threshold * size, control.rounding(unknown)));
+  }
+}
+
+void Block::watch_rest(Control& control, int number, double value, double noise) {
+  const auto threshold = thresholds_.threshold_at(number, value, noise);
+  if (!threshold)
+    control.at_threshold_since = std::numeric_limits<double>::quiet_NaN();
+  else if (std::isnan(control.at_threshold_since))
+    control.at_threshold_since = point_.time;
+  else if (point_.time - control.at_threshold_since > least_rest * request_.stop)
+    thresholds_.rests(number, *threshold, control.at_threshold_since);
+}
+
+std::vector<Remark> Block::threshold_remarks() {
+  const auto first = static_cast<std::size_t>(descriptor_.first_switch());
+  for (const Gate& gate : gates_) thresholds_.trace(gate.clock(), static_cast<int>(gate.port() - first));
+  return thresholds_.remarks(watched_on_, failure_.outcome == Outcome::completed && finished_);
+}
+
+}  // namespace pwlsim::engine::sparse
