@@ -2,6 +2,8 @@
 set(PWLSIM_PAGE_PARTS
   page_frame src/analysis/page/page.html
   page_style src/analysis/page/page.css
+  page_solution_script src/analysis/page/solution.js
+  page_traces_script src/analysis/page/traces.js
   page_script src/analysis/page/page.js
   page_plot_style third_party/uplot/uPlot.min.css
   page_plot_script third_party/uplot/uPlot.iife.min.js)

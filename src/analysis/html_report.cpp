@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include "analysis/joined_rows.hpp"
 #include "analysis/json.hpp"
 #include "analysis/page_parts.hpp"
 #include "analysis/quantity.hpp"
@@ -30,6 +29,10 @@ std::string array_of(const Values& values, const Write& write) {
 }
 
 std::string numbers(const std::vector<double>& values) { return array_of(values, waveform::shortest); }
+/// Times of ticks and bars: of millions of them more digits make a page of megabytes.
+std::string mark_times(const std::vector<double>& values) {
+  return array_of(values, [](double value) { return fmt::format("{:.12g}", value); });
+}
 /// What a screen can show.
 std::string short_numbers(const std::vector<double>& values) {
   return array_of(values, [](double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; });
@@ -37,11 +40,11 @@ std::string short_numbers(const std::vector<double>& values) {
 std::string index_text(std::size_t index) { return std::to_string(index); }
 
 std::string lane_text(const waveform::Lane& lane) {
-  return json_line({{"name", json_string(lane.name)}, {"times", numbers(lane.times)}, {"shares", short_numbers(lane.shares)}});
+  return json_line({{"name", json_string(lane.name)}, {"times", mark_times(lane.times)}, {"shares", short_numbers(lane.shares)}});
 }
 
 std::string marks_text(const waveform::Marks& marks) {
-  return json_line({{"name", json_string(marks.name)}, {"x", numbers(marks.x)}, {"colour", json_string(marks.colour)}});
+  return json_line({{"name", json_string(marks.name)}, {"x", mark_times(marks.x)}, {"colour", json_string(marks.colour)}});
 }
 
 std::string event_text(const ToldEvent& told) {
@@ -58,23 +61,101 @@ std::vector<std::string> kept_signals(const RunOutcome& outcome, std::size_t cou
   return {outcome.signals.begin(), outcome.signals.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-std::string signals_text(const std::vector<std::string>& names, const waveform::ThinnedRows::Rows& rows) {
-  std::vector<std::string> texts;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    texts.push_back(json_line(
-        {{"name", json_string(names[k])}, {"unit", json_string(unit_of_signal(names[k]))}, {"values", short_numbers(rows.columns[k])}}));
-  return json_line(texts);
+/// A number to so many digits that its error is below `error`.
+std::string number_to(double value, double error) {
+  constexpr int most_digits = 17;
+  if (value == 0.0) return "0";
+  const double digits = std::ceil(std::log10(std::abs(value) / error)) + 1.0;
+  return fmt::format("{:.{}g}", value, static_cast<int>(std::clamp(digits, 1.0, 1.0 * most_digits)));
+}
+
+/// Where statistics keep their digits.
+std::string statistic(double value) { return fmt::format("{:.13g}", value); }
+
+/// Bins and pieces of one run: their edges.
+std::string record_text(const SolutionRecord& solution, const std::vector<SolutionRecord::Bin>& bins) {
+  std::vector<double> bin_edges, edges;
+  for (const SolutionRecord::Bin& bin : bins) bin_edges.push_back(bin.from);
+  if (!bins.empty()) bin_edges.push_back(bins.back().to);
+  for (const SolutionRecord::Piece& piece : solution.pieces()) edges.push_back(piece.from);
+  if (!solution.pieces().empty()) edges.push_back(solution.pieces().back().to);
+  return json_line({{"bins", numbers(bin_edges)}, {"edges", numbers(edges)}});
+}
+
+/// The lengths of a signal's series as hexadecimal digits, less one each.
+std::string lengths_text(const SolutionRecord& solution, std::size_t signal) {
+  std::string text;
+  for (const SolutionRecord::Piece& piece : solution.pieces()) text += "0123456789abcdef"[piece.lengths[signal] - 1];
+  return text;
+}
+
+/// Digits of coefficients beyond this share of the signal's size are nobody's.
+constexpr double least_share = 3e-15;
+
+std::string coefficients_text(const SolutionRecord& solution, std::size_t signal) {
+  double size = 0.0;
+  std::vector<double> all;
+  for (const SolutionRecord::Piece& piece : solution.pieces()) {
+    const linalg::LegendreSeries series = series_of(piece, signal);
+    const auto& c = series.coefficients();
+    all.insert(all.end(), c.begin(), c.begin() + piece.lengths[signal]);
+    size = std::max(size, std::abs(c[0]));
+  }
+  return array_of(all, [error = least_share * size](double value) { return number_to(value, error); });
+}
+
+struct PageSignal {
+  std::string name, unit, colour;
+  std::size_t record = 0, signal = 0;
+};
+
+std::string signal_text(const PageSignal& shown, const SolutionRecord& solution, const std::vector<SolutionRecord::Bin>& bins) {
+  const auto column = [&](double SolutionRecord::Share::*part) {
+    return array_of(bins, [&](const SolutionRecord::Bin& bin) { return statistic(bin.shares[shown.signal].*part); });
+  };
+  using Share = SolutionRecord::Share;
+  return json_line({{"name", json_string(shown.name)},
+                    {"unit", json_string(shown.unit)},
+                    {"colour", json_string(shown.colour)},
+                    {"record", index_text(shown.record)},
+                    {"lengths", json_string(lengths_text(solution, shown.signal))},
+                    {"coefficients", coefficients_text(solution, shown.signal)},
+                    {"least", column(&Share::least)},
+                    {"largest", column(&Share::largest)},
+                    {"mean", column(&Share::mean)},
+                    {"square", column(&Share::square)}});
+}
+
+/// The solutions that a page holds, and its signals in them.
+struct PageData {
+  std::vector<std::string> records, signals;
+  bool is_thinned = false;
+};
+
+PageData page_data(const std::vector<const SolutionRecord*>& solutions, const std::vector<PageSignal>& shown) {
+  PageData data;
+  std::vector<std::vector<SolutionRecord::Bin>> bins;
+  for (const SolutionRecord* solution : solutions) {
+    bins.push_back(solution->bins(std::max<std::size_t>(1, solution->bins_of_page() / solutions.size())));
+    data.records.push_back(record_text(*solution, bins.back()));
+    data.is_thinned = data.is_thinned || solution->is_thinned();
+  }
+  for (const PageSignal& each : shown) data.signals.push_back(signal_text(each, *solutions[each.record], bins[each.record]));
+  return data;
 }
 
 std::string data_text(const RunOutcome& outcome, const RunReport& run, const RunRecorder& recorder) {
-  const waveform::ThinnedRows::Rows rows = recorder.rows();
-  const std::vector<std::string> names = kept_signals(outcome, rows.columns.size());
+  const SolutionRecord& solution = recorder.solution();
+  const std::vector<std::string> names = kept_signals(outcome, solution.empty() ? 0 : solution.signals());
+  std::vector<PageSignal> shown;
+  for (std::size_t k = 0; k < names.size(); ++k) shown.push_back({names[k], std::string(unit_of_signal(names[k])), "", 0, k});
+  const PageData page = page_data({&solution}, shown);
   return json_line({{"run", run_json(outcome, run)},
                     {"from", json_number(recorder.from())},
                     {"to", json_number(recorder.to())},
-                    {"thinned", json_truth(recorder.rows_thinned())},
-                    {"times", numbers(rows.times)},
-                    {"signals", signals_text(names, rows)},
+                    {"thinned", json_truth(page.is_thinned)},
+                    {"records", json_line(page.records)},
+                    {"signals", json_line(page.signals)},
                     {"panels", array_of(panels_of(names), [](const auto& members) { return array_of(members, index_text); })},
                     {"ports", index_text(recorder.ports())},
                     {"lanes", array_of(recorder.lanes(), lane_text)},
@@ -83,49 +164,37 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
                     {"events", array_of(recorder.told(), event_text)}});
 }
 
-constexpr std::size_t most_numbers = 1'500'000;
-
-/// As many signals of all drawn runs as a page can hold; a panel each.
-std::size_t shown_signals(const JoinedRows& joined, std::size_t signals) {
-  const std::size_t curves = most_numbers / std::max<std::size_t>(joined.times.size() * joined.columns.size(), 1);
-  constexpr std::size_t most_panels = 20;
-  return std::min({signals, most_panels, std::max<std::size_t>(curves, 1)});
-}
-
 std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
-  std::vector<waveform::ThinnedRows::Rows> rows;
+  constexpr std::size_t most_panels = 20;
+  std::vector<const SolutionRecord*> solutions;
   std::vector<std::string> names, colours;
   double from = std::numeric_limits<double>::infinity(), to = 0.0;
-  bool is_thinned = false;
   for (std::size_t index = 0; index < outcome.sweep.drawn.size(); ++index) {
     const DrawnRun& drawn = outcome.sweep.drawn[index];
     if (!drawn.recorder) continue;
-    rows.push_back(drawn.recorder->rows());
+    solutions.push_back(&drawn.recorder->solution());
     names.push_back(outcome.sweep.name(drawn.run));
     colours.push_back(colour_of_run(outcome.sweep, index));
     from = std::min(from, drawn.recorder->from());
     to = std::max(to, drawn.recorder->to());
-    is_thinned = is_thinned || drawn.recorder->rows_thinned();
   }
-  const JoinedRows joined = join_rows(rows);
-  const std::size_t signals = rows.empty() ? 0 : shown_signals(joined, rows.front().columns.size());
-  std::vector<std::string> curves, panels(signals, "[");
+  const std::size_t signals = solutions.empty() ? 0 : std::min(most_panels, solutions.front()->signals());
+  std::vector<std::string> panels(signals, "[");
+  std::vector<PageSignal> shown;
   for (std::size_t k = 0; k < signals; ++k) {
     for (std::size_t r = 0; r < names.size(); ++r) {
-      panels[k] += (r == 0 ? "" : ",") + index_text(curves.size());
-      curves.push_back(json_line({{"name", json_string(outcome.signals[k] + ", " + names[r])},
-                                  {"unit", json_string(unit_of_signal(outcome.signals[k]))},
-                                  {"colour", json_string(colours[r])},
-                                  {"values", short_numbers(joined.columns[r][k])}}));
+      panels[k] += (r == 0 ? "" : ",") + index_text(shown.size());
+      shown.push_back({outcome.signals[k] + ", " + names[r], std::string(unit_of_signal(outcome.signals[k])), colours[r], r, k});
     }
     panels[k] += "]";
   }
+  const PageData page = page_data(solutions, shown);
   return json_line({{"run", run_json(outcome, run)},
-                    {"from", json_number(rows.empty() ? 0.0 : from)},
+                    {"from", json_number(solutions.empty() ? 0.0 : from)},
                     {"to", json_number(to)},
-                    {"thinned", json_truth(is_thinned)},
-                    {"times", numbers(joined.times)},
-                    {"signals", json_line(curves)},
+                    {"thinned", json_truth(page.is_thinned)},
+                    {"records", json_line(page.records)},
+                    {"signals", json_line(page.signals)},
                     {"panels", json_line(panels)},
                     {"drawnRuns", index_text(names.size())},
                     {"ports", "0"},
@@ -153,12 +222,14 @@ std::string for_script(const std::string& json) {
 std::string html_report(const RunOutcome& outcome, const RunReport& run, const RunRecorder* recorder) {
   const RunRecorder nothing(0.0, 0.0, 0);
   const bool is_sweep = !outcome.sweep.list.empty();
-  const std::array<std::pair<std::string_view, std::string>, 5> parts{
+  const std::array<std::pair<std::string_view, std::string>, 7> parts{
       {{"@plot_style@", std::string(page_plot_style)},
        {"@style@", std::string(page_style)},
        {"@data@",
         for_script(is_sweep ? sweep_data_text(outcome, run) : data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
        {"@plot_script@", std::string(page_plot_script)},
+       {"@solution_script@", std::string(page_solution_script)},
+       {"@traces_script@", std::string(page_traces_script)},
        {"@script@", std::string(page_script)}}};
   std::string page;
   std::string_view rest = page_frame;

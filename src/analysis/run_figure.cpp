@@ -15,6 +15,11 @@ constexpr std::size_t most_panels = 8, most_curves = 6;
 /// Of the names of one panel, so that they find room above it.
 constexpr std::size_t most_letters = 60;
 
+waveform::Curve curve(const std::string& name, const SolutionRecord& solution, std::size_t signal, const std::string& colour = {}) {
+  SolutionRecord::Line line = solution.line(signal);
+  return {name, std::move(line.times), std::move(line.values), false, colour};
+}
+
 }  // namespace
 
 std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& names) {
@@ -50,14 +55,14 @@ std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& event
 }
 
 waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder) {
-  const waveform::ThinnedRows::Rows rows = recorder.rows();
-  const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(rows.columns.size()));
+  const SolutionRecord& solution = recorder.solution();
+  const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(solution.signals()));
   waveform::Figure figure{title, "time", "s", {}, event_marks(recorder.events()), recorder.lanes()};
   std::size_t drawn = 0;
   for (const auto& members : panels_of(kept)) {
     if (figure.panels.size() == most_panels) break;
     waveform::Panel panel{"", {}, std::string(unit_of_signal(kept[members.front()]))};
-    for (const std::size_t k : members) panel.curves.push_back({kept[k], rows.times, rows.columns[k], false});
+    for (const std::size_t k : members) panel.curves.push_back(curve(kept[k], solution, k));
     drawn += members.size();
     figure.panels.push_back(std::move(panel));
   }
@@ -93,8 +98,7 @@ waveform::Figure sweep_figure(const std::string& title, const std::vector<std::s
     if (!drawn.recorder) continue;
     const std::string colour = colour_of_run(runs, index);
     figure.legend.push_back({runs.name(drawn.run), colour});
-    waveform::ThinnedRows::Rows rows = drawn.recorder->rows();
-    for (std::size_t k = 0; k < panels; ++k) figure.panels[k].curves.push_back({"", rows.times, std::move(rows.columns[k]), false, colour});
+    for (std::size_t k = 0; k < panels; ++k) figure.panels[k].curves.push_back(curve("", drawn.recorder->solution(), k, colour));
   }
   std::vector<std::string> parts;
   if (panels < names.size()) parts.push_back(fmt::format("{} of {} signals", panels, names.size()));

@@ -9,8 +9,7 @@
 namespace pwlsim::analysis {
 namespace {
 
-constexpr std::size_t most_values = 1'500'000, most_rows = 40'000;
-constexpr std::size_t most_changes = 200'000, most_events = 20'000, most_shared_events = 60'000;
+constexpr std::size_t most_changes = 50'000, most_events = 20'000, most_shared_events = 60'000;
 constexpr std::size_t pieces = 4000;
 constexpr std::size_t most_changes_told = 12;
 
@@ -30,13 +29,12 @@ RunRecorder::RunRecorder(double from, double to, std::size_t signals, std::size_
     : from_(from),
       to_(to),
       end_(to),
-      signals_(signals),
-      kept_signals_(std::min(signals, most_signals)),
-      rows_(from, to, kept_signals_, std::min(most_rows, most_values / (kept_signals_ + 1)) / sharers),
+      solution_(from, to, std::min(signals, most_signals), sharers),
       most_events_(std::clamp(most_shared_events / sharers, pieces, most_events)) {}
 
-void RunRecorder::take_rows(std::span<const double> values, std::size_t count) {
-  for (std::size_t row = 0; row < count; ++row) rows_.add(values.subspan(row * (signals_ + 1), kept_signals_ + 1));
+void RunRecorder::take_piece(engine::Piece piece) {
+  piece.from = std::max(piece.from, from_);
+  if (piece.from < piece.to) solution_.take(piece);
 }
 
 double RunRecorder::piece_length() const { return (to_ - from_) / static_cast<double>(pieces); }

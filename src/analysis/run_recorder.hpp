@@ -1,14 +1,14 @@
 #pragma once
-/// What the pictures of a run need, kept in bounded memory while it runs: its rows, its events, which ports conduct.
+/// What the pictures of a run need, kept in bounded memory while it runs: its solution between events, its events, which ports conduct.
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "analysis/solution_record.hpp"
 #include "engine/run.hpp"
 #include "waveform/svg_plot.hpp"
-#include "waveform/thinned_rows.hpp"
 
 namespace pwlsim::analysis {
 
@@ -24,13 +24,13 @@ struct ToldEvent {
 
 class RunRecorder : public engine::EventWatcher {
  public:
-  /// Rows and events from `from` to `to` are kept. The first `most_signals` of the signals are.
+  /// The solution and events from `from` to `to` are kept. The first `most_signals` of the signals are.
   /// `sharers`: how many recorders share the memory that one may take.
   RunRecorder(double from, double to, std::size_t signals, std::size_t sharers = 1);
   static constexpr std::size_t most_signals = 200, most_lanes = 64, most_told = 1000;
 
-  /// Whole rows of all signals.
-  void take_rows(std::span<const double> values, std::size_t count);
+  /// A piece of the first signals; what lies before `from` is passed over.
+  void take_piece(engine::Piece piece);
   void begin(std::span<const std::string> elements, std::span<const char> on) override;
   void happened(const engine::Event& event, std::span<const char> on) override;
   /// The run has ended here.
@@ -38,8 +38,7 @@ class RunRecorder : public engine::EventWatcher {
 
   [[nodiscard]] double from() const { return from_; }
   [[nodiscard]] double to() const { return end_; }
-  [[nodiscard]] waveform::ThinnedRows::Rows rows() const { return rows_.rows(); }
-  [[nodiscard]] bool rows_thinned() const { return rows_.thinned(); }
+  [[nodiscard]] const SolutionRecord& solution() const { return solution_; }
   /// One a port, of the first `most_lanes`. Where there were too many changes to keep, the share of each of many pieces of time.
   [[nodiscard]] std::vector<waveform::Lane> lanes() const;
   [[nodiscard]] std::size_t ports() const { return last_.size(); }
@@ -68,8 +67,7 @@ class RunRecorder : public engine::EventWatcher {
   [[nodiscard]] waveform::Lane lane(const Track& track) const;
 
   double from_, to_, end_;
-  std::size_t signals_, kept_signals_;
-  waveform::ThinnedRows rows_;
+  SolutionRecord solution_;
   std::vector<std::string> elements_;
   std::vector<char> last_;  ///< position of all ports
   std::vector<Track> tracks_;

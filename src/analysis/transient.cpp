@@ -13,6 +13,7 @@
 #include "analysis/quantity.hpp"
 #include "analysis/row_grid.hpp"
 #include "analysis/run_recorder.hpp"
+#include "linalg/legendre.hpp"
 #include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
@@ -24,8 +25,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 class FileSink : public engine::RowSink {
  public:
-  FileSink(waveform::RowWriter& writer, std::size_t columns, RunRecorder* recorder)
-      : writer_(writer), columns_(columns), recorder_(recorder) {}
+  FileSink(waveform::RowWriter& writer, std::size_t columns) : writer_(writer), columns_(columns) {}
 
   bool write(std::span<const double> values, std::size_t count) override {
     const auto start = Clock::now();
@@ -33,7 +33,6 @@ class FileSink : public engine::RowSink {
     rows_ += good;
     if (good != 0) last_time_ = values[(good - 1) * columns_];
     const bool written = writer_.write(values.first(good * columns_));
-    if (recorder_ != nullptr) recorder_->take_rows(values, good);
     seconds_ += seconds_since(start);
     return written && good == count;
   }
@@ -62,7 +61,6 @@ class FileSink : public engine::RowSink {
 
   waveform::RowWriter& writer_;
   std::size_t columns_;
-  RunRecorder* recorder_;
   std::uint64_t rows_ = 0;
   std::size_t bad_column_ = 0;
   double last_time_ = 0.0;
@@ -126,19 +124,68 @@ class NoRows : public engine::RowSink {
   bool write(std::span<const double>, std::size_t) override { return true; }
 };
 
+/// Pieces of the run for its measurements and for its pictures.
+class PieceFork : public engine::PieceSink {
+ public:
+  PieceFork(engine::Probes measured, RunRecorder* recorder) : measured_(std::move(measured)), recorder_(recorder) {}
+
+  /// The measured probes, and behind them the signals that are drawn.
+  engine::Probes probes() {
+    engine::Probes all = measured_;
+    if (recorder_ == nullptr) return all;
+    const bool is_measured = measured_.sink != nullptr;
+    if (!is_measured) all.signals.clear();
+    kept_ = all.signals.size() * linalg::legendre_points;
+    for (std::size_t k = 0; k < recorder_->solution().signals(); ++k) all.signals.push_back(static_cast<int>(k));
+    all.from = is_measured ? std::min(all.from, recorder_->from()) : recorder_->from();
+    all.to = is_measured ? std::max(all.to, recorder_->to()) : recorder_->to();
+    all.sink = this;
+    return all;
+  }
+
+  void before_start(std::span<const double> values) override {
+    if (measured_.sink != nullptr) measured_.sink->before_start(values.first(probes_measured()));
+  }
+  void take(const engine::Piece& piece) override {
+    if (measured_.sink != nullptr && piece.to > measured_.from && piece.from < measured_.to) {
+      engine::Piece own = piece;
+      own.values = piece.values.first(kept_);
+      if (!piece.noise.empty()) own.noise = piece.noise.first(probes_measured());
+      measured_.sink->take(own);
+    }
+    engine::Piece drawn = piece;
+    drawn.values = piece.values.subspan(kept_);
+    recorder_->take_piece(drawn);
+  }
+  void impulse(double time, std::span<const double> values) override {
+    if (measured_.sink != nullptr) measured_.sink->impulse(time, values.first(probes_measured()));
+  }
+
+ private:
+  [[nodiscard]] std::size_t probes_measured() const { return kept_ / linalg::legendre_points; }
+
+  engine::Probes measured_;
+  RunRecorder* recorder_;
+  std::size_t kept_ = 0;  ///< values of the measured probes in a piece
+};
+
 /// The run with its measurements: once with rows, and again for those that need results of the first.
 class MeasuredRun {
  public:
-  MeasuredRun(const circuit::Compiled& compiled, const Simulate& simulate)
+  /// `recorder` may be null.
+  MeasuredRun(const circuit::Compiled& compiled, const Simulate& simulate, RunRecorder* recorder)
       : compiled_(compiled),
         simulate_(simulate),
+        recorder_(recorder),
         measuring_(compiled.measurements, compiled.analyses.transient->start.seconds, compiled.analyses.transient->stop.seconds) {}
 
   engine::Answer run(engine::Request request, engine::RowSink& sink) {
     request.unsaved_signals = compiled_.measured_signals;
-    if (compiled_.measurements.empty()) return simulate_(request, sink);
-    (void)measuring_.begin_pass();
-    request.probes = measuring_.probes();
+    const bool measures = !compiled_.measurements.empty();
+    if (measures) (void)measuring_.begin_pass();
+    PieceFork fork(measures ? measuring_.probes() : engine::Probes{}, recorder_);
+    request.probes = fork.probes();
+    if (!measures) return simulate_(request, sink);
     engine::Answer answer = simulate_(request, sink);
     measuring_.end_pass(answer.probed);
     if (answer.outcome == engine::Outcome::completed) run_again(request, answer);
@@ -171,6 +218,7 @@ class MeasuredRun {
 
   const circuit::Compiled& compiled_;
   const Simulate& simulate_;
+  RunRecorder* recorder_;
   measure::Measuring measuring_;
 };
 
@@ -214,8 +262,8 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
 
 TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer, const RunControl& control) {
   const std::vector<std::string> names = column_names(compiled);
-  FileSink sink(writer, names.size(), control.recorder);
-  MeasuredRun measured(compiled, simulate);
+  FileSink sink(writer, names.size());
+  MeasuredRun measured(compiled, simulate, control.recorder);
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
     run.ending = Ending::failed;

@@ -4,8 +4,10 @@
 /// ∫ f = 2 c_0; of a product of two such polynomials the points and weights give the integral exactly too (degree 31). |f − c_0| ≤ Σ_{k≥1} |c_k|,
 /// by which intervals without a zero are known (Abramowitz & Stegun, chapters 22 and 25.4).
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace pwlsim::linalg {
@@ -25,11 +27,15 @@ class LegendreSeries {
   /// The polynomial with these values at the points.
   explicit LegendreSeries(const double* values);
 
+  /// The first coefficients of a series; the others are zero.
+  explicit LegendreSeries(std::span<const double> coefficients) { std::copy(coefficients.begin(), coefficients.end(), c_.begin()); }
+
   [[nodiscard]] double operator()(double x) const;
   [[nodiscard]] LegendreSeries derivative() const;
   /// The polynomial x ↦ f(lower + (x + 1)(upper − lower)/2).
   [[nodiscard]] LegendreSeries on(double lower, double upper) const;
   [[nodiscard]] double mean() const { return c_[0]; }
+  [[nodiscard]] const LegendreValues& coefficients() const { return c_; }
   /// Bound of |f − mean|.
   [[nodiscard]] double variation() const;
   /// Size of the last three coefficients: rounding, where the points resolve what is interpolated.

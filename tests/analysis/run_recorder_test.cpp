@@ -89,8 +89,8 @@ TEST_CASE("a picture says how many signals it does not show", "[unit]") {
   Words names;
   for (int k = 0; k < 60; ++k) names.push_back("v(" + std::to_string(k) + ")");
   RunRecorder recorder(0.0, 1.0, names.size());
-  const Numbers row(61, 0.5);
-  recorder.take_rows(row, 1);
+  const Numbers values(60 * linalg::legendre_points, 0.5);
+  recorder.take_piece({0.0, 1.0, 0.0, 1.0, values});
   const waveform::Figure figure = analysis::run_figure("many", names, recorder);
   CHECK(figure.panels.size() == 8);
   CHECK(figure.title == "many (48 of 60 signals)");

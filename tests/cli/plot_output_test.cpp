@@ -1,8 +1,10 @@
 // --plot: the waveforms of a run as a picture.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <sstream>
 
 #include "cli/run_in.hpp"
 #include "waveform/png.hpp"
@@ -57,6 +59,25 @@ TEST_CASE("rows, picture and statistics come from one run, and the rows are the 
   CHECK(run_in(scratch, {"r.net", "-o", "-", "--events"}).out == finished.out);
   REQUIRE(run_in(scratch, {"r.net", "--plot", "r.svg"}).status == 0);
   CHECK(read_file(scratch / "r.csv") == alone);
+}
+
+TEST_CASE("a picture draws the solution between the rows", "[unit]") {
+  const Scratch scratch;
+  // A row each whole period: all of them are zero.
+  scratch.write("s.net", "sine\nV1 a 0 SIN(0 1 1k)\nR1 a 0 1\n.tran 1m 10m\n.save v(a)\n");
+  REQUIRE(run_in(scratch, {"s.net", "--plot", "s.svg"}).status == 0);
+  const std::string picture = read_file(scratch / "s.svg");
+  const std::size_t begin = picture.find("points=\"", picture.find("<polyline")) + 8;
+  std::istringstream points(picture.substr(begin, picture.find('"', begin) - begin));
+  std::vector<double> heights;
+  for (std::string point; points >> point;) heights.push_back(std::stod(point.substr(point.find(',') + 1)));
+  const auto [top, bottom] = std::minmax_element(heights.begin(), heights.end());
+  int turns = 0;  // through the middle
+  for (std::size_t k = 1; k < heights.size(); ++k) turns += (heights[k] > 0.5 * (*top + *bottom)) != (heights[k - 1] > 0.5 * (*top + *bottom));
+  constexpr double most_of_a_panel = 80.0;
+  CHECK(*bottom - *top > most_of_a_panel);
+  CHECK(turns >= 19);  // ten periods
+  CHECK(turns <= 21);
 }
 
 TEST_CASE("the sparse engine's runs are drawn too", "[unit]") {

@@ -1,0 +1,75 @@
+#pragma once
+/// The solution of a run for pictures and pages, in bounded memory: not its rows, but the polynomials between events.
+///
+/// While they are few, all pieces are kept, each signal as a Legendre series that is cut where the rest is below rounding. Beyond that the oldest make room: of
+/// them remain, for each of many equal bins of time, the least and the largest value, the mean and the mean square of each signal, all exact. So the end of a
+/// long run is there in every detail, and what is before it as far as a picture shows.
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "engine/run.hpp"
+#include "linalg/legendre.hpp"
+
+namespace pwlsim::analysis {
+
+class SolutionRecord {
+ public:
+  /// Of `signals` signals from `from` to `to`; `sharers`: how many records share the memory that one may take.
+  SolutionRecord(double from, double to, std::size_t signals, std::size_t sharers = 1);
+
+  /// A piece behind those before it. `values`: signal by signal, at the Gauss–Legendre points of [begin, begin + length].
+  void take(const engine::Piece& piece);
+
+  [[nodiscard]] std::size_t signals() const { return signals_; }
+  [[nodiscard]] bool empty() const { return pieces_.empty() && bins_.empty(); }
+  /// Whether bins stand for the begin of the run.
+  [[nodiscard]] bool is_thinned() const { return !bins_.empty(); }
+
+  struct Piece {
+    double from = 0.0, to = 0.0;
+    std::vector<std::uint8_t> lengths;  ///< of each signal's series
+    std::vector<double> coefficients;   ///< of all signals, one behind the other
+  };
+  [[nodiscard]] const std::deque<Piece>& pieces() const { return pieces_; }
+
+  struct Share {
+    double least = 0.0, largest = 0.0, mean = 0.0, square = 0.0;
+  };
+  struct Bin {
+    double from = 0.0, to = 0.0;
+    std::vector<Share> shares;  ///< of each signal
+  };
+  /// Ascending, without gaps, up to the first piece. At most `most`: neighbours are joined.
+  [[nodiscard]] std::vector<Bin> bins(std::size_t most) const;
+  /// How many bins a page of these signals holds.
+  [[nodiscard]] std::size_t bins_of_page() const;
+
+  /// A signal as a polyline that a picture of the whole run cannot tell from the solution: extremes are among its points, and each bin is a line between its
+  /// extremes. A jump is two points at one time.
+  struct Line {
+    std::vector<double> times, values;
+  };
+  [[nodiscard]] Line line(std::size_t signal) const;
+
+ private:
+  void drop_oldest();
+  void add_to_bins(const Piece& piece);
+  void add_to_bin(Bin& bin, double from, double to, const Piece& piece);
+  void add_curve(Line& line, const Piece& piece, const linalg::LegendreSeries& series, std::size_t length) const;
+  [[nodiscard]] Bin& bin_at(double time);
+
+  double from_, to_;
+  std::size_t signals_, most_coefficients_;
+  std::deque<Piece> pieces_;
+  std::size_t coefficients_ = 0;
+  std::vector<double> largest_;  ///< magnitude of each signal so far
+  std::vector<Bin> bins_;
+};
+
+/// The series of a signal in a piece.
+[[nodiscard]] linalg::LegendreSeries series_of(const SolutionRecord::Piece& piece, std::size_t signal);
+
+}  // namespace pwlsim::analysis
