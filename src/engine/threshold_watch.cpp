@@ -12,7 +12,7 @@ namespace {
 constexpr double least_swing = 0.1;
 /// Lines of a clock that are looked at: of a switch that changes, enough to find a level at which it rests in each period; of one that does not, the range of
 /// all of them is needed.
-constexpr std::size_t some_lines = 1024, all_lines = 1'000'000;
+constexpr std::size_t some_lines = 24, all_lines = 1'000'000;
 /// Messages of one kind; switches behind them are named in the last.
 constexpr std::size_t most_messages = 8;
 

@@ -10,18 +10,18 @@ namespace {
 
 /// Of a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖).
 constexpr double rounding_levels = 30.0;
-/// Samples of a segment, so many a unit of rate·length: the range of a sinusoid is right to 1 %, and to 2·10⁻⁴ in a long segment; so many in a whole run,
-/// since they cost as much as a row each.
-constexpr double samples_per_unit = 8.0, most_samples = 256.0;
+/// Samples of a segment, so many a unit of rate·length: the range of what rings is right to a few percent, that of sinusoids from sources alone to 2·10⁻⁴. They
+/// cost as much as a row each, so a run has only so many.
+constexpr double samples_per_unit = 2.0, most_samples = 48.0, most_samples_of_sources = 256.0;
 constexpr std::uint64_t most_samples_of_run = 2048;
 /// Places that never fall into step with a period: multiples of the golden section.
 constexpr double golden = 0.6180339887498949;
 
 }  // namespace
 
-double ControlProbe::value(const model::System& system, std::size_t control) const {
+double ControlProbe::value(const model::System& system, std::size_t control, const std::vector<double>& y) const {
   const int row = system.diodes + 2 * static_cast<int>(control);
-  return linalg::row_times(segment_->mode->guards, row, y_.data()) + system.controls[control].off_level;
+  return linalg::row_times(segment_->mode->guards, row, y.data()) + system.controls[control].off_level;
 }
 
 void ControlProbe::go_to(double tau) {
@@ -38,7 +38,6 @@ void ControlProbe::look(const model::System& system, const Segment& segment, dou
   if (std::none_of(system.controls.begin(), system.controls.end(), wants)) return;
   y_.resize(static_cast<std::size_t>(segment.mode->ny));
   work_.resize(2 * y_.size());
-  std::copy_n(segment.y0.begin(), y_.size(), y_.begin());
   bool asks_range = false;
   for (std::size_t i = 0; i < system.controls.size(); ++i) {
     const int number = system.controls[i].driven;
@@ -46,12 +45,13 @@ void ControlProbe::look(const model::System& system, const Segment& segment, dou
     asks_range |= watch_.asks_range(number);
   }
   if (!asks_range) return;
-  const double inside = samples_ < most_samples_of_run ? std::min(most_samples, std::floor(samples_per_unit * segment.mode->flow.rate() * length)) : 0.0;
+  const double most = system.n == 0 ? most_samples_of_sources : most_samples;
+  const double inside = samples_ < most_samples_of_run ? std::min(most, std::floor(samples_per_unit * segment.mode->flow.rate() * length)) : 0.0;
   for (double k = 0.0; k <= inside + 1.0; ++k) {  // the begin, points inside, the end
     go_to(k == inside + 1.0 ? length : length * (k * golden - std::floor(k * golden)));
     ++samples_;
     for (std::size_t i = 0; i < system.controls.size(); ++i)
-      if (watch_.asks_range(system.controls[i].driven)) watch_.see(system.controls[i].driven, value(system, i));
+      if (watch_.asks_range(system.controls[i].driven)) watch_.see(system.controls[i].driven, value(system, i, y_));
   }
 }
 
@@ -59,13 +59,14 @@ void ControlProbe::look(const model::System& system, const Segment& segment, dou
 void ControlProbe::look_for_rest(const model::System& system, std::size_t control, double length) {
   const model::Mode& mode = *segment_->mode;
   const int row = system.diodes + 2 * static_cast<int>(control), number = system.controls[control].driven;
-  std::copy_n(segment_->y0.begin(), y_.size(), y_.begin());
-  const auto noise = [&] { return rounding_levels * mode.guard_noise[row] * mode.guard_norm[row] * linalg::norm(y_.data(), mode.ny); };
-  const auto threshold = watch_.threshold_at(number, value(system, control), noise());
+  const auto noise = [&](const std::vector<double>& y) {
+    return rounding_levels * mode.guard_noise[row] * mode.guard_norm[row] * linalg::norm(y.data(), mode.ny);
+  };
+  const auto threshold = watch_.threshold_at(number, value(system, control, segment_->y0), noise(segment_->y0));
   if (!threshold) return;
   for (const double share : {golden, 1.0 - golden * golden * golden, 1.0}) {
     go_to(share * length);
-    if (std::abs(value(system, control) - *threshold) > noise()) return;
+    if (std::abs(value(system, control, y_) - *threshold) > noise(y_)) return;
   }
   watch_.rests(number, *threshold, segment_->anchor);
 }

@@ -16,7 +16,7 @@ class ControlProbe {
   void look(const model::System& system, const Segment& segment, double time);
 
  private:
-  [[nodiscard]] double value(const model::System& system, std::size_t control) const;
+  [[nodiscard]] double value(const model::System& system, std::size_t control, const std::vector<double>& y) const;
   void go_to(double tau);
   void look_for_rest(const model::System& system, std::size_t control, double length);
 
