@@ -18,6 +18,8 @@
 namespace pwlsim::analysis {
 namespace {
 
+using measure::SolutionRecord;
+
 template <class Values, class Write>
 std::string array_of(const Values& values, const Write& write) {
   std::string text = "[";
@@ -96,7 +98,7 @@ std::string coefficients_text(const SolutionRecord& solution, std::size_t signal
   double size = 0.0;
   std::vector<double> all;
   for (const SolutionRecord::Piece& piece : solution.pieces()) {
-    const linalg::LegendreSeries series = series_of(piece, signal);
+    const auto series = measure::series_of(piece, signal);
     const auto& c = series.coefficients();
     all.insert(all.end(), c.begin(), c.begin() + piece.lengths[signal]);
     size = std::max(size, std::abs(c[0]));

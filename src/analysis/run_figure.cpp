@@ -15,8 +15,8 @@ constexpr std::size_t most_panels = 8, most_curves = 6;
 /// Of the names of one panel, so that they find room above it.
 constexpr std::size_t most_letters = 60;
 
-waveform::Curve curve(const std::string& name, const SolutionRecord& solution, std::size_t signal, const std::string& colour = {}) {
-  SolutionRecord::Line line = solution.line(signal);
+waveform::Curve curve(const std::string& name, const measure::SolutionRecord& solution, std::size_t signal, const std::string& colour = {}) {
+  measure::SolutionRecord::Line line = solution.line(signal);
   return {name, std::move(line.times), std::move(line.values), false, colour};
 }
 
@@ -55,7 +55,7 @@ std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& event
 }
 
 waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder) {
-  const SolutionRecord& solution = recorder.solution();
+  const measure::SolutionRecord& solution = recorder.solution();
   const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(solution.signals()));
   waveform::Figure figure{title, "time", "s", {}, event_marks(recorder.events()), recorder.lanes()};
   std::size_t drawn = 0;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/solution_record.hpp"
 #include "engine/run.hpp"
+#include "measure/solution_record.hpp"
 #include "waveform/svg_plot.hpp"
 
 namespace pwlsim::analysis {
@@ -38,7 +38,7 @@ class RunRecorder : public engine::EventWatcher {
 
   [[nodiscard]] double from() const { return from_; }
   [[nodiscard]] double to() const { return end_; }
-  [[nodiscard]] const SolutionRecord& solution() const { return solution_; }
+  [[nodiscard]] const measure::SolutionRecord& solution() const { return solution_; }
   /// One a port, of the first `most_lanes`. Where there were too many changes to keep, the share of each of many pieces of time.
   [[nodiscard]] std::vector<waveform::Lane> lanes() const;
   [[nodiscard]] std::size_t ports() const { return last_.size(); }
@@ -67,7 +67,7 @@ class RunRecorder : public engine::EventWatcher {
   [[nodiscard]] waveform::Lane lane(const Track& track) const;
 
   double from_, to_, end_;
-  SolutionRecord solution_;
+  measure::SolutionRecord solution_;
   std::vector<std::string> elements_;
   std::vector<char> last_;  ///< position of all ports
   std::vector<Track> tracks_;

@@ -13,7 +13,6 @@
 #include "analysis/quantity.hpp"
 #include "analysis/row_grid.hpp"
 #include "analysis/run_recorder.hpp"
-#include "linalg/legendre.hpp"
 #include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
@@ -135,38 +134,38 @@ class PieceFork : public engine::PieceSink {
     if (recorder_ == nullptr) return all;
     const bool is_measured = measured_.sink != nullptr;
     if (!is_measured) all.signals.clear();
-    kept_ = all.signals.size() * linalg::legendre_points;
+    measured_count_ = all.signals.size();
     for (std::size_t k = 0; k < recorder_->solution().signals(); ++k) all.signals.push_back(static_cast<int>(k));
     all.from = is_measured ? std::min(all.from, recorder_->from()) : recorder_->from();
     all.to = is_measured ? std::max(all.to, recorder_->to()) : recorder_->to();
+    count_ = std::max<std::size_t>(1, all.signals.size());
     all.sink = this;
     return all;
   }
 
   void before_start(std::span<const double> values) override {
-    if (measured_.sink != nullptr) measured_.sink->before_start(values.first(probes_measured()));
+    if (measured_.sink != nullptr) measured_.sink->before_start(values.first(measured_count_));
   }
   void take(const engine::Piece& piece) override {
+    const std::size_t kept = measured_count_ * (piece.values.size() / count_);
     if (measured_.sink != nullptr && piece.to > measured_.from && piece.from < measured_.to) {
       engine::Piece own = piece;
-      own.values = piece.values.first(kept_);
-      if (!piece.noise.empty()) own.noise = piece.noise.first(probes_measured());
+      own.values = piece.values.first(kept);
+      if (!piece.noise.empty()) own.noise = piece.noise.first(measured_count_);
       measured_.sink->take(own);
     }
     engine::Piece drawn = piece;
-    drawn.values = piece.values.subspan(kept_);
+    drawn.values = piece.values.subspan(kept);
     recorder_->take_piece(drawn);
   }
   void impulse(double time, std::span<const double> values) override {
-    if (measured_.sink != nullptr) measured_.sink->impulse(time, values.first(probes_measured()));
+    if (measured_.sink != nullptr) measured_.sink->impulse(time, values.first(measured_count_));
   }
 
  private:
-  [[nodiscard]] std::size_t probes_measured() const { return kept_ / linalg::legendre_points; }
-
   engine::Probes measured_;
   RunRecorder* recorder_;
-  std::size_t kept_ = 0;  ///< values of the measured probes in a piece
+  std::size_t measured_count_ = 0, count_ = 1;  ///< probes that are measured, and all
 };
 
 /// The run with its measurements: once with rows, and again for those that need results of the first.

@@ -1,10 +1,10 @@
-#include "analysis/solution_record.hpp"
+#include "measure/solution_record.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace pwlsim::analysis {
+namespace pwlsim::measure {
 namespace {
 
 /// Of all records that share: as many as a page of some three megabytes holds as text.
@@ -158,4 +158,4 @@ void SolutionRecord::add_curve(Line& line, const Piece& piece, const linalg::Leg
   }
 }
 
-}  // namespace pwlsim::analysis
+}  // namespace pwlsim::measure

@@ -13,7 +13,7 @@
 #include "engine/run.hpp"
 #include "linalg/legendre.hpp"
 
-namespace pwlsim::analysis {
+namespace pwlsim::measure {
 
 class SolutionRecord {
  public:
@@ -72,4 +72,4 @@ class SolutionRecord {
 /// The series of a signal in a piece.
 [[nodiscard]] linalg::LegendreSeries series_of(const SolutionRecord::Piece& piece, std::size_t signal);
 
-}  // namespace pwlsim::analysis
+}  // namespace pwlsim::measure

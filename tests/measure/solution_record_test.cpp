@@ -1,4 +1,4 @@
-#include "analysis/solution_record.hpp"
+#include "measure/solution_record.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,7 +6,7 @@
 #include <numbers>
 
 using namespace pwlsim;
-using analysis::SolutionRecord;
+using measure::SolutionRecord;
 
 namespace {
 
@@ -36,7 +36,7 @@ std::pair<double, double> integrals(const SolutionRecord& record, const std::vec
   }
   const auto& rule = linalg::gauss_legendre();
   for (const auto& piece : record.pieces()) {
-    const linalg::LegendreSeries series = analysis::series_of(piece, 0);
+    const linalg::LegendreSeries series = measure::series_of(piece, 0);
     for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
       const double value = series(rule.point[i]), weight = 0.5 * (piece.to - piece.from) * rule.weight[i];
       area += weight * value;
