@@ -100,7 +100,9 @@ TEST_CASE("a Fibonacci converter between teraohms gives eight times its input", 
 TEST_CASE("a Fibonacci converter with switches of nanoohms shares charge as one without resistance", "[regression]") {
   const char* ron = GENERATE("0", "1n", "10n", "100n", "1u", "100u");
   std::string deck = fibonacci(4, 1e6, false);
-  for (const auto& [from, to] : {std::pair<std::string, std::string>{"Ron=0.1 ", fmt::format("Ron={} ", ron)}, {" 1u ic=0", " 0.1u ic=0"}, {" 10u ic=0", " 1u ic=0"}})
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"Ron=0.1 ", fmt::format("Ron={} ", ron)},
+                                 {" 1u ic=0", " 0.1u ic=0"},
+                                 {" 10u ic=0", " 1u ic=0"}})
     for (std::size_t at = deck.find(from); at != std::string::npos; at = deck.find(from, at + to.size())) deck.replace(at, from.size(), to);
   const DeckRun run = run_text(deck + ".tran 9.99u 499.5u uic\n");
   INFO(ron << ": " << run.messages << run.answer.message);
