@@ -49,8 +49,11 @@ constexpr double very_bad_condition = 1e5;
 constexpr Wide output_rounding = 1e-15L;  ///< of the terms of an entry that reads state and ports, both rounded to double
 /// A second shift, and what two answers differ by, as an error of each.
 constexpr double other_shift = 3.0, error_factor = 10.0;
+constexpr double rounding_of_terms = 1e-15;  ///< of a guard row on a slow manifold, against the row of C that it is a sum with
 /// Beyond, a guard counts as if it had these digits: a potential that leaks of 10¹³ Ω hold is not worth an event that is missed.
 constexpr double largest_guard_noise = 1e-9;
+/// The same of a bound from the entries of D_JJ and C_J, which is decades above what rounding does: more would let a guard rest below zero.
+constexpr double largest_row_noise = 1e-12;
 constexpr Wide manifold_rounding = 1e-18L;  ///< the same of rows on a slow manifold, where what large resistances multiply cancels
 /// Of A, 1/s: its square has to be a number.
 constexpr double fastest_rate = 1e150;
@@ -140,12 +143,14 @@ class Builder {
   void take_port_rows(WideMatrix& rows) const;
   void clean_control_rows(Matrix& rows) const;
   [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
+  void bound_guard_noise() const;
 
   const System& s_;
   std::shared_ptr<const Unrounded> w_;
   Restricted r_;
   std::unique_ptr<Mode> mode_;
   WideMatrix kj_;           ///< u_J = kj·x
+  WideMatrix kj_error_;     ///< a bound of what rounding of D_JJ and C_J makes of its entries; empty where that is not known
   WideMatrix constraints_;  ///< rows spanning the complement of V
   WideVector input_;        ///< of the active ports into the row at hand
   bool sources_constrain_ = false;
@@ -187,8 +192,8 @@ void Builder::take_inputs(const WideMatrix& inverse) {
   if (condition_ > very_bad_condition) kj_ = linalg::refined_solution(r_.d, WideMatrix::Zero(r_.d.rows(), r_.d.cols()), inverse, -r_.c);
   // |δK| ≤ ε|D⁻¹|(|D||K| + |C|): what lies within a few of that is zero.
   const WideMatrix bound = absolute_product(inverse, absolute_product(r_.d, kj_) + r_.c.cwiseAbs());
-  const Wide level = s_.unrounded ? unrounded_solution_noise : solution_noise;
-  for (Eigen::Index j = 0; j < kj_.cols(); ++j) leave_out_rounding(j, level * bound.col(j));
+  kj_error_ = (s_.unrounded ? unrounded_solution_noise : solution_noise) * bound;
+  for (Eigen::Index j = 0; j < kj_.cols(); ++j) leave_out_rounding(j, kj_error_.col(j));
 }
 
 void Builder::take_manifold() {
@@ -454,6 +459,22 @@ void Builder::build_rows() {
   }
   m.outputs = rows.bottomRows(outputs);
   finish_mode(s_, m, std::move(flow_));
+  if (kj_error_.size() > 0) bound_guard_noise();
+}
+
+/// Each diode's guard has the digits of its own row: the small current of a port beside large ones has fewer than they have, and a large one does not
+/// lose any to them.
+void Builder::bound_guard_noise() const {
+  Mode& m = *mode_;
+  const WideVector of_input = kj_error_.rowwise().norm();
+  std::size_t a = 0;
+  for (int i = 0; i < s_.diodes; ++i) {
+    const bool is_active = m.active.contains(i);
+    Wide error = is_active ? of_input[static_cast<Eigen::Index>(a++)] : 0;
+    for (std::size_t j = 0; !is_active && j < r_.j.size(); ++j) error += std::abs(w_->d(i, r_.j[j])) * of_input[static_cast<Eigen::Index>(j)];
+    if (m.guard_norm[i] > 0.0)
+      m.guard_noise[i] = std::clamp(static_cast<double>(error) / m.guard_norm[i], noise_floor, std::max(m.noise, largest_row_noise));
+  }
 }
 
 /// What the decays beside the slow motion add to the guards: in the mode itself they are states like others.
@@ -473,13 +494,29 @@ Matrix guards_of_state(const Mode& mode) {
   return rows;
 }
 
+/// The row is zero: the port is indeterminate.
+void leave_out_guard(Mode& mode, Eigen::Index row) {
+  for (Matrix* m : {&mode.guards, &mode.absolute_guards, &mode.guard_block_norm}) m->row(row).setZero();
+  mode.guard_norm[row] = mode.guard_c_norm[row] = 0.0;
+  if (mode.scaled_guard_c_norm.size() > 0) mode.scaled_guard_c_norm[row] = 0.0;
+  mode.guard_constant[static_cast<std::size_t>(row)] = 1;
+}
+
 /// Where leaks decide a potential, the guards that read it have fewer digits than others: what they differ by from those at another shift tells how many.
-void measure_guard_noise(Mode& mode, const Mode* other) {
+/// The voltage of a blocking port that has none, and is rounding of its own terms, is zero (a diode across a closed switch).
+void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
   if (!other || other->n1 != mode.n1) return;
   const Matrix rows = guards_of_state(mode);
-  const Vector error = (rows - guards_of_state(*other)).rowwise().norm();
-  for (Eigen::Index i = 0; i < error.size(); ++i)
-    if (mode.guard_norm[i] > 0.0) mode.guard_noise[i] = std::clamp(error_factor * error[i] / mode.guard_norm[i], mode.noise, largest_guard_noise);
+  const Vector error = error_factor * (rows - guards_of_state(*other)).rowwise().norm();
+  for (int i = 0; i < error.size(); ++i) {
+    const double norm = mode.guard_norm[i];
+    if (norm == 0.0) continue;
+    const bool is_blocking = i < system.diodes && !mode.active.contains(i);
+    if (is_blocking && error[i] >= norm && norm <= rounding_of_terms * system.c.row(i).norm())
+      leave_out_guard(mode, i);
+    else
+      mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, largest_guard_noise);
+  }
 }
 
 }  // namespace
@@ -492,7 +529,7 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
 std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
   if (!whole.regular || whole.ny == 0) return nullptr;
   auto slow = Builder(system, whole.active).run_slow(whole, longest, 1.0);
-  if (slow) measure_guard_noise(*slow, Builder(system, whole.active).run_slow(whole, longest, other_shift).get());
+  if (slow) measure_guard_noise(system, *slow, Builder(system, whole.active).run_slow(whole, longest, other_shift).get());
   return slow;
 }
 

@@ -48,7 +48,7 @@ Family floating() {
 
 /// Modes up to 10^12 times faster than what one looks at.
 Family real_diodes() {
-  Family family{"real diodes", 50'001, {}, 3, 0, false};
+  Family family{"real diodes", 50'001, {}, 0, 0, false};
   family.recipe.diode = 5.0;
   family.recipe.real_diodes = 0.8;
   return family;
