@@ -28,7 +28,7 @@ constexpr double formula_threshold = 1e-8;  ///< of the integrator beside answer
 constexpr double patience = 15.0;           ///< s of the processor for the integrator's runs of a converter
 // Parts of all runs that a test may have. The aims are 0 and 1e-3: they become the limits when stiff modes (Roff beside L) are solved.
 constexpr double most_silent = 0.005;  ///< differences without a warning
-constexpr double most_errors = 0.01, most_sparse_errors = 0.05;
+constexpr double most_errors = 0.01, most_sparse_errors = 0.01;
 constexpr double most_unresolved = 0.01;  ///< by the integrator: they show nothing
 
 struct Options {

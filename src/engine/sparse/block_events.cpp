@@ -80,17 +80,23 @@ double Block::largest_input(const Point& at) const {
 std::vector<Block::Crossing> Block::crossings(double h, double reach) {
   std::vector<Crossing> result;
   const double input = ports_.input_size(largest_input(trial_.end)), shift = 1.0 / (diagonal * h), unknown = largest(point_.z);
+  const double voltage = std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(trial_.end.z));
   const auto examine = [&](std::size_t i, bool is_control) {
     const bool is_input = !is_control && point_.on[i] != 0;
     const double size = is_input ? input : margin_size(i, is_control);
-    const double rounding = is_input ? ports_.rounding_of_input(shift, i) : 0.0;
-    double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size + rounding;
+    double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
     if (is_control) tolerance = std::max(tolerance, controls_[i].rounding(unknown));
-    const double dip = std::max(tolerance, dip_share * reltol_ * size);
-    const double start = margin(i, is_control, point_);
+    const double start = margin(i, is_control, point_), stage = margin(i, is_control, trial_.stage),
+                 end = margin(i, is_control, trial_.end);
+    const auto passage = [&] {
+      return first_passage(start, stage, end, reach, tolerance, std::max(tolerance, dip_share * reltol_ * size));
+    };
     const bool overdue = is_control && start < -2.0 * tolerance;  // it jumped there in the last Euler step
-    const double at =
-        overdue ? 0.0 : first_passage(start, margin(i, is_control, trial_.stage), margin(i, is_control, trial_.end), reach, tolerance, dip);
+    double at = overdue ? 0.0 : passage();
+    if (at >= 0.0 && is_input) {
+      tolerance += ports_.rounding_of_input(shift, point_.on, i, voltage);
+      at = passage();
+    }
     if (at >= 0.0) result.push_back({i, is_control, at});
   };
   for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);

@@ -11,12 +11,6 @@ constexpr std::uint64_t points_per_stride = 64;
 /// A row whose terms never exceed this fraction of the largest is judged against that fraction.
 constexpr double idle_row = 1e-3;
 
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 }  // namespace
 
 bool CertificateRecorder::sampled() {
@@ -66,14 +60,15 @@ void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports)
 
 double CertificateRecorder::energy(const Point& point) {
   descriptor_.memory(point.z.data(), rates_.data());
-  return 0.5 * product(point.z, rates_);
+  return 0.5 * descriptor_.product(point.z, rates_);
 }
 
 void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& trial) {
   const double h = trial.end.time - from.time;
   const double before = energy(from), after = energy(trial.end);
-  const double flow[3] = {h * step_weight * product(from.z, from.k), h * step_weight * product(trial.stage.z, trial.stage.k),
-                          h * diagonal * product(trial.end.z, trial.end.k)};
+  const double flow[3] = {h * step_weight * descriptor_.product(from.z, from.k),
+                          h * step_weight * descriptor_.product(trial.stage.z, trial.stage.k),
+                          h * diagonal * descriptor_.product(trial.end.z, trial.end.k)};
   energy_ = std::max(energy_, std::abs(after - before - flow[0] - flow[1] - flow[2]));
   energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(flow[0]) + std::abs(flow[1]) + std::abs(flow[2])});
 }

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "base/log_mean.hpp"
+#include "model/disjoint_sets.hpp"
 #include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -71,6 +74,7 @@ std::vector<char> capacitors_read(const model::Network& network) {
 Descriptor::Descriptor(const model::Network& network) : network_(network) {
   choose_scale();
   number_unknowns();
+  find_floating_sets();
   constant_.assign(static_cast<std::size_t>(size_), 0.0);
   add_resistors();
   add_stores();
@@ -79,13 +83,18 @@ Descriptor::Descriptor(const model::Network& network) : network_(network) {
   compress();
 }
 
+/// The mean of sqrt(L/C), else of the resistances. Those across diodes and switches say how well they block, not what flows elsewhere: they count where
+/// there are no others.
 void Descriptor::choose_scale() {
-  LogMean capacitance, inductance, resistance;
+  LogMean capacitance, inductance, resistance, blocking;
   for (const auto& c : network_.capacitors) capacitance.add(std::abs(c.capacitance));
   for (const auto& l : network_.inductors) inductance.add(std::abs(l.inductance));
-  for (const auto& r : network_.resistors) resistance.add(std::abs(r.resistance));
-  if (!capacitance.empty() && !inductance.empty()) resistance.add(std::sqrt(inductance.value() / capacitance.value()));
-  r0_ = resistance.value();
+  std::set<std::pair<NodeIndex, NodeIndex>> across;
+  for (const auto& d : network_.diodes) across.insert(std::minmax(d.p, d.n));
+  for (const auto& s : network_.switches) across.insert(std::minmax(s.p, s.n));
+  for (const auto& r : network_.resistors) (across.contains(std::minmax(r.p, r.n)) ? blocking : resistance).add(std::abs(r.resistance));
+  const bool rings = !capacitance.empty() && !inductance.empty();
+  r0_ = rings ? std::sqrt(inductance.value() / capacitance.value()) : (resistance.empty() ? blocking : resistance).value();
 }
 
 void Descriptor::number_unknowns() {
@@ -135,9 +144,37 @@ void Descriptor::entry_of_port(int row, int column, double slack, double input) 
   places_.push_back({row, column, 0.0, 0.0, slack, input});
 }
 
-void Descriptor::add_kcl(NodeIndex p, NodeIndex n, int column, double value) {
-  if (p != ground) entry(p, column, 0.0, value);
-  if (n != ground) entry(n, column, 0.0, -value);
+void Descriptor::find_floating_sets() {
+  static_assert(ground == -1);  // the least of all, so that its set is named by it
+  model::DisjointSets sets(nodes() + 1);
+  for (const auto& c : network_.capacitors) sets.join(c.p + 1, c.n + 1);
+  for (int node = 0; node < nodes(); ++node) floating_set_.push_back(sets.find(node + 1) - 1);
+}
+
+std::vector<Descriptor::Cut> Descriptor::cuts(NodeIndex p, NodeIndex n) const {
+  std::vector<Cut> result;
+  const auto set = [&](NodeIndex node) { return node == ground ? ground : floating_set_[static_cast<std::size_t>(node)]; };
+  const int set_p = set(p), set_n = set(n);
+  if (p != ground && p != set_p) result.push_back({p, 1.0});
+  if (n != ground && n != set_n) result.push_back({n, -1.0});
+  if (set_p == set_n) return result;
+  if (set_p != ground) result.push_back({set_p, 1.0});
+  if (set_n != ground) result.push_back({set_n, -1.0});
+  return result;
+}
+
+void Descriptor::add_kcl(NodeIndex p, NodeIndex n, int column, double g, double e) {
+  for (const Cut& cut : cuts(p, n)) entry(cut.row, column, cut.sign * e, cut.sign * g);
+}
+
+double Descriptor::product(const std::vector<double>& a, const std::vector<double>& y) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const int set = i < floating_set_.size() ? floating_set_[i] : ground;
+    const bool is_of_node = set != ground && set != static_cast<int>(i);
+    sum += (is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i]) * y[i];
+  }
+  return sum;
 }
 
 void Descriptor::add_voltage(int row, NodeIndex p, NodeIndex n, double sign) {
@@ -179,10 +216,12 @@ void Descriptor::add_stores() {
       add_kcl(c.p, c.n, own, 1.0);
       entry(own, own, 0.0, -1.0);
     }
-    for (const auto& [row, sign] : {std::pair{own >= 0 ? own : c.p, 1.0}, std::pair{own >= 0 ? -1 : c.n, -1.0}}) {
-      if (row < 0) continue;
-      if (c.p != ground) entry(row, c.p, sign * e, 0.0);
-      if (c.n != ground) entry(row, c.n, -sign * e, 0.0);
+    for (const auto& [node, sign] : {std::pair{c.p, 1.0}, std::pair{c.n, -1.0}}) {
+      if (node == ground) continue;
+      if (own >= 0)
+        entry(own, node, sign * e, 0.0);
+      else
+        add_kcl(c.p, c.n, node, 0.0, sign * e);
     }
   }
   for (std::size_t i = 0; i < network_.inductors.size(); ++i) {
@@ -246,10 +285,8 @@ void Descriptor::add_branches_and_injections() {
     add_voltage(own, b.p, b.n, 1.0);
     add_form(own, b.voltage, -1.0);
   }
-  for (const auto& i : network_.injections) {
-    if (i.p != ground) add_form(i.p, i.current, r0_);
-    if (i.n != ground) add_form(i.n, i.current, -r0_);
-  }
+  for (const auto& i : network_.injections)
+    for (const Cut& cut : cuts(i.p, i.n)) add_form(cut.row, i.current, cut.sign * r0_);
 }
 
 void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
@@ -333,8 +370,6 @@ Descriptor::Closing Descriptor::closing(double shift, const Position& on, double
   }
   return closing;
 }
-
-std::vector<double> Descriptor::port_admittances(double shift) const { return at_ports(node_admittances(shift)); }
 
 /// Of every port the larger value of its nodes.
 std::vector<double> Descriptor::at_ports(const std::vector<double>& of_nodes) const {
@@ -423,9 +458,10 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
     remains = true;
     const double charge = r0_ * states_[i].storage * missing;
     const int own = capacitor_current_[i];
-    const int p = own >= 0 ? own : states_[i].plus, n = own >= 0 ? -1 : states_[i].minus;
-    if (p >= 0) y[static_cast<std::size_t>(p)] += charge;
-    if (n >= 0) y[static_cast<std::size_t>(n)] -= charge;
+    if (own >= 0)
+      y[static_cast<std::size_t>(own)] += charge;
+    else
+      for (const Cut& cut : cuts(states_[i].plus, states_[i].minus)) y[static_cast<std::size_t>(cut.row)] += cut.sign * charge;
   }
   return remains;
 }

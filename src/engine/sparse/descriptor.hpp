@@ -4,7 +4,11 @@
 /// z: node voltages, then currents times R0 of low resistors, of capacitors whose current some form reads, of inductors, branches and diodes, the
 /// scaled inputs of complementarities, currents times R0 of switches: all of it in volts. E is symmetric positive semidefinite (capacitances in rows
 /// of Kirchhoff's current law, inductances in those of inductors), so that ½ zᵀE z / R0 is the stored energy where no capacitor has a
-/// current of its own.
+/// current of its own and no part hangs on capacitors alone (below).
+///
+/// Nodes that capacitors join to one another and not to ground form a floating set. In short steps C/h is so large that the leaks of such a set are lost in
+/// the rounding of its equations, all of which then say the same. So the row of the set's first node holds Kirchhoff's current law of the whole set instead of
+/// its own: the capacitors cancel in it by construction, and the leaks are all that is left.
 ///
 /// Every port p has an input u = z[row] and a slack s = row·z + …:  0 ≤ u ⊥ s ≥ 0, for a diode i and drop + R i − v. Its closing row is
 ///    on:  s = 0      off:  u = 0
@@ -100,8 +104,6 @@ class Descriptor {
   };
   /// Those of a position, with an ε: zero, or what it needs to be regular.
   [[nodiscard]] Closing closing(double shift, const Position& on, double epsilon) const;
-  /// Of every port the larger admittance of its nodes, times R0.
-  [[nodiscard]] std::vector<double> port_admittances(double shift) const;
   /// Makes those of some ports  s + a u  or  u + b s,  a and b far below the impedances and admittances around. Returns the largest admittance that meets in
   /// a node.
   double tie(double shift, const Position& on, const std::vector<int>& ports, Closing& closing) const;
@@ -129,8 +131,17 @@ class Descriptor {
   [[nodiscard]] Form form(const model::LinearForm& terms) const;
   /// "node out", "the current of V1"
   [[nodiscard]] std::string unknown_name(int index) const;
+  /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set.
+  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
 
  private:
+  /// A row of Kirchhoff's current law in which a current from node p to node n counts, and its sign there.
+  struct Cut {
+    int row;
+    double sign;
+  };
+  [[nodiscard]] std::vector<Cut> cuts(model::NodeIndex p, model::NodeIndex n) const;
+  void find_floating_sets();
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;
   [[nodiscard]] std::vector<double> at_ports(const std::vector<double>& of_nodes) const;
   void choose_scale();
@@ -146,7 +157,7 @@ class Descriptor {
   void compress();
   void entry(int row, int column, double e, double g);
   void entry_of_port(int row, int column, double slack, double input);
-  void add_kcl(model::NodeIndex p, model::NodeIndex n, int column, double value);
+  void add_kcl(model::NodeIndex p, model::NodeIndex n, int column, double g, double e = 0.0);
   void add_voltage(int row, model::NodeIndex p, model::NodeIndex n, double sign);
   void add_form(int row, const model::LinearForm& terms, double factor);
 
@@ -163,6 +174,7 @@ class Descriptor {
   int size_ = 0, first_switch_ = 0;
   int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
   std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none
+  std::vector<int> floating_set_;                      ///< node -> first node of its floating set, ground: none
   std::vector<double> input_scale_, slack_scale_;      ///< of complementarities: SI value of u a volt, one over the largest of the slack
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;

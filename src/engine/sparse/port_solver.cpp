@@ -55,17 +55,25 @@ PortSolver::~PortSolver() = default;
 
 double PortSolver::input_size(double most) const { return std::max({most, present_input_, cross_scale * scale_.slack}); }
 
-double PortSolver::rounding_of_input(double shift, std::size_t port) {
-  if (shift != admittance_shift_) {
-    admittances_ = descriptor_.port_admittances(shift);
-    admittance_shift_ = shift;
-  }
-  return rounding_of_voltages * scale_.slack * admittances_[port];
+/// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
+/// a bound for voltages anywhere.
+double PortSolver::rounding_of_input(double shift, const Position& on, std::size_t port, double voltage) {
+  const Factor* factor = factors_.at(shift, on);
+  if (!factor) return 0.0;
+  const auto row = static_cast<std::size_t>(descriptor_.ports()[port].row);
+  probe_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
+  probe_[row] = 1.0;
+  factor->solve(probe_);
+  return rounding_of_voltages * voltage * std::abs(probe_[row]);
+}
+
+double PortSolver::largest_voltage(const std::vector<double>& z) const {
+  return largest(std::span(z).first(static_cast<std::size_t>(descriptor_.nodes())));
 }
 
 /// An input is judged against the largest of all, a slack against the voltages it is a difference of and the largest of the run.
-std::vector<int> PortSolver::violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
-                                      double tolerance) {
+std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance) {
+  const std::vector<double>& w = stage.w;
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<int> negative;
   double most = 0.0;
@@ -75,12 +83,13 @@ std::vector<int> PortSolver::violated(double shift, const Position& on, const st
     if (value < 0.0) negative.push_back(static_cast<int>(i));
   }
   const double input = input_size(most);
+  const double voltage = negative.empty() ? 0.0 : std::max(largest_voltage(z), largest_voltage(stage.from));
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const Port& p = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : std::max(scale_.slack, p.slack_size(z.data(), w.data()));
-    const double rounding = on[i] != 0 ? rounding_of_input(shift, i) : 0.0;
-    return p.free_variable(on[i] != 0, z.data(), w.data()) >= -tolerance * size - rounding;
+    const double beyond = p.free_variable(on[i] != 0, z.data(), w.data()) + tolerance * size;
+    return beyond >= 0.0 || (on[i] != 0 && beyond >= -rounding_of_input(stage.shift, on, i, voltage));
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
   return negative;
@@ -267,7 +276,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
     repeated_ = !visited.insert(hash_of(on)).second;
     if (repeated_) break;
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(stage.shift, on, z, stage.w, tolerance);
+    const std::vector<int> wrong = violated(stage, on, z, tolerance);
     if (wrong.empty()) return found(on, z, stage.w);
     dispute(wrong);
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
@@ -303,7 +312,7 @@ Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   for (int round = 0; round < most_decisions; ++round) {
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(stage.shift, on, z, stage.w, tie_tolerance);
+    const std::vector<int> wrong = violated(stage, on, z, tie_tolerance);
     if (wrong.empty()) return found(on, z, stage.w);
     dispute(wrong);
     if (decide(stage, on, z)) continue;

@@ -58,8 +58,9 @@ class PortSolver {
   /// What the sign of an input counts against: the largest of the last accepted step, and `most`, of a step beyond it. Not that of the run: what a
   /// surge leaves behind flows for long.
   [[nodiscard]] double input_size(double most) const;
-  /// What the rounding of voltages makes of the input of a port that is on: C/h of it at least.
-  [[nodiscard]] double rounding_of_input(double shift, std::size_t port);
+  /// What the rounding of voltages of that size makes of the input of a port that is on: that much of its response to a voltage of its own.
+  [[nodiscard]] double rounding_of_input(double shift, const Position& on, std::size_t port, double voltage);
+  [[nodiscard]] double largest_voltage(const std::vector<double>& z) const;
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   /// Ports that no position satisfied, after `no_position`.
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
@@ -78,8 +79,7 @@ class PortSolver {
     double voltage, current;  ///< both in volts
   };
   [[nodiscard]] Sizes sizes(const std::vector<double>& z) const;
-  [[nodiscard]] std::vector<int> violated(double shift, const Position& on, const std::vector<double>& z, const std::vector<double>& w,
-                                          double tolerance);
+  [[nodiscard]] std::vector<int> violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_dispute(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
@@ -93,9 +93,7 @@ class PortSolver {
   PortScale scale_;
   double present_input_ = 0.0;  ///< largest of the last accepted step
   std::vector<int> disputed_;
-  std::vector<double> right_, refined_, residual_, sizes_, values_;
-  std::vector<double> admittances_;  ///< of the ports at admittance_shift_
-  double admittance_shift_ = 0.0;
+  std::vector<double> right_, refined_, residual_, sizes_, values_, probe_;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
   std::uint64_t pivots_ = 0;
   bool repeated_ = false;      ///< Newton's method came back to a position
