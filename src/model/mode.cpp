@@ -12,6 +12,7 @@
 #include "model/modal_form.hpp"
 #include "model/slow_manifold.hpp"
 #include "model/subspaces.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::model {
 
@@ -437,6 +438,7 @@ void Builder::build_rows() {
     add_inputs(full, s_.diodes + i, row.input, output_rounding);
   }
   take_port_rows(full);
+  for (const int port : blocked_ports(s_, m.active)) full.row(port).setZero();
   Matrix rows = in_mode(full);
   clean_control_rows(rows);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);
@@ -479,7 +481,8 @@ void measure_guard_noise(Mode& mode, const Mode* other) {
   const Matrix rows = guards_of_state(mode);
   const Vector error = (rows - guards_of_state(*other)).rowwise().norm();
   for (Eigen::Index i = 0; i < error.size(); ++i)
-    if (mode.guard_norm[i] > 0.0) mode.guard_noise[i] = std::clamp(error_factor * error[i] / mode.guard_norm[i], mode.noise, largest_guard_noise);
+    if (mode.guard_norm[i] > 0.0)
+      mode.guard_noise[i] = std::clamp(error_factor * error[i] / mode.guard_norm[i], mode.noise, largest_guard_noise);
 }
 
 }  // namespace
@@ -487,7 +490,11 @@ void measure_guard_noise(Mode& mode, const Mode* other) {
 Mode::Mode() = default;
 Mode::~Mode() = default;
 
-std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
+std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
+  IndexSet held = active;
+  hold_blocked(system, held);
+  return Builder(system, held).run();
+}
 
 std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
   if (!whole.regular || whole.ny == 0) return nullptr;
