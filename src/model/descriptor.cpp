@@ -82,7 +82,8 @@ void Assembly::choose_scales() {
   Range resistance;
   for (const auto& r : network.resistors) resistance.take(r.resistance);
   for (const auto& d : network.diodes) resistance.take(d.resistance);
-  for (const auto& s : network.switches) resistance.take(s.resistance);
+  for (const auto& s : network.switches)
+    if (s.p != s.n) resistance.take(s.resistance);
   if (!capacitance.empty() && !inductance.empty()) resistance.take(std::sqrt(inductance.value() / capacitance.value()));
   r0 = resistance.middle();
   for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);

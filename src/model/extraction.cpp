@@ -411,6 +411,13 @@ void Extractor::add_ports() {
                            input_is_current ? current : voltage, input_is_current ? voltage : current});
   }
   for (const auto& s : network_.switches) system.switch_inverted.push_back(s.inverted);
+  for (std::size_t i = 0; i < network_.diodes.size(); ++i) {
+    const Diode& diode = network_.diodes[i];
+    if (diode.enabled_by.empty() && !diode.blocks) continue;
+    Valve valve{static_cast<int>(i), diode.enabled_by};
+    for (int& s : valve.switches) s += assembly_.first_switch();
+    system.valves.push_back(std::move(valve));
+  }
   system.switch_number = island_.switch_number;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lcp/lemke.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::model {
 
@@ -18,7 +19,7 @@ constexpr double impulse_tolerance = 1e-8;
 class Impulses {
  public:
   Impulses(const System& system, double rate, const IndexSet& active, double noise)
-      : s_(system), noise_(noise), root_(std::sqrt(rate)) {
+      : s_(system), noise_(noise), root_(std::sqrt(rate)), blocked_(blocked_ports(system, active)) {
     a_ = system.a / rate;
     c_ = system.c / root_;
     for (int i = 0; i < system.ports; ++i)
@@ -26,6 +27,8 @@ class Impulses {
     effect_.push_back(system.b / root_);
     markov_.push_back(system.d);
   }
+
+  [[nodiscard]] bool is_blocked(int port) const { return std::find(blocked_.begin(), blocked_.end(), port) != blocked_.end(); }
 
   bool solve(int order, const Vector& jump) {
     while (static_cast<int>(effect_.size()) < order) {
@@ -101,6 +104,10 @@ class Impulses {
     Vector impulse(s_.diodes);
     Matrix reads = Matrix::Zero(s_.diodes, weights.size());
     for (int i = 0; i < s_.diodes; ++i) {
+      if (is_blocked(i)) {
+        impulse[i] = 0.0;
+        continue;
+      }
       const auto own = std::find(active_.begin(), active_.end(), i);
       const int sign = own != active_.end() ? sign_of_input(i) : sign_of_output(i);
       if (own != active_.end())
@@ -118,6 +125,7 @@ class Impulses {
 
   const System& s_;
   double noise_, root_;
+  std::vector<int> blocked_;  ///< valves: no sign of theirs counts
   std::vector<int> active_;
   Matrix a_, c_;
   std::vector<Matrix> effect_;  ///< A^j B
@@ -137,7 +145,7 @@ Impulse find_impulse(const System& system, double rate, const IndexSet& active, 
     result.order = order;
     result.weight = impulses.weight();
     for (int i = 0; i < system.diodes; ++i)
-      result.sign.push_back(active.contains(i) ? impulses.sign_of_input(i) : impulses.sign_of_output(i));
+      result.sign.push_back(impulses.is_blocked(i) ? 0 : active.contains(i) ? impulses.sign_of_input(i) : impulses.sign_of_output(i));
     break;
   }
   return result;

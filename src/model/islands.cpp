@@ -57,6 +57,8 @@ class Connector {
       for (std::size_t i = 0; i < rails->branch_of.size(); ++i)
         if (rails->branch_of[i] >= 0) sets_.join(things.node + static_cast<int>(i), things.branch + rails->branch_of[i]);
     for (const auto& k : network.couplings) sets_.join(things.inductor + k.inductor_a, things.inductor + k.inductor_b);
+    for (std::size_t i = 0; i < network.diodes.size(); ++i)
+      for (const int s : network.diodes[i].enabled_by) sets_.join(things.diode + static_cast<int>(i), things.switch_ + s);
     for (std::size_t i = 0; i < network.complementarities.size(); ++i)
       form(network.complementarities[i].slack, things.complementarity + static_cast<int>(i));
     if (links == Links::without_controlled) return;
@@ -137,7 +139,11 @@ class Distributor {
       const int a = things_.inductor + k.inductor_a;
       island_of(a).network.couplings.push_back({k.label, local(a), local(things_.inductor + k.inductor_b), k.coefficient});
     }
-    for (auto& island : islands_) translate_forms(island);
+    for (auto& island : islands_) {
+      for (auto& diode : island.network.diodes)
+        for (int& s : diode.enabled_by) s = local(things_.switch_ + s);
+      translate_forms(island);
+    }
     add_conditions();
     add_switches();
     add_signals();

@@ -12,6 +12,7 @@
 #include "model/modal_form.hpp"
 #include "model/slow_manifold.hpp"
 #include "model/subspaces.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::model {
 
@@ -442,6 +443,7 @@ void Builder::build_rows() {
     add_inputs(full, s_.diodes + i, row.input, output_rounding);
   }
   take_port_rows(full);
+  for (const int port : blocked_ports(s_, m.active)) full.row(port).setZero();
   Matrix rows = in_mode(full);
   clean_control_rows(rows);
   m.guards.resize(s_.diodes + 2 * controls, m.ny);
@@ -524,7 +526,11 @@ void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
 Mode::Mode() = default;
 Mode::~Mode() = default;
 
-std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) { return Builder(system, active).run(); }
+std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
+  IndexSet held = active;
+  hold_blocked(system, held);
+  return Builder(system, held).run();
+}
 
 std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
   if (!whole.regular || whole.ny == 0) return nullptr;

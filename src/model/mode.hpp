@@ -70,14 +70,14 @@ struct Mode {
 
   mutable std::uint64_t visits = 0;
   mutable const Mode* slow = nullptr;  ///< the mode of its slow motion, where there is one and it has been asked for
-  bool piecewise_linear = false;  ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
-  mutable double reach = 1.5;     ///< rate·h that the locator's series decided last in this mode
+  bool piecewise_linear = false;       ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
+  mutable double reach = 1.5;          ///< rate·h that the locator's series decided last in this mode
   mutable std::unique_ptr<ModalForm> modal_form;  ///< likewise
   mutable bool modal_form_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
 };
 
-/// Builds the mode of `active`; `regular` is false where V ⊕ T is not the whole space.
+/// Builds the mode of `active`, valves that block on that side; `regular` is false where V ⊕ T is not the whole space.
 [[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
 
 /// The slow motion of a mode that leaves decays which are much faster, with time constants of at most `longest`, s: V is then the slow manifold, T the fast subspace

@@ -93,11 +93,14 @@ struct Injection {
   LinearForm current;
 };
 /// Ideal diode behind a series resistance and a forward drop: with d = v − drop − resistance·i:  0 ≤ −d ⊥ i ≥ 0.
+/// With `enabled_by` (switches of the network) only while one of these is closed, else i = 0.
 struct Diode {
   Label label;
   NodeIndex p = ground, n = ground;
   double resistance = 0.0;
   double drop = 0.0;
+  std::vector<int> enabled_by{};
+  bool blocks = false;  ///< i = 0 for good
 };
 /// How the deck writes the control of a switch, for messages: the control in Switch is `sense` times it, and its levels lie `reach` inside of those
 /// written.
@@ -107,7 +110,8 @@ struct WrittenControl {
   std::string unit = "V";
 };
 /// Closed: v = drop + resistance·i. Open: i = 0. It closes when control rises above `on_level` and opens when control falls below `off_level`
-/// (off_level ≤ on_level); at equality the first nonzero derivative decides. `inverted` swaps closed and open.
+/// (off_level ≤ on_level); at equality the first nonzero derivative decides. `inverted` swaps closed and open. With both ends at one node it connects
+/// nothing: its position is a state for others (Diode::enabled_by).
 struct Switch {
   Label label;
   NodeIndex p = ground, n = ground;

@@ -6,6 +6,7 @@
 
 #include "lcp/lemke.hpp"
 #include "model/certificate.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::model {
 
@@ -20,8 +21,11 @@ constexpr std::size_t most_own_ports = 10;
 constexpr double twin_tolerance = 1e-10;  ///< of rows and columns
 constexpr double regularisation = 1e-8;   ///< of a problem whose diagonal is about 1
 
+/// With the valves that block: they stand where switches and no signs have them.
 std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
   std::vector<int> active;
+  for (const int port : blocked_ports(system, wanted))
+    if (wanted.contains(port)) active.push_back(port);
   for (int i = system.diodes; i < system.ports; ++i)
     if (wanted.contains(i)) active.push_back(i);
   return active;
@@ -150,7 +154,12 @@ Matrix RationalProblem::effects(double s, std::vector<int> active) {
 bool RationalProblem::is_uniquely_solvable(const IndexSet& wanted) {
   std::vector<int> first_ports;
   for (const double factor : large_s_factors) {
-    const Matrix m = effects(rate_ * factor, active_switches(system_, wanted));
+    Matrix m = effects(rate_ * factor, active_switches(system_, wanted));
+    for (const int port : blocked_ports(system_, wanted)) {
+      if (m.size() == 0) break;
+      m.row(port).setZero();
+      m.col(port).setZero();
+    }
     if (m.size() == 0 || !m.allFinite()) return false;
     const std::vector<int> ports = ports_of_their_own(m);
     if (ports.size() > most_own_ports || (factor != large_s_factors[0] && ports != first_ports)) return false;
@@ -163,6 +172,7 @@ bool RationalProblem::is_uniquely_solvable(const IndexSet& wanted) {
 std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, const IndexSet& wanted) {
   PortProblem problem = at(x, s);
   problem = without_switches(problem, system_.diodes, active_switches(system_, wanted));
+  take_out(blocked_ports(system_, wanted), problem.m, problem.q);
   if (!problem.m.allFinite() || !problem.q.allFinite()) return {};
   const auto k = problem.q.size();
   const Vector scale = lcp::diagonal_scale(problem.m);
@@ -186,6 +196,8 @@ std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, con
   }
   for (const int i : solution.basis)
     if (i < system_.diodes) by_basis.set(i, true);
+  hold_blocked(system_, by_value);
+  hold_blocked(system_, by_basis);
   if (by_value == by_basis) return {by_value};
   return {by_value, by_basis};
 }

@@ -6,6 +6,8 @@
 #include <functional>
 #include <utility>
 
+#include "model/valves.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -49,7 +51,9 @@ Selector::Selector(const System& system, Several several) : system_(system), sev
   projected_.resize(static_cast<std::size_t>(system.size()));
 }
 
-Selector::Known& Selector::known(const IndexSet& set) {
+Selector::Known& Selector::known(const IndexSet& wanted) {
+  if (!system_.valves.empty()) hold_blocked(system_, held_ = wanted);
+  const IndexSet& set = system_.valves.empty() ? wanted : held_;
   for (Entry* entry : recent_)
     if (entry && entry->first == set) return entry->second;
   Entry& entry = *known_.try_emplace(set).first;

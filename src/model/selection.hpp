@@ -134,11 +134,12 @@ class Selector {
     bool richer_is_known = false;
   };
   using Entry = std::pair<const IndexSet, Known>;
-  Known& known(const IndexSet& set);
+  Known& known(const IndexSet& wanted);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes goes on in one way from every x
   std::array<Entry*, 4> recent_{};                              ///< of them, those asked for last
   std::size_t next_recent_ = 0;
+  IndexSet held_;
   Verifier verifier_;
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "model/valves.hpp"
+
 namespace pwlsim::model {
 namespace {
 
@@ -22,6 +24,7 @@ StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active,
   const auto state = Eigen::Map<const Vector>(x, system.size());
   tolerance_ = value_tolerance * (system.c.cwiseAbs() * state.cwiseAbs()) + state_tolerance * largest * system.c.rowwise().norm();
   for (int i = system.diodes; i < system.ports; ++i) role_[static_cast<std::size_t>(i)] = Role::stays;
+  for (const int port : blocked_ports(system, active)) role_[static_cast<std::size_t>(port)] = Role::stays;
   pivot_on_active(system, active);
 }
 

@@ -1,5 +1,7 @@
 #include "model/switch_position.hpp"
 
+#include <algorithm>
+
 namespace pwlsim::model {
 
 namespace {
@@ -23,7 +25,7 @@ Island in_position(const Island& island, const std::vector<char>& closed) {
   Network& network = result.network;
   std::vector<int> branch_of_switch(network.switches.size(), -1);
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
-    if (closed[i] == 0) continue;
+    if (closed[i] == 0 || network.switches[i].p == network.switches[i].n) continue;
     const Switch& contact = network.switches[i];
     const auto index = static_cast<int>(network.branches.size());
     branch_of_switch[i] = index;
@@ -35,6 +37,12 @@ Island in_position(const Island& island, const std::vector<char>& closed) {
   for (Branch& branch : network.branches) replace_contacts(branch.voltage, branch_of_switch);
   for (Injection& injection : network.injections) replace_contacts(injection.current, branch_of_switch);
   for (Complementarity& port : network.complementarities) replace_contacts(port.slack, branch_of_switch);
+  for (Diode& diode : network.diodes) {
+    if (diode.enabled_by.empty()) continue;
+    diode.blocks =
+        std::none_of(diode.enabled_by.begin(), diode.enabled_by.end(), [&](int s) { return closed[static_cast<std::size_t>(s)] != 0; });
+    diode.enabled_by.clear();
+  }
   network.switches.clear();
   network.signals.clear();
   result.switch_number.clear();

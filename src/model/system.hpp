@@ -2,7 +2,7 @@
 /// A linear complementarity system with sources in its state and with externally driven switches:
 ///
 ///     x' = A x + B u,   y = C x + D u,   x = (ξ, ζ),
-///     ports 0 … diodes−1:        0 ≤ u ⊥ y ≥ 0   (first the network's diodes, then its complementarities),
+///     ports 0 … diodes−1:        0 ≤ u ⊥ y ≥ 0   (first the network's diodes, then its complementarities; valves only while they are enabled),
 ///     ports diodes … ports−1:    u = 0 or y = 0, as its switch says,
 ///
 /// ξ (n): energy coordinates, so that the stored energy is ½·τ0·|ξ|²/R0 for circuits; ζ (n_ζ): exosystem.
@@ -45,6 +45,12 @@ struct Control {
   double on_level = 0.0, off_level = 0.0;
 };
 
+/// A diode port that conducts only while one of these switch ports is closed; without any, never (valves.hpp).
+struct Valve {
+  int port = 0;
+  std::vector<int> switches;
+};
+
 /// A, B, C, D before they are rounded to double.
 struct Unrounded {
   linalg::WideMatrix a, b, c, d;
@@ -62,6 +68,7 @@ struct System {
   std::vector<Port> port;
   std::vector<int> switch_number;  ///< of port diodes + i: number of the switch in the whole model
   std::vector<char> switch_inverted;
+  std::vector<Valve> valves;       ///< of the diodes, those that switches enable
   std::vector<Control> controls;   ///< guards that this island's signals feed, for switches of any island
   std::vector<Control> clocked;    ///< those of them that piecewise linear sources alone drive (clock.hpp); not in `controls`
   std::vector<OutputRow> outputs;  ///< signals this island contributes to
@@ -75,7 +82,8 @@ struct System {
   /// `unrounded`, or the rounded ones in its place.
   [[nodiscard]] std::shared_ptr<const Unrounded> unrounded_matrices() const {
     using linalg::Wide;
-    return unrounded ? unrounded : std::make_shared<const Unrounded>(Unrounded{a.cast<Wide>(), b.cast<Wide>(), c.cast<Wide>(), d.cast<Wide>()});
+    return unrounded ? unrounded
+                     : std::make_shared<const Unrounded>(Unrounded{a.cast<Wide>(), b.cast<Wide>(), c.cast<Wide>(), d.cast<Wide>()});
   }
 };
 

@@ -40,12 +40,12 @@ Equations::Equations(const Converter& converter) : converter_(converter) {
       initial_.push_back(branch.initial);
     }
     if (branch.kind == Kind::inductor) inductances_[b].push_back({b, branch.value});
-    place_in_mode_.push_back(branch.kind == Kind::diode ? diodes_.size() : none);
-    if (branch.kind == Kind::diode) diodes_.push_back(b);
-    if (branch.kind == Kind::diode || branch.kind == Kind::contact) largest_off_ = std::max(largest_off_, resistance(branch, false));
+    place_in_mode_.push_back(branch.is_valve() ? valves_.size() : none);
+    if (branch.is_valve()) valves_.push_back(b);
+    if (branch.is_valve() || branch.kind == Kind::contact) largest_off_ = std::max(largest_off_, resistance(branch, false));
   }
   for (std::size_t b = 0; b < branches.size(); ++b)
-    if (branches[b].kind == Kind::contact) place_in_mode_[b] = diodes_.size() + branches[b].gate;
+    if (branches[b].kind == Kind::contact) place_in_mode_[b] = valves_.size() + branches[b].gate;
   for (const Coupling& coupling : converter_.couplings)
     for (const std::string& one : coupling.inductors)
       for (const std::string& other : coupling.inductors) {
@@ -129,7 +129,7 @@ Vector Equations::right_side(const Mode& mode, const Vector& states, Real time, 
       if (minus_[b] != none) result[sums_ + minus_[b]] += current;
     }
     if (branch.kind == Kind::source) result[b] = branch.wave.value(time, inside);
-    if (branch.kind == Kind::diode && conducts(b, mode)) {
+    if (branch.is_valve() && conducts(b, mode)) {
       const Real drop = converter_.models[branch.model].drop, on = resistance(branch, true);
       result[b] = (drop - on * drop / resistance(branch, false)) / std::max<Real>(1, on / unit_resistance);
     }
@@ -145,11 +145,11 @@ void Equations::add_state(Vector& solution, std::size_t k, Real value) const {
   solution[states_[k]] += voltage_state_[k] != 0 ? value : value * unit_resistance;
 }
 
-Real Equations::slack(const Vector& solution, const Mode& mode, std::size_t diode) const {
-  const std::size_t b = diodes_[diode];
+Real Equations::slack(const Vector& solution, const Mode& mode, std::size_t valve) const {
+  const std::size_t b = valves_[valve];
   const Branch& branch = converter_.branches[b];
   const Real drop = converter_.models[branch.model].drop;
-  if (mode[diode] == '1') return solution[current_ + b] / unit_resistance - drop / resistance(branch, false);
+  if (mode[valve] == '1') return solution[current_ + b] / unit_resistance - drop / resistance(branch, false);
   const Real plus = plus_[b] == none ? 0 : solution[plus_[b]], minus = minus_[b] == none ? 0 : solution[minus_[b]];
   return drop - (plus - minus);
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// The tableau of a converter: node voltages, branch currents (times `unit_resistance`) and capacitor voltages are unknowns, each branch has its equation
 /// and each node its sum of currents. Conductances are never added, so a floating part held by Roff alone keeps its potential.
-/// In a mode (which diodes and contacts conduct) it reads E x' + G x = b(t); E has rows for inductors and capacitors only.
+/// In a mode (which valves and contacts conduct) it reads E x' + G x = b(t); E has rows for inductors and capacitors only.
 
 #include <map>
 #include <string>
@@ -13,7 +13,7 @@
 namespace pwlsim::test::converters {
 
 using Vector = std::vector<Real>;
-/// A letter for each diode and then for each gate: '1' conducts.
+/// A letter for each valve (diode, thyristor) and then for each gate: '1' conducts.
 using Mode = std::string;
 
 class Equations {
@@ -21,7 +21,8 @@ class Equations {
   explicit Equations(const Converter& converter);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::size_t diodes() const { return diodes_.size(); }
+  [[nodiscard]] std::size_t valves() const { return valves_.size(); }
+  [[nodiscard]] const Branch& valve(std::size_t k) const { return converter_.branches[valves_[k]]; }
   [[nodiscard]] std::size_t states() const { return states_.size(); }
   [[nodiscard]] bool is_voltage(std::size_t state) const { return voltage_state_[state] != 0; }
   [[nodiscard]] Real initial(std::size_t state) const { return initial_[state]; }
@@ -35,9 +36,9 @@ class Equations {
   [[nodiscard]] Real state(const Vector& solution, std::size_t k) const;
   void add_state(Vector& solution, std::size_t k, Real value) const;
   /// What must not be negative: off: drop - v; on: i - drop/off.
-  [[nodiscard]] Real slack(const Vector& solution, const Mode& mode, std::size_t diode) const;
+  [[nodiscard]] Real slack(const Vector& solution, const Mode& mode, std::size_t valve) const;
   /// The slack is a voltage.
-  [[nodiscard]] static bool slack_is_voltage(const Mode& mode, std::size_t diode) { return mode[diode] == '0'; }
+  [[nodiscard]] static bool slack_is_voltage(const Mode& mode, std::size_t valve) { return mode[valve] == '0'; }
   /// Least slack of a current that decides anything: that of blocked parts.
   [[nodiscard]] Real leak() const { return 1 / largest_off_; }
   [[nodiscard]] const Converter& converter() const { return converter_; }
@@ -59,7 +60,7 @@ class Equations {
   std::vector<std::size_t> states_;        ///< unknowns
   std::vector<char> voltage_state_;
   std::vector<Real> initial_;
-  std::vector<std::size_t> diodes_, place_in_mode_;    ///< branches; of each branch
+  std::vector<std::size_t> valves_, place_in_mode_;    ///< branches; of each branch
   std::vector<std::size_t> capacitor_unknown_;         ///< of each branch
   std::vector<std::vector<Entry<Real>>> inductances_;  ///< of each branch: other branch, henry
   std::vector<std::vector<Entry<Real>>> ratios_;       ///< of each branch: perfectly coupled to that other one, voltage by voltage

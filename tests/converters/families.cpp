@@ -35,14 +35,26 @@ const std::vector<Family>& families() {
   return result;
 }
 
+const std::vector<Family>& thyristor_families() {
+  static const std::vector<Family> result{
+      {"scr-half-wave", scr_half_wave},
+      {"scr-bridge", scr_bridge},
+      {"scr-six-pulse", scr_six_pulse},
+      {"ac-controller", ac_controller},
+  };
+  return result;
+}
+
 Converter make_converter(std::uint64_t seed, const std::string& name) {
   Draw draw(seed);
-  const std::vector<Family>& all = families();
+  const std::vector<Family>& all = name == "thyristors" ? thyristor_families() : families();
   const Family* family = &all[draw.bits() % all.size()];
-  if (!name.empty()) {
-    const auto found = std::ranges::find_if(all, [&](const Family& one) { return name == one.name; });
-    if (found == all.end()) return {};
-    family = &*found;
+  if (!name.empty() && name != "thyristors") {
+    family = nullptr;
+    for (const auto* list : {&families(), &thyristor_families()})
+      for (const Family& one : *list)
+        if (name == one.name) family = &one;
+    if (family == nullptr) return {};
   }
   Builder builder(family->name);
   family->build(draw, builder);

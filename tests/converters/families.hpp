@@ -16,7 +16,8 @@ struct Family {
 };
 
 [[nodiscard]] const std::vector<Family>& families();
-/// The same for the same seed; of a family drawn from the seed where `name` is empty.
+[[nodiscard]] const std::vector<Family>& thyristor_families();
+/// The same for the same seed; of a family drawn from the seed, of those with thyristors or the others, where `name` is "thyristors" or empty.
 [[nodiscard]] Converter make_converter(std::uint64_t seed, const std::string& name = {});
 
 // Parts that families share.
@@ -46,6 +47,12 @@ void six_phase(Draw& draw, Builder& builder);
 void twelve_pulse(Draw& draw, Builder& builder);
 void vienna(Draw& draw, Builder& builder);
 void multiplier(Draw& draw, Builder& builder);
+
+// thyristors.cpp
+void scr_half_wave(Draw& draw, Builder& builder);
+void scr_bridge(Draw& draw, Builder& builder);
+void scr_six_pulse(Draw& draw, Builder& builder);
+void ac_controller(Draw& draw, Builder& builder);
 
 // choppers.cpp
 void buck(Draw& draw, Builder& builder);

@@ -102,8 +102,28 @@ double transformer() {
   });
 }
 
+/// A thyristor, R and L at a sinusoid, ωL = R, fired at α: with i' + i = sin t the current is (sin(t − π/4) − sin(α − π/4) e^{α−t})/√2 until that is zero.
+double fired_rectifier(double alpha) {
+  constexpr double volts = 100.0, ohms = 2.0, frequency = 50.0, pi = std::numbers::pi;
+  const double omega = 2.0 * pi * frequency, period = 1.0 / frequency;
+  Builder builder = start("thyristor with R and L", {}, period, 2.9 * period);
+  builder.source("a", "0", sine(volts, frequency, 0.0));
+  builder.thyristor("a", "b", builder.gate(pulse(alpha / omega, 0.0, 0.0, 0.003 * period, period)));
+  builder.inductor("b", "c", ohms / omega);
+  builder.resistor("c", "0", ohms);
+  const auto current = [=](double angle) {
+    return volts / ohms * (std::sin(angle - pi / 4) - std::sin(alpha - pi / 4) * std::exp(alpha - angle)) / std::sqrt(2.0);
+  };
+  return compare(builder.converter, [=](double t) -> std::vector<double> {
+    const double angle = std::fmod(omega * t, 2.0 * pi);
+    return {angle < alpha ? 0.0 : std::max(0.0, current(angle))};  // it stays negative until the next period
+  });
+}
+
 }  // namespace
 
-double check_formulas() { return std::max({resonant_charge(), blocked_inductor(), sinusoid(), transformer()}); }
+double check_formulas() {
+  return std::max({resonant_charge(), blocked_inductor(), sinusoid(), transformer(), fired_rectifier(0.3), fired_rectifier(2.0)});
+}
 
 }  // namespace pwlsim::test::converters

@@ -51,7 +51,8 @@ class Integrator {
     for (const Real place : {0.15L, 0.4L, 0.5L, 0.7L, 0.93L}) between_.push_back(radau().weights(place));
     most_step_ = static_cast<Real>(converter.fast) / 8;
     step_ = most_step_;
-    mode_.assign(equations_.diodes(), '0');
+    mode_.assign(equations_.valves(), '0');
+    may_conduct_.assign(equations_.valves(), 1);
   }
 
   Waveforms run() {
@@ -116,11 +117,29 @@ class Integrator {
 
   /// Row 0 stands after t = 0: what is continuous has not changed yet.
   void begin(const Piece& piece) {
-    mode_ = mode_.substr(0, equations_.diodes()) + piece.gates;
+    enter(piece);
     Vector solution;
     // Shorter than any L/Roff.
     if (settle(piece, 1e-24L * converter_.fast, solution)) take(solution);
   }
+
+  void enter(const Piece& piece) {
+    mode_ = mode_.substr(0, equations_.valves()) + piece.gates;
+    for (std::size_t d = 0; d < equations_.valves(); ++d) may_conduct_[d] = !is_latch(d) || mode_[d] == '1';
+  }
+
+  /// Whether the valve is a thyristor whose gate is off: what conducts may end, what blocks stays so.
+  bool is_latch(std::size_t valve) const {
+    const Branch& branch = equations_.valve(valve);
+    return branch.kind == Branch::Kind::thyristor && mode_[equations_.valves() + branch.gate] == '0';
+  }
+
+  /// What its slack must not fall below.
+  Real least_slack(std::size_t valve) const {
+    return mode_[valve] == '1' && is_latch(valve) ? static_cast<Real>(equations_.valve(valve).holding) : 0;
+  }
+
+  Real margin(const Vector& solution, std::size_t valve) const { return equations_.slack(solution, mode_, valve) - least_slack(valve); }
 
   void put_row() {
     std::vector<double> row;
@@ -130,7 +149,7 @@ class Integrator {
 
   void advance(const Piece& piece, bool fresh) {
     time_ = piece.from;
-    mode_ = mode_.substr(0, equations_.diodes()) + piece.gates;
+    enter(piece);
     Real euler = settings_.first_step * converter_.fast;
     const Real first = euler, end_slack = 1e-17L * converter_.stop;
     while (piece.to - time_ > end_slack) {
@@ -218,10 +237,10 @@ class Integrator {
     return Outcome::event;
   }
 
-  /// The slack of some diode is zero up to rounding.
+  /// The slack of some valve is zero up to rounding.
   bool almost_zero(const Vector& solution) const {
-    for (std::size_t d = 0; d < equations_.diodes(); ++d)
-      if (std::abs(equations_.slack(solution, mode_, d)) < tolerance_of(mode_, d)) return true;
+    for (std::size_t d = 0; d < equations_.valves(); ++d)
+      if (may_conduct_[d] != 0 && std::abs(margin(solution, d)) < tolerance_of(mode_, d)) return true;
     return false;
   }
 
@@ -236,12 +255,13 @@ class Integrator {
     return result;
   }
 
-  /// Part of the step after which a diode's sign is violated; 2 where none is.
+  /// Part of the step after which a valve's sign is violated; 2 where none is.
   Real first_violation(const Trial& trial) const {
     Real result = 2;
-    for (std::size_t d = 0; d < equations_.diodes(); ++d) {
+    for (std::size_t d = 0; d < equations_.valves(); ++d) {
+      if (may_conduct_[d] == 0) continue;
       std::array<Real, stages> slacks;
-      for (std::size_t i = 0; i < stages; ++i) slacks[i] = equations_.slack(trial.solutions[i], mode_, d);
+      for (std::size_t i = 0; i < stages; ++i) slacks[i] = margin(trial.solutions[i], d);
       const Real tolerance = tolerance_of(mode_, d);
       const Real least = *std::min_element(slacks.begin(), slacks.end());
       const Real most = *std::max_element(slacks.begin(), slacks.end());
@@ -280,9 +300,10 @@ class Integrator {
   /// First zero of the polynomials beyond the end of the step, to `most` times the step; 0 where there is none.
   Real root_beyond(const Trial& trial, Real most) const {
     Real result = 0;
-    for (std::size_t d = 0; d < equations_.diodes(); ++d) {
+    for (std::size_t d = 0; d < equations_.valves(); ++d) {
+      if (may_conduct_[d] == 0) continue;
       std::array<Real, stages> slacks;
-      for (std::size_t i = 0; i < stages; ++i) slacks[i] = equations_.slack(trial.solutions[i], mode_, d);
+      for (std::size_t i = 0; i < stages; ++i) slacks[i] = margin(trial.solutions[i], d);
       Real low = 1, high = result > 1 ? result : most;
       if (combine(radau().weights(low), slacks) <= 0 || combine(radau().weights(high), slacks) > 0) continue;
       for (int k = 0; k < 60; ++k) {
@@ -320,14 +341,30 @@ class Integrator {
     for (std::size_t k = 0; k < states_.size(); ++k) note_size(k, states_[k] = equations_.state(solution, k));
   }
 
-  /// A step of implicit Euler whose diodes have their signs: all that violate theirs are exchanged, and where that does not end the first of them only
-  /// (Murty; it ends for passive circuits).
+  /// A step of implicit Euler whose valves have their signs; thyristors without a gate that block at its end, or are below their holding current, are latched off.
   bool settle(const Piece& piece, Real step, Vector& solution) {
+    for (bool ended = true; ended;) {
+      if (!settle_signs(piece, step, solution)) return false;
+      ended = false;
+      for (std::size_t d = 0; d < equations_.valves(); ++d) {
+        if (!is_latch(d) || may_conduct_[d] == 0) continue;
+        const bool falls = mode_[d] == '1' && margin(solution, d) < tolerance_of(mode_, d);
+        if (mode_[d] == '1' && !falls) continue;
+        may_conduct_[d] = 0;
+        mode_[d] = '0';
+        ended |= falls;
+      }
+    }
+    return true;
+  }
+
+  /// All valves that violate their signs are exchanged, and where that does not end the first of them only (Murty; it ends for passive circuits).
+  bool settle_signs(const Piece& piece, Real step, Vector& solution) {
     for (int count = 0; count < 20000; ++count) {
       if (!stepper_.euler_step(mode_, states_, piece, time_, step, solution)) return fail("singular in an Euler step"), false;
       std::vector<std::size_t> wrong;
-      for (std::size_t d = 0; d < equations_.diodes(); ++d)
-        if (equations_.slack(solution, mode_, d) < -tolerance_of(mode_, d)) wrong.push_back(d);
+      for (std::size_t d = 0; d < equations_.valves(); ++d)
+        if (may_conduct_[d] != 0 && equations_.slack(solution, mode_, d) < -tolerance_of(mode_, d)) wrong.push_back(d);
       if (wrong.empty()) return true;
       for (const std::size_t d : wrong) {
         mode_[d] = mode_[d] == '1' ? '0' : '1';
@@ -335,7 +372,7 @@ class Integrator {
       }
       if ((count & 255) == 255 && processor_seconds() > deadline_) break;
     }
-    return fail("no positions of the diodes"), false;
+    return fail("no positions of the valves"), false;
   }
 
   void fail(const char* why) {
@@ -350,6 +387,7 @@ class Integrator {
   Waveforms result_;
   Vector states_;
   Mode mode_;
+  std::vector<char> may_conduct_;  ///< of each valve: not where a thyristor is latched off
   std::vector<Radau::Stages> between_;
   Real time_ = 0, step_ = 0, most_step_ = 0, volts_ = 1e-3L, amperes_ = 0;
   double deadline_;

@@ -1,5 +1,5 @@
 #pragma once
-/// The waveforms of a converter, independently of the program: Radau IIA of order nine between events, the position of every diode found by
+/// The waveforms of a converter, independently of the program: Radau IIA of order nine between events, the position of every valve found by
 /// complementarity (a step of implicit Euler, whose positions are exchanged until voltages and currents have their signs), events located by repeating
 /// the step until it ends on them. In 80-bit arithmetic.
 

@@ -25,10 +25,21 @@ std::string card(const Branch& branch) {
       return head + branch.wave.text();
     case Kind::diode:
       return head + fmt::format("DX{}", branch.model);
+    case Kind::thyristor:
+      break;
     case Kind::contact:
       return head + fmt::format("g{} 0 SX{}", branch.gate, branch.model);
   }
   return {};
+}
+
+/// With a gate source of its own.
+std::string thyristor_cards(const Branch& branch, const Converter& converter) {
+  const Contact& model = converter.models[branch.model];
+  std::string result = fmt::format("X{0} {1} {2} g{0} thyristor ron={3} vf={4} ih={5}\nVg{0} g{0} {2} {6}", branch.name, branch.plus,
+                                   branch.minus, model.on, model.drop, branch.holding, converter.gates[branch.gate].text());
+  if (!std::isinf(model.off)) result += fmt::format("\nRoff{} {} {} {}", branch.name, branch.plus, branch.minus, model.off);
+  return result;
 }
 
 std::string model_text(const Converter& converter, std::size_t index) {
@@ -107,7 +118,7 @@ std::vector<std::string> Converter::signals() const {
 std::string Converter::text() const {
   std::string result = family + "\n";
   for (std::size_t i = 0; i < gates.size(); ++i) result += fmt::format("Vg{0} g{0} 0 {1}\n", i, gates[i].text());
-  for (const Branch& branch : branches) result += card(branch) + "\n";
+  for (const Branch& branch : branches) result += (branch.kind == Kind::thyristor ? thyristor_cards(branch, *this) : card(branch)) + "\n";
   std::size_t number = 0;
   for (const Coupling& coupling : couplings) {
     result += fmt::format("K{}", ++number);
@@ -141,6 +152,13 @@ void Builder::capacitor(const std::string& plus, const std::string& minus, doubl
   Branch& branch = add(Kind::capacitor, "C", plus, minus);
   branch.value = value;
   branch.initial = initial;
+}
+
+void Builder::thyristor(const std::string& anode, const std::string& cathode, std::size_t gate, double holding, std::size_t model) {
+  Branch& branch = add(Branch::Kind::thyristor, "T", anode, cathode);
+  branch.gate = gate;
+  branch.holding = holding;
+  branch.model = model;
 }
 
 void Builder::contact(const std::string& plus, const std::string& minus, std::size_t gate, std::size_t model) {

@@ -34,14 +34,18 @@ struct Contact {
 };
 
 struct Branch {
-  enum class Kind { resistor, inductor, capacitor, source, diode, contact };
+  enum class Kind { resistor, inductor, capacitor, source, diode, thyristor, contact };
   Kind kind = Kind::resistor;
   std::string name, plus, minus;
   double value = 0.0;     ///< of R, L, C
   double initial = 0.0;   ///< of L, C
   Wave wave{};            ///< of a source
-  std::size_t model = 0;  ///< of a diode, a contact: index into Converter::models
-  std::size_t gate = 0;   ///< of a contact: index into Converter::gates
+  std::size_t model = 0;  ///< of a valve, a contact: index into Converter::models
+  std::size_t gate = 0;   ///< of a thyristor, a contact: index into Converter::gates
+  double holding = 0.0;   ///< of a thyristor: what its current must be to last without a gate
+
+  /// A thyristor is a diode while its gate is on and, without a gate, from then until its current has fallen to the holding current; else it blocks.
+  [[nodiscard]] bool is_valve() const { return kind == Kind::diode || kind == Kind::thyristor; }
 };
 
 /// All pairs of these inductors.
@@ -80,6 +84,7 @@ class Builder {
   void diode(const std::string& anode, const std::string& cathode, std::size_t model = 0) {
     add(Branch::Kind::diode, "D", anode, cathode).model = model;
   }
+  void thyristor(const std::string& anode, const std::string& cathode, std::size_t gate, double holding = 0.0, std::size_t model = 0);
   void contact(const std::string& plus, const std::string& minus, std::size_t gate, std::size_t model);
   std::size_t gate(const Wave& wave);
   void couple(std::vector<std::string> inductors, double factor) { converter.couplings.push_back({std::move(inductors), factor}); }

@@ -76,6 +76,7 @@ Variant in_other_units(const Converter& converter, Draw& draw) {
     if (branch.kind == Kind::capacitor) branch.value *= time / impedance;
     const double factor = is_voltage ? voltage : voltage / impedance;
     branch.initial *= factor;
+    branch.holding *= voltage / impedance;
     if (is_state(branch)) variant.factor[signal++] = factor;
     scale_time(branch.wave, time);
     for (double* volts : {&branch.wave.offset, &branch.wave.amplitude, &branch.wave.high}) *volts *= voltage;

@@ -124,7 +124,24 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
 }
 
 constexpr ModelKind diode_model{"D", "diode", model_parameters, complete};
-constexpr const ModelKind* models[] = {&diode_model};
+
+constexpr Parameter thyristor_parameters[] = {
+    {"Ron", "ohm", 0.0, Range::not_negative, false, "Resistance when on."},
+    {"Roff", "ohm", infinite, Range::positive, true, "Resistance when off."},
+    {"Vfwd", "V", 0.0, Range::not_negative, false, "Forward drop."},
+    {"Vgt", "V", 0.5, Range::any, false, "Gate voltage, against the cathode, above which it conducts as a diode does."},
+    {"Ih", "A", 0.0, Range::not_negative, false, "Holding current: above it, it goes on conducting without a gate."},
+};
+
+void complete_thyristor(Model& model, const Settings&, Diagnostics& diagnostics) {
+  const Values& v = model.values;
+  if (v.get("Ron") > v.get("Roff")) diagnostics.error("E-range", v.span("Ron"), "Ron of a thyristor must not exceed Roff");
+}
+
+constexpr ModelKind thyristor_model{"SCR", "thyristor", thyristor_parameters, complete_thyristor};
+constexpr const ModelKind* models[] = {&diode_model, &thyristor_model};
+
+bool is_thyristor(const Model& model) { return model.kind == &thyristor_model; }
 
 constexpr Parameter parameters[] = {
     multiplicity,
@@ -163,7 +180,48 @@ void add_branch(Emission& emission, const Branch& branch, const NodePair& ends, 
   emission.result().current.push_back({Quantity::diode_current, index, sign});
 }
 
+/// The position of a switch that connects nothing, for the thyristor: closed while its control is above the level.
+int add_condition(Emission& emission, std::string_view part, const model::LinearForm& control, double level) {
+  model::Switch condition;
+  condition.label = emission.label(part);
+  condition.resistance = 1.0;  // across itself it carries nothing, open or closed
+  condition.control = control;
+  condition.on_level = condition.off_level = level;
+  return emission.builder().add(std::move(condition));
+}
+
+/// A diode while its gate is on or its current, which the latch follows, above Ih; else it blocks.
+void emit_thyristor(Emission& emission) {
+  const Values& v = emission.model().values;
+  model::Builder& builder = emission.builder();
+  const NodePair ends{emission.p(), emission.n()};
+  const double m = emission.value("m");
+  model::Diode valve{emission.label(), ends.p, ends.n, contact_resistance(v.get("Ron"), v.get("Roff")) / m, v.get("Vfwd")};
+  const auto index = static_cast<int>(builder.network().diodes.size());
+  const model::LinearForm current = quantity(Quantity::diode_current, index);
+  valve.enabled_by = {add_condition(emission, "gate", model::voltage_between(emission.instance().nodes[2], ends.n), v.get("Vgt")),
+                      add_condition(emission, "latch", current, m * v.get("Ih"))};
+  builder.add(std::move(valve));
+  emission.result().current = current;
+  add_leakage(emission, v.get("Roff") / m, ends);
+}
+
+void report_gate(Emission& emission, bool has_gate) {
+  const std::string &name = emission.instance().name, &model = emission.model().name;
+  if (has_gate) {
+    emission.diagnostics().error("E-wrong-model-type", emission.instance().span,
+                                 fmt::format("{} has a gate, and its model {} is that of a diode; try a model of type SCR", name, model));
+  } else {
+    emission.diagnostics().error(
+        "E-missing-node", emission.instance().span,
+        fmt::format("{} needs a gate, as its model {} is that of a thyristor; usage: D<name> anode cathode gate model", name, model));
+  }
+}
+
 void emit(Emission& emission) {
+  const bool has_gate = emission.instance().nodes.size() > 2;
+  if (has_gate != is_thyristor(emission.model())) return report_gate(emission, has_gate);
+  if (has_gate) return emit_thyristor(emission);
   const Values& v = emission.model().values;
   const double m = emission.value("m");
   const NodePair ends{emission.p(), emission.n()};
@@ -184,7 +242,25 @@ void write_branch(Twin& twin, const Branch& branch, const TwinEnds& ends) {
   twin.diode(part, {ends.n, inner}, {});
 }
 
+/// Two contacts in parallel, of the gate and of the latch, lead to the diode.
+void twin_of_thyristor(Twin& twin) {
+  const Values& v = twin.model().values;
+  const double m = twin.value("m");
+  const TwinEnds ends = twin.ends();
+  const std::string inner = twin.inner("anode"), on = twin.inner("on");
+  const TwinEnds control{twin.node(twin.instance().nodes[2]), ends.n};
+  const double on_resistance = std::max(v.get("Ron") / m, twin.sharpness());
+  twin.contact("gate", {ends.p, inner}, control, {0.0, infinite, v.get("Vgt"), v.get("Vgt"), false});
+  twin.contact("latch", {ends.p, inner}, {on, "0"}, {0.0, infinite, 0.0, 0.0, false});
+  // The current where it conducts, less the holding current.
+  twin.behaviour("on", {on, "0"}, false,
+                 fmt::format("({}-{})/{}-{}", voltage_text({inner, ends.n}), v.get("Vfwd"), on_resistance, m * v.get("Ih")));
+  twin.diode({}, {inner, ends.n}, {on_resistance, infinite, v.get("Vfwd")});
+  if (!std::isinf(v.get("Roff"))) twin.resistor("Roff", ends, v.get("Roff") / m);
+}
+
 void smooth_twin(Twin& twin) {
+  if (is_thyristor(twin.model())) return twin_of_thyristor(twin);
   const Values& v = twin.model().values;
   const double m = twin.value("m");
   if (!std::isinf(v.get("Ilimit")) || !std::isinf(v.get("Revilimit"))) {
@@ -200,9 +276,12 @@ void smooth_twin(Twin& twin) {
 }
 
 std::optional<TwinEvent> twin_event(const Twin& twin) {
+  if (is_thyristor(twin.model())) return std::nullopt;
   const double drop = twin.model().values.get("Vfwd");
   return std::isinf(drop) ? std::nullopt : std::optional(TwinEvent{twin.ends(), drop, drop});
 }
+
+constexpr int tied[] = {0, 1};
 
 }  // namespace
 
@@ -210,8 +289,10 @@ Kind diode() {
   Kind kind;
   kind.name = "diode";
   kind.letter = 'D';
-  kind.usage = "D<name> anode cathode model [m=]";
-  kind.text = "Ideal diode, or the piecewise-linear one of its model.";
+  kind.usage = "D<name> anode cathode [gate] model [m=]";
+  kind.text = "Ideal diode, the piecewise-linear one of its model, or with a gate a thyristor.";
+  kind.optional_terminals = 1;
+  kind.tied_terminals = tied;
   kind.tail = Tail::model;
   kind.parameters = parameters;
   kind.models = models;

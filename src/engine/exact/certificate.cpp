@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "model/valves.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -78,9 +80,11 @@ double complementarity(const model::System& s, const model::Mode& mode, const Po
   double worst = 0.0;
   const Vector size_u = mode.k.cwiseAbs() * p.x.cwiseAbs();
   const Vector size_y = s.c.cwiseAbs() * p.x.cwiseAbs() + s.d.cwiseAbs() * size_u;
+  const std::vector<int> blocked = model::blocked_ports(s, mode.active);
   for (int i = 0; i < s.ports; ++i) {
     const bool active = mode.active.contains(i);
-    const double violation = i < s.diodes ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(active ? p.y[i] : p.u[i]);
+    const bool is_diode = i < s.diodes && std::find(blocked.begin(), blocked.end(), i) == blocked.end();
+    const double violation = is_diode ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(active ? p.y[i] : p.u[i]);
     const double rounding = sum_rounding * (p.u[i] < p.y[i] ? size_u[i] : size_y[i]);
     worst = std::max(worst, violation - rounding);
   }

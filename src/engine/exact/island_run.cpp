@@ -9,6 +9,7 @@
 #include "base/largest.hpp"
 #include "base/rounded_sum.hpp"
 #include "model/clock.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::engine {
 
@@ -81,6 +82,7 @@ void IslandRun::set_switch(int port, bool closed) {
   if (system_.switch_inverted[index] != 0) closed = !closed;
   // Closed means zero voltage; whether that is u = 0 (inactive) or y = 0 (active) is the port's causality.
   wanted.set(port, closed == system_.port[static_cast<std::size_t>(port)].input_is_current);
+  model::hold_blocked(system_, wanted);
   is_set_ = true;
 }
 

@@ -7,6 +7,7 @@
 
 #include "lcp/lemke.hpp"
 #include "lcp/solve.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::engine {
 
@@ -67,6 +68,12 @@ lcp::Solution solution_of(const WideMatrix& m, const WideVector& q) {
 
 }  // namespace
 
+model::IndexSet with_switches(const model::System& s, const std::vector<char>& switch_active) {
+  model::IndexSet set(s.ports);
+  for (int i = s.diodes; i < s.ports; ++i) set.set(i, switch_active[static_cast<std::size_t>(i - s.diodes)] != 0);
+  return set;
+}
+
 StaticPorts::StaticPorts(const model::System& s, const Vector& zeta) : system_(s) {
   const auto wide = s.unrounded_matrices();
   const Eigen::Index n = s.n, k = s.ports;
@@ -105,13 +112,16 @@ StaticPorts::Proposal StaticPorts::propose(double epsilon, const Vector& x0, con
   const Waves w = waves(epsilon, x0);
   WideVector given = WideVector::Zero(k);
   for (Eigen::Index i = diodes; i < k; ++i) given[i] = switch_active[static_cast<std::size_t>(i - diodes)] != 0 ? -1 : 1;
+  const std::vector<int> blocked = model::blocked_ports(system_, with_switches(system_, switch_active));
+  for (const int i : blocked) given[i] = system_.port[static_cast<std::size_t>(i)].input_is_current ? 1 : -1;
   const WideVector theta = signature(w.s, given);
   const WideMatrix signs = theta.asDiagonal();
   WideMatrix right(k, k + 1);
   right << signs - w.s, w.s0;
   const WideMatrix of_ports = solved(w.s + signs, right);
-  const WideMatrix m = of_ports.topLeftCorner(diodes, diodes);
-  const WideVector q = of_ports.col(k).head(diodes);
+  WideMatrix m = of_ports.topLeftCorner(diodes, diodes);
+  WideVector q = of_ports.col(k).head(diodes);
+  model::take_out(blocked, m, q);
   if (!m.allFinite() || !q.allFinite()) return {};
   const lcp::Solution solution = solution_of(m, q);
   if (solution.status != lcp::Status::solved) return {};

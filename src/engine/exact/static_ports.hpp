@@ -12,9 +12,13 @@
 
 #include <vector>
 
+#include "model/index_set.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::engine {
+
+/// The set of active ports that holds the switches alone. `switch_active`: an entry for each switch port.
+[[nodiscard]] model::IndexSet with_switches(const model::System& system, const std::vector<char>& switch_active);
 
 class StaticPorts {
  public:

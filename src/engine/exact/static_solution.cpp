@@ -6,6 +6,7 @@
 
 #include "engine/exact/static_mode.hpp"
 #include "engine/exact/static_ports.hpp"
+#include "model/valves.hpp"
 
 namespace pwlsim::engine {
 
@@ -25,7 +26,11 @@ constexpr double same_state = 1e-6;
 class StaticProblem {
  public:
   StaticProblem(const model::System& system, const Vector& zeta, const std::vector<char>& switch_active)
-      : system_(system), zeta_(zeta), switch_active_(switch_active), ports_(system, zeta) {}
+      : system_(system),
+        zeta_(zeta),
+        switch_active_(switch_active),
+        blocked_(model::blocked_ports(system, with_switches(system, switch_active))),
+        ports_(system, zeta) {}
 
   struct Found {
     WideVector xi, u;
@@ -88,6 +93,7 @@ class StaticProblem {
     const Wide tolerance = sign_tolerance * std::max({terms.maxCoeff(), found.u.cwiseAbs().maxCoeff(),
                                                       std::sqrt(Wide{ports_.slowest_rate()}) * found.xi.norm()});
     for (Eigen::Index i = 0; i < d; ++i) {
+      if (std::find(blocked_.begin(), blocked_.end(), i) != blocked_.end()) continue;
       if (found.u[i] < -tolerance || y[i] < -tolerance) return false;
       found.degenerate = found.degenerate || (found.u[i] <= tolerance && y[i] <= tolerance);
     }
@@ -97,6 +103,7 @@ class StaticProblem {
   const model::System& system_;
   const Vector& zeta_;
   const std::vector<char>& switch_active_;
+  std::vector<int> blocked_;
   StaticPorts ports_;
 };
 

@@ -100,7 +100,8 @@ std::vector<Block::Crossing> Block::crossings(double h, double reach) {
     if (at >= 0.0) result.push_back({i, is_control, at});
   };
   for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) examine(i, false);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i)
+    if (!descriptor_.ports()[i].blocks(point_.on)) examine(i, false);
   std::stable_sort(result.begin(), result.end(), [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
   return result;
 }
@@ -178,6 +179,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
   for (Control& control : controls_) control.has_rested = false;
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
+    descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
@@ -284,6 +286,7 @@ bool Block::take_gates(double until) {
     while (gate.next() <= until) gate.pass();
     point_.on[gate.port()] = gate.closed();
   }
+  descriptor_.hold_blocked(point_.on);
   find_next_gate();
   return true;
 }

@@ -51,6 +51,10 @@ void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports)
     const double u = point.z[static_cast<std::size_t>(port.row)];
     const double s = port.slack.value(point.z.data(), point.w.data());
     const bool on = point.on[static_cast<std::size_t>(i)] != 0;
+    if (port.blocks(point.on)) {
+      input_ = std::max(input_, std::abs(u));
+      continue;
+    }
     input_ = std::max(input_, on ? -u : std::abs(u));
     slack_ = std::max(slack_, on ? std::abs(s) : -s);
     input_scale_ = std::max({input_scale_, std::abs(u), ports.scale().input});

@@ -291,7 +291,7 @@ void Descriptor::add_branches_and_injections() {
 
 void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
                           double resistance, double drop) {
-  Port port{std::move(name), row, {}, false, p, n};
+  Port port{std::move(name), row, {}, false, {}, p, n};
   if (slack) {
     port.slack = form(*slack);
     for (auto& part : port.slack.z) part.coefficient *= slack_scale;
@@ -311,7 +311,11 @@ void Descriptor::add_port(std::string name, int row, const model::LinearForm* sl
 
 void Descriptor::add_ports() {
   int row = first_port_;
-  for (const auto& d : network_.diodes) add_port(d.label.name, row++, nullptr, 1.0, d.p, d.n, d.resistance, d.drop);
+  for (const auto& d : network_.diodes) {
+    add_port(d.label.name, row++, nullptr, 1.0, d.p, d.n, d.resistance, d.drop);
+    for (const int s : d.enabled_by) ports_.back().enabled_by.push_back(first_switch_ + s);
+    if (!d.enabled_by.empty()) valves_.push_back(static_cast<int>(ports_.size()) - 1);
+  }
   for (std::size_t i = 0; i < network_.complementarities.size(); ++i)
     add_port(network_.complementarities[i].label.name, row++, &network_.complementarities[i].slack, slack_scale_[i], ground, ground, 0.0,
              0.0);

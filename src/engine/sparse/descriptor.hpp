@@ -15,6 +15,7 @@
 /// with a little of the other added where the position leaves something open (factors.hpp). Both entries are kept in the pattern in either
 /// position.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -58,10 +59,15 @@ struct Port {
   int row = 0;  ///< its closing row, and the column of its input
   Form slack;   ///< volts
   bool is_switch = false;
+  std::vector<int> enabled_by{};  ///< of a diode: ports of switches of which one must be closed, else it blocks whatever its slack is
   model::NodeIndex p = model::ground, n = model::ground;  ///< of a diode or switch
 
   /// What a position leaves free: u where on, s where off. A diode needs it not negative.
   [[nodiscard]] double free_variable(bool on, const double* z, const double* w) const { return on ? z[row] : slack.value(z, w); }
+  [[nodiscard]] bool blocks(const Position& on) const {
+    return !enabled_by.empty() &&
+           std::none_of(enabled_by.begin(), enabled_by.end(), [&](int s) { return on[static_cast<std::size_t>(s)] != 0; });
+  }
   /// Sum of the magnitudes that the slack is a sum of.
   [[nodiscard]] double slack_size(const double* z, const double* w) const { return slack.size(z, w); }
   /// The part of it that is linear in z.
@@ -91,6 +97,11 @@ class Descriptor {
   [[nodiscard]] double largest_capacitance() const { return largest_capacitance_; }
   [[nodiscard]] const linalg::SparsePattern& pattern() const { return pattern_; }
   [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
+  /// Diodes that no switch enables go off.
+  void hold_blocked(Position& on) const {
+    for (const int i : valves_)
+      if (ports_[static_cast<std::size_t>(i)].blocks(on)) on[static_cast<std::size_t>(i)] = 0;
+  }
   /// Diodes and complementarities come first.
   [[nodiscard]] int first_switch() const { return first_switch_; }
   /// Whether nothing in the network can feed energy in but its sources: then its solution is unique, and jumps are of first order.
@@ -169,6 +180,7 @@ class Descriptor {
     int row, source;
     double coefficient;
   };
+  std::vector<int> valves_;  ///< ports that switches enable
   const model::Network& network_;
   double r0_ = 1.0, largest_capacitance_ = 0.0;
   int size_ = 0, first_switch_ = 0;

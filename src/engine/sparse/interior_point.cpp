@@ -27,12 +27,16 @@ void InteriorPoint::start(const Stage& stage, const Position& on) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   for (auto* v : {&u_, &s_}) v->assign(diodes, 1.0);
   for (auto* v : {&du_, &ds_, &miss_u_, &miss_s_}) v->assign(diodes, 0.0);
+  is_free_.resize(diodes);
+  for (std::size_t i = 0; i < diodes; ++i) is_free_[i] = !descriptor_.ports()[i].blocks(on);
   step_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
   if (!factor(stage, on)) return;
   take_residuals(stage, on);
   for (std::size_t i = 0; i < diodes; ++i) {  // u + s = 0: any diode conducts both ways
-    miss_u_[i] += 1.0;
-    miss_s_[i] += 1.0;
+    if (is_free_[i] != 0) {
+      miss_u_[i] += 1.0;
+      miss_s_[i] += 1.0;
+    }
     u_[i] = s_[i] = 0.0;
   }
   direction(0.0, false);
@@ -40,6 +44,7 @@ void InteriorPoint::start(const Stage& stage, const Position& on) {
   take_residuals(stage, on);
   const double most_u = size_of(miss_u_), most_s = size_of(miss_s_);
   for (std::size_t i = 0; i < diodes; ++i) {
+    if (is_free_[i] == 0) continue;
     const double u = miss_u_[i], s = miss_s_[i];
     u_[i] = std::max(std::abs(u), least_start * most_u);
     s_[i] = std::max(std::abs(s), least_start * most_s);
@@ -52,7 +57,7 @@ bool InteriorPoint::factor(const Stage& stage, const Position& on) {
   closing_.of_slack.resize(on.size());
   closing_.of_input.resize(on.size());
   for (std::size_t i = 0; i < on.size(); ++i) {
-    const bool diode = i < u_.size();
+    const bool diode = is_free(i);
     closing_.of_slack[i] = diode ? u_[i] / (u_[i] + s_[i]) : (on[i] != 0 ? 1.0 : 0.0);
     closing_.of_input[i] = 1.0 - closing_.of_slack[i];
   }
@@ -77,8 +82,8 @@ void InteriorPoint::take_residuals(const Stage& stage, const Position& on) {
   for (std::size_t i = 0; i < on.size(); ++i) {
     const Port& port = descriptor_.ports()[i];
     const auto row = static_cast<std::size_t>(port.row);
-    residual_[row] = i < u_.size() ? 0.0 : -port.free_variable(on[i] == 0, z_.data(), stage.w.data());
-    if (i >= u_.size()) continue;
+    residual_[row] = is_free(i) ? 0.0 : -port.free_variable(on[i] == 0, z_.data(), stage.w.data());
+    if (!is_free(i)) continue;
     miss_u_[i] = z_[row] - u_[i];
     miss_s_[i] = port.slack.value(z_.data(), stage.w.data()) - s_[i];
   }
@@ -88,6 +93,7 @@ void InteriorPoint::take_residuals(const Stage& stage, const Position& on) {
 void InteriorPoint::direction(double target, bool corrected) {
   move_ = residual_;
   for (std::size_t i = 0; i < u_.size(); ++i) {
+    if (is_free_[i] == 0) continue;
     const double product = target - u_[i] * s_[i] - (corrected ? du_[i] * ds_[i] : 0.0);
     const double sum = u_[i] + s_[i] > 0.0 ? u_[i] + s_[i] : 1.0;
     const double share = u_[i] + s_[i] > 0.0 ? u_[i] / sum : 0.5;
@@ -96,6 +102,7 @@ void InteriorPoint::direction(double target, bool corrected) {
   factor_.solve(move_.data());
   for (std::size_t i = static_cast<std::size_t>(descriptor_.nodes()); i < move_.size(); ++i) move_[i] *= unit_;
   for (std::size_t i = 0; i < u_.size(); ++i) {
+    if (is_free_[i] == 0) continue;
     const Port& port = descriptor_.ports()[i];
     du_[i] = port.response(true, move_.data()) + miss_u_[i];
     ds_[i] = port.response(false, move_.data()) + miss_s_[i];
@@ -126,7 +133,7 @@ bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& 
     const double most_u = std::max(size_of(u_), scale.input), most_s = std::max(size_of(s_), scale.slack), mean = gap(0.0);
     if (!std::isfinite(mean)) return false;
     if (mean <= end_gap * most_u * most_s && size_of(miss_u_) <= end_residual * most_u && size_of(miss_s_) <= end_residual * most_s) {
-      for (std::size_t i = 0; i < u_.size(); ++i) on[i] = u_[i] / most_u > s_[i] / most_s;
+      for (std::size_t i = 0; i < u_.size(); ++i) on[i] = is_free_[i] != 0 && u_[i] / most_u > s_[i] / most_s;
       return true;
     }
     if (!factor(stage, on)) return false;

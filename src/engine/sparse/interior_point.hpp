@@ -19,6 +19,8 @@ class InteriorPoint {
   [[nodiscard]] bool solve(const Stage& stage, const PortScale& scale, Position& on);
 
  private:
+  /// A diode, of those that may conduct.
+  [[nodiscard]] bool is_free(std::size_t port) const { return port < is_free_.size() && is_free_[port] != 0; }
   void start(const Stage& stage, const Position& on);
   [[nodiscard]] bool factor(const Stage& stage, const Position& on);
   void take_residuals(const Stage& stage, const Position& on);
@@ -33,6 +35,7 @@ class InteriorPoint {
   std::vector<double> values_;
   std::vector<double> step_, z_, residual_, move_;         ///< z − z0, z, what the equations miss, and the direction
   std::vector<double> u_, s_, du_, ds_, miss_u_, miss_s_;  ///< one a diode
+  std::vector<char> is_free_;                              ///< likewise
   bool factored_ = false;
 };
 

@@ -78,6 +78,7 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
   std::vector<int> negative;
   double most = 0.0;
   for (std::size_t i = 0; i < diodes; ++i) {
+    if (descriptor_.ports()[i].blocks(on)) continue;
     const double value = descriptor_.ports()[i].free_variable(on[i] != 0, z.data(), w.data());
     if (on[i] != 0) most = std::max(most, std::abs(value));
     if (value < 0.0) negative.push_back(static_cast<int>(i));
@@ -287,6 +288,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
 
 Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z, Search search) {
   disputed_.clear();
+  descriptor_.hold_blocked(on);
   Solved solved = iterate(stage, passive_ ? sign_tolerance : active_sign_tolerance, on, step, z);
   if (solved != Solved::no_position || contradicted_ || search == Search::newton) return solved;
   if (passive_ && (!repeated_ || disputed_.size() > few_disputed)) {
@@ -319,6 +321,7 @@ Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<
     if (passive_ || disputed_.size() == diodes) return Solved::no_position;
     std::vector<int> all(diodes);  // one that was right so far may have to give way
     std::iota(all.begin(), all.end(), 0);
+    std::erase_if(all, [&](int i) { return descriptor_.ports()[static_cast<std::size_t>(i)].blocks(on); });
     dispute(all);
     if (!decide(stage, on, z)) return Solved::no_position;
   }
