@@ -27,6 +27,7 @@ function(pwlsim_room name)
     add_library(pwlsim_${name} STATIC ${sources})
     target_include_directories(pwlsim_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(pwlsim_${name} PUBLIC ${links} PRIVATE ${private_links})
+    pwlsim_compile_together(${name})
   else()  # a room of headers alone
     add_library(pwlsim_${name} INTERFACE)
     target_include_directories(pwlsim_${name} INTERFACE ${PROJECT_SOURCE_DIR}/src)

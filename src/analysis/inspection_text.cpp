@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/inspection.hpp"
+#include "analysis/quantity.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -13,11 +14,6 @@ using model::Matrix;
 constexpr Eigen::Index widest_matrix = 16;  ///< wider ones are left to --json
 
 std::string number(double value) { return fmt::format("{:.6g}", value == 0.0 ? 0.0 : value); }
-
-std::string counted(std::size_t count, std::string_view noun) {
-  const std::string_view plural = noun.ends_with("ch") ? "es" : "s";
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : plural);
-}
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string text;

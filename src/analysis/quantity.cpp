@@ -29,7 +29,10 @@ std::string quantity(double value, std::string_view unit, int digits) {
   return fmt::format("{:.{}g} {}", value, digits, unit);
 }
 
-std::string counted(std::uint64_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+std::string counted(std::uint64_t count, std::string_view noun) {
+  const std::string_view plural = noun.ends_with("ch") ? "es" : "s";
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : plural);
+}
 
 std::string_view unit_of_signal(std::string_view name) {
   if (name.size() < 2 || name[1] != '(') return "";

@@ -183,6 +183,7 @@ class Integrator {
   Outcome radau_advance(const Piece& piece) {
     const Real least = settings_.first_step * converter_.fast / 4;
     for (;;) {
+      if ((++result_.steps & 63) == 0 && processor_seconds() > deadline_) return fail("takes too long"), Outcome::stuck;
       const Real left = piece.to - time_;
       const bool short_step = left <= step_ * 1.0001L;
       const Real step = short_step ? left : step_;
