@@ -6,10 +6,12 @@ set(PWLSIM_FILES_TOGETHER 8)
 # What is private to a file is then so to its group. These rooms and files have a constant or a type whose name another of the room has, too.
 set(PWLSIM_ROOMS_APART elements measure netlist)
 set(PWLSIM_FILES_APART
-  circuit/formula_reader circuit/measurement_card circuit/models circuit/sweep_card circuit/transient_card
-  engine/exact/control_probe engine/exact/locator_series engine/exact/modal_search engine/exact/piece_maker engine/exact/probe_impulses engine/exact/static_mode
+  analysis/report
+  circuit/evaluator circuit/formula_reader circuit/functions circuit/measured_expression circuit/measurement_card circuit/models circuit/random
+  circuit/scope circuit/values circuit/sweep_card circuit/transient_card
+  engine/exact/control_probe engine/exact/locator_series engine/exact/modal_search engine/exact/piece_maker engine/exact/probe_impulses engine/exact/static_mode engine/exact/static_ports
   engine/exact/transient engine/sparse/block engine/sparse/block_events engine/sparse/certificate engine/sparse/interior_point
-  engine/sparse/port_solver engine/sparse/start engine/sparse/transient
+  engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/transient
   lcp/principal_pivoting
   linalg/careful_elimination
   model/cascade model/certificate model/energy_coordinates model/finish_mode model/markov model/mode model/slow_manifold model/store_values

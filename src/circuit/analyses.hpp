@@ -23,6 +23,9 @@ struct Transient {
   TimeValue step, stop, start;
   bool use_initial_conditions = false;  ///< uic
   SourceSpan span;
+
+  /// s; a thousand steps where none is given.
+  [[nodiscard]] double row_step() const { return step.seconds > 0.0 ? step.seconds : (stop.seconds - start.seconds) / 1000.0; }
 };
 
 /// `.options nonunique=error|first|stay`

@@ -26,7 +26,7 @@ constexpr CardKind kinds[] = {
     {".probe", CardRole::save, "names the signals of the output"},
     {".probe64", CardRole::save, "names the signals of the output"},
     {".print", CardRole::print, "names the signals of the output"},
-    {".backanno", CardRole::silent, "means nothing here"},
+    {".backanno", CardRole::ltspice, "LTspice writes it into its netlists"},
     {".title", CardRole::silent, "means nothing here"},
     {".nodeset", CardRole::ignored, "hints for an iteration that is not needed here"},
     {".temp", CardRole::ignored, "temperatures have no effect"},

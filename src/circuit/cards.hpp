@@ -23,6 +23,7 @@ enum class CardRole {
   fourier,
   sweep,
   raw_system,  ///< .lcs
+  ltspice,     ///< tells who wrote the deck
   silent,      ///< accepted, means nothing here
   ignored      ///< one warning
 };

@@ -6,6 +6,7 @@
 
 #include "circuit/assemble.hpp"
 #include "circuit/flatten.hpp"
+#include "circuit/row_step.hpp"
 
 namespace pwlsim::circuit {
 
@@ -16,6 +17,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
+  if (circuit.analyses.transient) check_row_step(*network, *circuit.analyses.transient, reporter);
   if (!options.measure && circuit.analyses.sweeps.runs() > 1)
     reporter.note("N-first-run", circuit.analyses.sweeps.list.front().span,
                   fmt::format("of the {} runs that .step asks for the first is taken", circuit.analyses.sweeps.runs()));

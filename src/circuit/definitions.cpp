@@ -138,6 +138,9 @@ class Reader {
           reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));
         }
         return;
+      case CardRole::ltspice:
+        result_.written_by_ltspice = true;
+        return;
       case CardRole::silent:
         return;
     }

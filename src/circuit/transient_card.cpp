@@ -14,7 +14,6 @@ using netlist::Item;
 using ItemKind = Item::Kind;
 
 constexpr std::string_view usage = ".tran Tstep Tstop [Tstart [Tmax]] [uic] or .tran Tstop [uic]";
-constexpr double default_steps = 1000.0;
 constexpr double rounding_of_quotient = 1e-15;  ///< of two decimals
 
 struct Time {
@@ -92,8 +91,7 @@ class TransientReader {
       fail("E-tran", stop_span, fmt::format("Tstop = {} s must lie behind Tstart = {} s", transient.stop.seconds, transient.start.seconds));
       return false;
     }
-    const double step = transient.step.seconds > 0.0 ? transient.step.seconds : length / default_steps;
-    const double rows = std::floor(length / step * (1.0 + rounding_of_quotient)) + 1.0;
+    const double rows = std::floor(length / transient.row_step() * (1.0 + rounding_of_quotient)) + 1.0;
     if (rows > static_cast<double>(row_limit)) {
       reporter_.error("E-too-many-rows", times_[0].span,
                       fmt::format("{:.6g} output rows, more than {}; try a larger Tstep, or .options max_rows=", rows, row_limit));

@@ -27,8 +27,9 @@ struct Model;
 
 /// Deck-wide numbers that elements depend on.
 struct Settings {
-  double tangent_current = 1.0;  ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
-  double gate_drive = 10.0;      ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
+  double tangent_current = 1.0;     ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
+  double gate_drive = 10.0;         ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
+  bool written_by_ltspice = false;  ///< the deck has cards that LTspice adds by itself
 };
 
 /// A `.model` type: "D", or "SW" and its like.

@@ -90,6 +90,7 @@ struct Deck {
   std::string title;
   SourceSpan title_span;
   std::vector<Card> cards;
+  bool names_ltspice_library = false;  ///< a `.lib` of LTspice's own `standard.dio` or its like
 };
 
 }  // namespace pwlsim::netlist

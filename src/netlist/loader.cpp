@@ -285,6 +285,7 @@ void Loader::read_request(const File& from, const Request& request) {
 }
 
 const Loader::File* Loader::open_file(const File& from, const Request& request) {
+  if (request.is_library && is_standard_library(request.file)) deck_.names_ltspice_library = true;
   const auto [path, not_found] = find_file(request.file, from.directory);
   FileBytes read;
   if (!path.empty()) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/names.hpp"
 #include "elements/conduction.hpp"
 #include "elements/tangent.hpp"
 #include "elements/twin.hpp"
@@ -21,7 +22,7 @@ constexpr Parameter model_parameters[] = {
     {"Rrev", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond -Vrev."},
     {"IS", "A", 1e-14, Range::positive, false, "Saturation current; read for the tangent at i0."},
     {"N", "", 1.0, Range::positive, false, "Emission coefficient; read for the tangent at i0."},
-    {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0."},
+    {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0, and becomes Rrev."},
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage; becomes Vrev."},
     {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current; that through Roff comes on top."},
     {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current."},
@@ -94,6 +95,12 @@ void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& dia
   values.set("Ron", law.resistance);
   values.set("Vfwd", law.drop);
   values.set("Vrev", reverse);
+  if (!std::isinf(reverse)) values.set("Rrev", values.get("RS"));
+}
+
+/// The line `.model D D` that LTspice adds to its decks: SPICE's default diode.
+bool is_default_diode(const Model& model, const Settings& settings) {
+  return settings.written_by_ltspice && same_name(model.name, "D") && model.values.all().empty();
 }
 
 void check_slopes(const Model& model, Diagnostics& diagnostics) {
@@ -117,7 +124,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (!ideal.empty() && !exponential.empty()) {
     diagnostics.warning("W-ignored-parameter", model.span,
                         fmt::format("{} of model {} ignored: {} already gives the ideal characteristic", exponential, model.name, ideal));
-  } else if (!exponential.empty()) {
+  } else if (!exponential.empty() || is_default_diode(model, settings)) {
     replace_by_tangent(model, settings, diagnostics);
   }
   check_slopes(model, diagnostics);
