@@ -22,6 +22,7 @@ constexpr Told told[] = {
     {"W-ignored-parameter", ignored}, {"W-lib-skipped", ignored},    {"N-control-skipped", ignored},
     {"W-ic-unused", ignored},         {"W-startup", read_otherwise}, {"N-negative-hysteresis", read_otherwise},
     {"W-second-model", ignored},      {"W-femto", read_otherwise},   {"N-dc-value", read_otherwise},
+    {"W-unknown-option", ignored},    {"W-ignored-output", ignored},
 };
 
 /// On one line.

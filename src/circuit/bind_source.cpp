@@ -30,7 +30,7 @@ class SourceBinding {
       : cursor_(cursor), scope_(scope), reporter_(reporter), card_(card), instance_(instance) {}
 
   bool bind() {
-    if (cursor_.at_end()) missing("a value");
+    if (cursor_.at_end() && !card_.damaged) assume_zero();
     while (!cursor_.at_end() && step()) {
     }
     finish_pwl();
@@ -39,6 +39,12 @@ class SourceBinding {
   }
 
  private:
+  /// An ammeter, or a source that a sweep or another analysis would set.
+  void assume_zero() {
+    dc_ = 0.0;
+    reporter_.note("N-no-value", card_.span, fmt::format("{} has no value: it is 0", card_.name));
+  }
+
   void missing(std::string_view what) {
     reporter_.error("E-missing-value", card_.span, fmt::format("{} needs {}; usage: {}", card_.name, what, instance_.kind->usage));
   }
@@ -53,6 +59,10 @@ class SourceBinding {
     const Item& item = *cursor_.peek();
     if (item.kind == ItemKind::assignment) return assignment();
     if (word_is(&item, "ac")) return alternating();
+    if (word_is(&item, "load")) {
+      reporter_.note("N-load", item.span, fmt::format("load is ignored: {} has its current at any voltage", card_.name));
+      return cursor_.next() != nullptr;
+    }
     if (word_is(&item, "dc")) {
       cursor_.next();
       if (cursor_.at_positional()) return dc_seen_ ? unexpected(*cursor_.next()) : constant();

@@ -217,8 +217,11 @@ class Reader {
   void read_parameters(const Card& card, const std::vector<Item>& items, std::vector<ParameterText>& list) {
     if (items.empty() && !card.damaged)
       reporter_.error("E-missing-value", card.span, ".param defines nothing; usage: .param name=value ...");
-    for (const Item& item : items) {
-      if (item.kind != ItemKind::assignment) {
+    for (std::size_t k = 0; k < items.size(); ++k) {
+      const Item& item = items[k];
+      if (item.kind == ItemKind::word && k + 1 < items.size() && items[k + 1].kind != ItemKind::assignment) {
+        list.push_back({item.text, item.text_span, &items[++k]});  // .param K 0.7
+      } else if (item.kind != ItemKind::assignment) {
         reporter_.error("E-unexpected", item.span, ".param takes name=value only");
       } else if (item.items.size() > 1) {
         reporter_.error("E-unexpected", item.text_span,
@@ -260,6 +263,7 @@ class Reader {
     const Card& first = *kept;
     const std::string& name = second.items[0].text;
     if (first.span.file == second.span.file) {
+      if (reporter_.text(first.span) == reporter_.text(second.span)) return;
       if (&first != &second) report_second("E-duplicate-model", "model", name, second.items[0].span, first.items[0].span);
       return;
     }

@@ -18,6 +18,7 @@ using ItemKind = netlist::Item::Kind;
 
 constexpr std::uint64_t most_function_calls = 10'000'000;
 constexpr double inf = std::numeric_limits<double>::infinity();
+constexpr double nominal_temperature = 27.0;  ///< °C; temperatures have no effect
 
 bool is_choice(std::string_view name) { return same_name(name, "if") || same_name(name, "ternary_fcn"); }
 
@@ -124,6 +125,8 @@ std::optional<double> Evaluator::of_constant(const Expression& expression) {
   if (same_name(expression.text, "pi")) return std::numbers::pi;
   if (same_name(expression.text, "e")) return std::numbers::e;
   if (same_name(expression.text, "inf")) return inf;
+  for (const std::string_view name : {"temp", "temper", "tnom"})
+    if (same_name(expression.text, name)) return nominal_temperature;
   return unknown_name(expression);
 }
 

@@ -99,6 +99,7 @@ elements::Values own_values(const ChainLink& link, const elements::ModelKind& ki
   elements::Values values(kind.parameters);
   const std::string owner = "model " + link.found.card->items[0].text;
   ValueReader reader(*link.found.scope, reporter, owner);
+  if (kind.block == nullptr) reader.ignore_unknown();  // each parameter of a block has an effect
   for (const Item* item : link.text.parameters) {
     const elements::Parameter* flag = item->kind == ItemKind::word ? elements::find_parameter(kind.parameters, item->text) : nullptr;
     if (item->kind == ItemKind::assignment) {

@@ -51,8 +51,8 @@ class OptionReader {
       std::vector<std::string> names;
       for (std::string_view name : honoured) names.emplace_back(name);
       for (std::string_view name : silent) names.emplace_back(name);
-      reporter_.error("E-unknown-option", item.text_span.known() ? item.text_span : item.span,
-                      fmt::format("unknown option '{}'{}", item.text, suggestion(item.text, names)));
+      reporter_.warning("W-unknown-option", item.text_span.known() ? item.text_span : item.span,
+                        fmt::format("the unknown option '{}' is ignored{}", item.text, suggestion(item.text, names)));
     }
   }
 

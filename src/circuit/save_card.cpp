@@ -61,6 +61,13 @@ bool is_transistor_current(const Item& item) {
   return same_name(item.text, "id") ? letter == 'm' || letter == 'j' : same_name(item.text, "ic") && letter == 'q';
 }
 
+/// Powers, expressions and options of columns, which other simulators print: a word may be a slip instead.
+bool is_other_output(const Item& item) {
+  const bool is_voltage_or_current = same_name(item.text, "v") || same_name(item.text, "i");
+  return item.kind == ItemKind::assignment || item.kind == ItemKind::expression || (item.kind == ItemKind::group && !is_voltage_or_current) ||
+         (item.kind == ItemKind::word && item.text.starts_with('@'));
+}
+
 /// ngspice's @d1[id], @r1[i], @q1[ic]: the element; empty for another word.
 std::string_view device_of(std::string_view word) {
   const std::size_t bracket = word.find('[');
@@ -94,6 +101,10 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     request.kind = SaveRequest::Kind::raw;
     request.quantity = lower_letter(item.text[0]);
     request.number = std::stoi(item.items[1].text);
+  } else if (is_other_output(item)) {
+    reporter.warning("W-ignored-output", item.span,
+                     fmt::format("'{}' is left out: {} are saved; .meas takes expressions", reporter.text(item.span), usage));
+    return std::nullopt;
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
     reporter.error("E-unknown-signal", item.span, fmt::format("'{}' is no signal: they are {}{}", reporter.text(item.span), usage, cure));

@@ -17,7 +17,7 @@ void warn_of_femto(const Item& item, const Number& number, std::string_view unit
 
 void ValueReader::assignment(const Item& item, elements::Values& values, std::vector<std::string>* ignored) {
   const Parameter* parameter = elements::find_parameter(values.table(), item.text);
-  if (parameter == nullptr) return report_unknown(item, values.table());
+  if (parameter == nullptr) return report_unknown(item, values.table(), ignores_unknown_ ? ignored : nullptr);
   if (parameter->use == Use::ignored && ignored != nullptr) {
     ignored->push_back(item.text);
   } else if (parameter->use == Use::ignored) {
@@ -69,12 +69,13 @@ void ValueReader::refuse(const Item& item, const Parameter& parameter) {
   reporter_.error("E-not-supported", item.span, fmt::format("{} of {} is not supported", item.text, owner_));
 }
 
-void ValueReader::report_unknown(const Item& item, elements::ParameterTable table) {
+void ValueReader::report_unknown(const Item& item, elements::ParameterTable table, std::vector<std::string>* ignored) {
   std::vector<std::string> names;
   for (const Parameter& parameter : table) {
     if (parameter.use == Use::honoured) names.emplace_back(parameter.name);
   }
   const std::string nearest = suggestion(item.text, names);
+  if (nearest.empty() && ignored != nullptr) return ignored->push_back(item.text);
   const std::string cure = nearest.empty() && !names.empty() ? fmt::format("; it takes {}", fmt::join(names, ", ")) : nearest;
   reporter_.error("E-unknown-parameter", item.text_span, fmt::format("{} has no parameter '{}'{}", owner_, item.text, cure));
 }

@@ -17,11 +17,13 @@ class ValueReader {
   /// One `name=value`. Unknown names, values out of range and names given twice are errors; ignored ones are a warning, once for each
   /// name in a deck, or are collected in `ignored` where that is given.
   void assignment(const netlist::Item& item, elements::Values& values, std::vector<std::string>* ignored = nullptr);
+  /// From here on names that are near to none of the table are ignored, too: models of libraries hold what nobody reads (`MTBF=`, `ppPkg=`).
+  void ignore_unknown() { ignores_unknown_ = true; }
   /// A value by position.
   void positional(const netlist::Item& item, const elements::Parameter& parameter, elements::Values& values);
 
  private:
-  void report_unknown(const netlist::Item& item, elements::ParameterTable table);
+  void report_unknown(const netlist::Item& item, elements::ParameterTable table, std::vector<std::string>* ignored);
   void refuse(const netlist::Item& item, const elements::Parameter& parameter);
   void store_list(const netlist::Item& values, const elements::Parameter& parameter, elements::Values& result);
   [[nodiscard]] std::optional<double> checked(const netlist::Item& value, const elements::Parameter& parameter);
@@ -30,6 +32,7 @@ class ValueReader {
   Scope& scope_;
   Reporter& reporter_;
   std::string_view owner_;
+  bool ignores_unknown_ = false;
 };
 
 /// "1F" behind a capacitance is a femtofarad: says so.

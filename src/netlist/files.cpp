@@ -44,6 +44,18 @@ std::string kind_of(const std::string& path) {
   }
 }
 
+/// The file of that folder whose name differs in case alone, the first by name; empty where there is none.
+std::filesystem::path find_without_case(const std::filesystem::path& wanted) {
+  const std::filesystem::path folder = wanted.has_parent_path() ? wanted.parent_path() : ".";
+  std::filesystem::path result;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (!same_name(entry.path().filename().string(), wanted.filename().string()) || !exists_as_file(entry.path().string())) continue;
+    if (result.empty() || entry.path() < result) result = entry.path();
+  }
+  return result;
+}
+
 }  // namespace
 
 FileBytes read_file(const std::filesystem::path& path) {
@@ -85,6 +97,9 @@ FoundFile find_file(std::string_view name, const std::filesystem::path& director
   }
   const auto found = std::find_if(candidates.begin(), candidates.end(), exists_as_file);
   if (found != candidates.end()) return {*found, {}};
+  const std::string last = with_slashes.substr(with_slashes.find_last_of('/') + 1);
+  for (const std::string& spelling : {with_slashes, last})
+    if (const std::filesystem::path path = find_without_case(directory / spelling); !path.empty()) return {path, {}, spelling != with_slashes};
   for (const std::string& candidate : candidates)
     if (const std::string kind = kind_of(candidate); !kind.empty()) return {{}, "it " + kind};
   return {{}, "no such file beside the file that names it, nor in the current directory"};

@@ -18,9 +18,10 @@ struct FileBytes {
 struct FoundFile {
   std::filesystem::path path;  ///< empty where there is none
   std::string reason;          ///< then: "no such file …", "it is a directory …"
+  bool is_elsewhere = false;   ///< not where the name says, but beside the file that names it
 };
 /// Where `name`, written in a file of `directory`, is found: beside that file, then in the current directory; backslashes may part
-/// the folders. Only regular files count.
+/// the folders. Only regular files count. Where there is none, letter case does not count, and then not the folder of `name` either.
 [[nodiscard]] FoundFile find_file(std::string_view name, const std::filesystem::path& directory);
 
 /// `C:\…`, or any name with a backslash.

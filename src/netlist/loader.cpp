@@ -248,13 +248,18 @@ void Loader::request_file(const File& from, const ParseContext& context, std::st
     context.report("E-syntax-include", name, fmt::format("a file name is missing behind '{}'", name));
     return;
   }
-  if (arguments.size() > most) {
+  const bool has_blanks = library && arguments.size() > most && is_windows_path(arguments[0].text);  // LTspice's own: C:\Program Files\…
+  if (arguments.size() > most && !has_blanks) {
     context.report("E-syntax-include", arguments[most].whole,
                    fmt::format("'{}' takes {}; try quotes around a name with blanks", name, library ? "a file and a section" : "one file"));
     return;
   }
   Request request{arguments[0].text, {}, context.line.span(arguments[0].whole), {}, library};
-  if (arguments.size() == 2) {
+  if (has_blanks) {
+    const char* const end = arguments.back().whole.data() + arguments.back().whole.size();
+    request.file = {arguments[0].whole.data(), static_cast<std::size_t>(end - arguments[0].whole.data())};
+    request.file_span = context.line.span(request.file);
+  } else if (arguments.size() == 2) {
     request.section = arguments[1].text;
     request.section_span = context.line.span(arguments[1].whole);
   }
@@ -286,7 +291,9 @@ void Loader::read_request(const File& from, const Request& request) {
 
 const Loader::File* Loader::open_file(const File& from, const Request& request) {
   if (request.is_library && is_standard_library(request.file)) deck_.names_ltspice_library = true;
-  const auto [path, not_found] = find_file(request.file, from.directory);
+  const auto [path, not_found, is_elsewhere] = find_file(request.file, from.directory);
+  if (is_elsewhere)
+    errors_.diagnostics().note("N-file-beside", request.file_span, fmt::format("'{}' is not there: {} is read", request.file, path.string()));
   FileBytes read;
   if (!path.empty()) {
     std::error_code error;

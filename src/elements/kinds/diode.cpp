@@ -20,7 +20,7 @@ constexpr Parameter model_parameters[] = {
     {"Vfwd", "V", 0.0, Range::any, true, "Forward drop; inf: never conducts forward."},
     {"Vrev", "V", infinite, Range::not_negative, true, "Reverse breakdown voltage."},
     {"Rrev", "ohm", 0.0, Range::not_negative, false, "Slope resistance beyond -Vrev."},
-    {"IS", "A", 1e-14, Range::positive, false, "Saturation current; read for the tangent at i0."},
+    {"IS", "A", 1e-14, Range::not_negative, false, "Saturation current; read for the tangent at i0."},
     {"N", "", 1.0, Range::positive, false, "Emission coefficient; read for the tangent at i0."},
     {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0, and becomes Rrev."},
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage; becomes Vrev."},
