@@ -115,7 +115,7 @@ class Assembler {
 
   void warn_of_second(const InitialCondition& condition, bool is_second) {
     if (is_second)
-      reporter_.warning("W-second-ic", condition.span, fmt::format("a second initial condition for {}: this one rules", condition.name));
+      reporter_.warning("W-second-ic", condition.span, fmt::format("a second initial condition for {}: this one is used", condition.name));
   }
 
   /// What binding sees to; circuits built in code may lack something.

@@ -39,6 +39,7 @@ class Reader {
 
   Definitions read() {
     open({}, deck_.title_span);
+    result_.written_by_ltspice = deck_.names_ltspice_library;
     for (const Card& card : deck_.cards) card.name.front() == '.' ? read_dot_card(card) : read_element(card);
     while (stack_.size() > 1) {
       reporter_.error("E-missing-ends", current().definition->span, fmt::format(".subckt {} has no .ends", current().definition->name));
@@ -258,13 +259,13 @@ class Reader {
     if (!is_new) settle_second_model(card, entry->second);
   }
 
-  /// Two in one file are a mistake; the deck's own model rules over one of a library, and the first of two libraries over the second.
+  /// Two in one file that differ are a mistake; the deck's own model rules over one of a library, and the first of two libraries over the second.
   void settle_second_model(const Card& second, const Card*& kept) {
     const Card& first = *kept;
     const std::string& name = second.items[0].text;
     if (first.span.file == second.span.file) {
-      if (reporter_.text(first.span) == reporter_.text(second.span)) return;
-      if (&first != &second) report_second("E-duplicate-model", "model", name, second.items[0].span, first.items[0].span);
+      if (reporter_.text(first.span) != reporter_.text(second.span))
+        report_second("E-duplicate-model", "model", name, second.items[0].span, first.items[0].span);
       return;
     }
     if (second.span.file == deck_.title_span.file) kept = &second;

@@ -33,9 +33,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;
-  elements::Settings settings = options.settings;
-  settings.written_by_ltspice = definitions.written_by_ltspice || deck.names_ltspice_library;
-  Models models(circuit, settings, reporter);
+  Models models(circuit, options.settings, reporter);
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);

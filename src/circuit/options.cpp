@@ -130,6 +130,7 @@ std::uint64_t written_seed(const Definitions& definitions) {
 
 Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses) {
   OptionReader reader(scope, reporter, analyses);
+  reader.options.settings.written_by_ltspice = definitions.written_by_ltspice;
   for (const netlist::Card* card : definitions.options) {
     for (const Item& item : card->items) reader.read(item);
   }

@@ -26,7 +26,11 @@ linalg::LegendreSeries series_of(const SolutionRecord::Piece& piece, std::size_t
 }
 
 SolutionRecord::SolutionRecord(double from, double to, std::size_t signals, std::size_t sharers)
-    : from_(from), to_(to), signals_(signals), most_coefficients_(most_coefficients / std::max<std::size_t>(sharers, 1)), largest_(signals, 0.0) {}
+    : from_(from),
+      to_(to),
+      signals_(signals),
+      most_coefficients_(most_coefficients / std::max<std::size_t>(sharers, 1)),
+      largest_(signals, 0.0) {}
 
 void SolutionRecord::take(const engine::Piece& piece) {
   constexpr std::size_t points = linalg::legendre_points;
@@ -57,19 +61,22 @@ void SolutionRecord::drop_oldest() {
   pieces_.pop_front();
 }
 
-/// Where a piece from `time` on goes; a bin ends at the grid's next place at the latest.
-SolutionRecord::Bin& SolutionRecord::bin_at(double time) {
+/// The next place of the grid, at which a bin ends at the latest.
+double SolutionRecord::largest_end(const Bin& bin) const {
   const double length = (to_ - from_) / static_cast<double>(most_bins);
-  if (bins_.empty() || time >= from_ + length * (std::floor((bins_.back().from - from_) / length) + 1.0))
-    bins_.push_back({time, time, std::vector<Share>(signals_)});
+  return from_ + length * (std::floor((bin.from - from_) / length) + 1.0);
+}
+
+/// Where a piece from `time` on goes.
+SolutionRecord::Bin& SolutionRecord::bin_at(double time) {
+  if (bins_.empty() || time >= largest_end(bins_.back())) bins_.push_back({time, time, std::vector<Share>(signals_)});
   return bins_.back();
 }
 
 void SolutionRecord::add_to_bins(const Piece& piece) {
-  const double length = (to_ - from_) / static_cast<double>(most_bins);
   for (double at = piece.from; at < piece.to;) {
     Bin& bin = bin_at(at);
-    const double end = from_ + length * (std::floor((bin.from - from_) / length) + 1.0);
+    const double end = largest_end(bin);
     const double next = end > at ? std::min(piece.to, end) : piece.to;
     add_to_bin(bin, at, next, piece);
     at = next;
@@ -82,7 +89,8 @@ void SolutionRecord::add_to_bin(Bin& bin, double from, double to, const Piece& p
   const double span = piece.to - piece.from;
   for (std::size_t k = 0; k < signals_; ++k) {
     linalg::LegendreSeries series = series_of(piece, k);
-    if (from != piece.from || to != piece.to) series = series.on(2.0 * (from - piece.from) / span - 1.0, 2.0 * (to - piece.from) / span - 1.0);
+    if (from != piece.from || to != piece.to)
+      series = series.on(2.0 * (from - piece.from) / span - 1.0, 2.0 * (to - piece.from) / span - 1.0);
     const auto& c = series.coefficients();
     double square = 0.0;  // Parseval
     for (std::size_t j = 0; j < c.size(); ++j) square += c[j] * c[j] / (2.0 * static_cast<double>(j) + 1.0);
@@ -97,9 +105,7 @@ void SolutionRecord::add_to_bin(Bin& bin, double from, double to, const Piece& p
   bin.to = to;
 }
 
-std::size_t SolutionRecord::bins_of_page() const {
-  return std::max(least_bins, bins_times_signals / std::max<std::size_t>(signals_, 1));
-}
+std::size_t SolutionRecord::bins_of_page() const { return std::max(least_bins, bins_times_signals / std::max<std::size_t>(signals_, 1)); }
 
 std::vector<SolutionRecord::Bin> SolutionRecord::bins(std::size_t most) const {
   const std::size_t joined = (bins_.size() + most - 1) / most;

@@ -60,6 +60,7 @@ class SolutionRecord {
   void add_to_bin(Bin& bin, double from, double to, const Piece& piece);
   void add_curve(Line& line, const Piece& piece, const linalg::LegendreSeries& series, std::size_t length) const;
   [[nodiscard]] Bin& bin_at(double time);
+  [[nodiscard]] double largest_end(const Bin& bin) const;
 
   double from_, to_;
   std::size_t signals_, most_coefficients_;

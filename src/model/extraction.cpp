@@ -10,6 +10,7 @@
 #include "linalg/constraint_basis.hpp"
 #include "linalg/doubled.hpp"
 #include "linalg/refined_solution.hpp"
+#include "model/causality.hpp"
 #include "model/certificate.hpp"
 #include "model/clock.hpp"
 #include "model/descriptor.hpp"
@@ -43,6 +44,8 @@ constexpr double small_column = 1e-3, rounding_column = 1e-15;
 /// An entry of a hidden constraint below this fraction of its parts is rounding.
 constexpr double constraint_tolerance = 1e-12;
 constexpr int largest_index = 6;
+/// Pivots of ports that differ by less count as equal.
+constexpr double same_pivot = 1e-9;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
 
@@ -298,27 +301,14 @@ void Extractor::solve_constraints() {
 }
 
 /// b = S a + …;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
-/// Θ = diag(±1) with S + Θ nonsingular, found greedily with every pivot at least one in magnitude.
+/// Θ = diag(±1) with S + Θ nonsingular.
 void Extractor::choose_causality() {
   const auto k = assembly_.ports();
   theta_ = WideVector::Zero(k);
   if (k == 0) return;
   const auto first = assembly_.port_column(0);
   const WideMatrix z_a = -Eigen::PartialPivLU<WideMatrix>(g_).solve(ha_);
-  WideMatrix work = WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k);
-  for (int round = 0; round < k; ++round) {
-    int best = -1;
-    for (int j = 0; j < k; ++j)
-      if (theta_[j] == 0.0 && (best < 0 || std::abs(work(j, j)) > std::abs(work(best, best)) * (1.0 + 1e-9))) best = j;
-    theta_[best] = work(best, best) >= 0.0 ? 1.0 : -1.0;
-    work(best, best) += theta_[best];
-    for (int i = 0; i < k; ++i) {
-      if (theta_[i] != 0.0) continue;
-      const Wide factor = work(i, best) / work(best, best);
-      for (int j = 0; j < k; ++j)
-        if (theta_[j] == 0.0) work(i, j) -= factor * work(best, j);
-    }
-  }
+  theta_ = causality(WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k), theta_, same_pivot);
 }
 
 /// A port's row d − i − a = 0 (d the voltage beyond its drop and resistance, i its current) becomes d + u = 0 with y = i, or d + y = 0 with

@@ -46,13 +46,11 @@ class Connector {
  public:
   Connector(const Network& network, const Things& things, const Rails* rails, Links links = Links::all, Controls controls = Controls::apart)
       : things_(things), rails_(rails), sets_(things.count) {
-    terminals(network.resistors, things.resistor);
-    terminals(network.capacitors, things.capacitor);
-    terminals(network.inductors, things.inductor);
-    terminals(network.branches, things.branch);
-    terminals(network.injections, things.injection);
-    terminals(network.diodes, things.diode);
-    terminals(network.switches, things.switch_);
+    const auto join = [&](int element, NodeIndex node) {
+      if (node != ground && !is_rail(node)) sets_.join(element, things.node + node);
+    };
+    for_each_terminal(network, things, join);
+    for_each_terminal(network.branches, things.branch, join);
     if (rails)
       for (std::size_t i = 0; i < rails->branch_of.size(); ++i)
         if (rails->branch_of[i] >= 0) sets_.join(things.node + static_cast<int>(i), things.branch + rails->branch_of[i]);
@@ -73,13 +71,6 @@ class Connector {
 
  private:
   [[nodiscard]] bool is_rail(NodeIndex node) const { return rails_ && rails_->holds(node); }
-
-  template <class Element>
-  void terminals(const std::vector<Element>& elements, int first) {
-    for (std::size_t i = 0; i < elements.size(); ++i)
-      for (const NodeIndex node : {elements[i].p, elements[i].n})
-        if (node != ground && !is_rail(node)) sets_.join(first + static_cast<int>(i), things_.node + node);
-  }
 
   void form(const LinearForm& terms, int with) {
     for (const auto& term : terms) {

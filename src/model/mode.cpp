@@ -9,6 +9,7 @@
 #include "linalg/constraint_basis.hpp"
 #include "linalg/elimination.hpp"
 #include "linalg/refined_solution.hpp"
+#include "model/guard_noise.hpp"
 #include "model/modal_form.hpp"
 #include "model/slow_manifold.hpp"
 #include "model/subspaces.hpp"
@@ -48,14 +49,11 @@ constexpr double bad_condition = 1e2;
 /// From which on a solution is refined.
 constexpr double very_bad_condition = 1e5;
 constexpr Wide output_rounding = 1e-15L;  ///< of the terms of an entry that reads state and ports, both rounded to double
-/// A second shift, and what two answers differ by, as an error of each.
-constexpr double other_shift = 3.0, error_factor = 10.0;
-constexpr double rounding_of_terms = 1e-15;  ///< of a guard row on a slow manifold, against the row of C that it is a sum with
-/// Beyond, a guard counts as if it had these digits: a potential that leaks of 10¹³ Ω hold is not worth an event that is missed.
-constexpr double largest_guard_noise = 1e-9;
-/// The same of a bound from the entries of D_JJ and C_J, which is decades above what rounding does: more would let a guard rest below zero.
+/// A second shift, for measure_guard_noise.
+constexpr double other_shift = 3.0;
+/// As `largest_guard_noise` of a bound from the entries of D_JJ and C_J, which is decades above what rounding does: more would let a guard rest below zero.
 constexpr double largest_row_noise = 1e-12;
-constexpr Wide manifold_rounding = 1e-18L;  ///< the same of rows on a slow manifold, where what large resistances multiply cancels
+constexpr Wide manifold_rounding = 1e-18L;  ///< of the terms of a row on a slow manifold, where what large resistances multiply cancels
 /// Of A, 1/s: its square has to be a number.
 constexpr double fastest_rate = 1e150;
 
@@ -473,7 +471,8 @@ void Builder::bound_guard_noise() const {
   for (int i = 0; i < s_.diodes; ++i) {
     const bool is_active = m.active.contains(i);
     Wide error = is_active ? of_input[static_cast<Eigen::Index>(a++)] : 0;
-    for (std::size_t j = 0; !is_active && j < r_.j.size(); ++j) error += std::abs(w_->d(i, r_.j[j])) * of_input[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; !is_active && j < r_.j.size(); ++j)
+      error += std::abs(w_->d(i, r_.j[j])) * of_input[static_cast<Eigen::Index>(j)];
     if (m.guard_norm[i] > 0.0)
       m.guard_noise[i] = std::clamp(static_cast<double>(error) / m.guard_norm[i], noise_floor, std::max(m.noise, largest_row_noise));
   }
@@ -487,38 +486,6 @@ void Builder::add_decays(const Mode& whole, Mode& slow) const {
   decays->coordinates = manifold_->coordinates;
   decays->guards = whole.guards.leftCols(whole.n1) * (whole.constrained ? whole.basis.transpose() * manifold_->fast : manifold_->fast);
   slow.decays = std::move(decays);
-}
-
-/// Guards as rows of x.
-Matrix guards_of_state(const Mode& mode) {
-  Matrix rows(mode.guards.rows(), mode.basis.rows() + mode.ny - mode.n1);
-  rows << mode.guards.leftCols(mode.n1) * mode.basis.transpose(), mode.guards.rightCols(mode.ny - mode.n1);
-  return rows;
-}
-
-/// The row is zero: the port is indeterminate.
-void leave_out_guard(Mode& mode, Eigen::Index row) {
-  for (Matrix* m : {&mode.guards, &mode.absolute_guards, &mode.guard_block_norm}) m->row(row).setZero();
-  mode.guard_norm[row] = mode.guard_c_norm[row] = 0.0;
-  if (mode.scaled_guard_c_norm.size() > 0) mode.scaled_guard_c_norm[row] = 0.0;
-  mode.guard_constant[static_cast<std::size_t>(row)] = 1;
-}
-
-/// Where leaks decide a potential, the guards that read it have fewer digits than others: what they differ by from those at another shift tells how many.
-/// The voltage of a blocking port that has none, and is rounding of its own terms, is zero (a diode across a closed switch).
-void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
-  if (!other || other->n1 != mode.n1) return;
-  const Matrix rows = guards_of_state(mode);
-  const Vector error = error_factor * (rows - guards_of_state(*other)).rowwise().norm();
-  for (int i = 0; i < error.size(); ++i) {
-    const double norm = mode.guard_norm[i];
-    if (norm == 0.0) continue;
-    const bool is_blocking = i < system.diodes && !mode.active.contains(i);
-    if (is_blocking && error[i] >= norm && norm <= rounding_of_terms * system.c.row(i).norm())
-      leave_out_guard(mode, i);
-    else
-      mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, largest_guard_noise);
-  }
 }
 
 }  // namespace

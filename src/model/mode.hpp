@@ -19,6 +19,9 @@ namespace pwlsim::model {
 
 struct ModalForm;
 
+/// A decay of e^-40 is rounding.
+inline constexpr double time_constants_to_rest = 40.0;
+
 /// What a mode on its slow manifold (slow_manifold.hpp) leaves out: plain decays ψ_k e^{−τ/T_k} beside the slow motion.
 struct Decays {
   double slowest = 0.0;   ///< the largest T_k, s
@@ -51,7 +54,7 @@ struct Mode {
   Vector scale;  ///< diagonal of S (n1), powers of two, of another norm ‖S⁻¹c‖ that grows more slowly; empty: there is none
   double scaled_growth = 0.0;  ///< max(0, μ(S⁻¹A₁S))
   double noise = 0.0;          ///< relative rounding level of guard values in this mode
-  Vector guard_noise;  ///< the same of each guard by itself, where that is known
+  Vector guard_noise;          ///< the same of each guard by itself, where that is known
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;

@@ -16,8 +16,6 @@ namespace {
 constexpr double consistency_per_noise = 30.0;
 /// Of a state, against the largest there was.
 constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
-/// A decay of e^-40 is rounding.
-constexpr double time_constants_to_rest = 40.0;
 /// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
 constexpr double brief_per_unseen = 1e4;
 constexpr int most_jumps = 20;

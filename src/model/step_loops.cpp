@@ -39,12 +39,7 @@ class Influence {
         holder_(network.nodes.size(), -1),
         held_branch_(network.branches.size(), 0) {
     hold_nodes();
-    terminals(network.resistors, things_.resistor);
-    terminals(network.capacitors, things_.capacitor);
-    terminals(network.inductors, things_.inductor);
-    terminals(network.injections, things_.injection);
-    terminals(network.diodes, things_.diode);
-    terminals(network.switches, things_.switch_);
+    for_each_terminal(network, things_, [&](int element, NodeIndex node) { terminal(node, element); });
     for (const auto& k : network.couplings) sets_.join(things_.inductor + k.inductor_a, things_.inductor + k.inductor_b);
     branches();
     for (std::size_t i = 0; i < network.injections.size(); ++i)
@@ -94,12 +89,6 @@ class Influence {
     }
     edge(things_.node + node, element);
     edge(element, things_.branch + holder_[static_cast<std::size_t>(node)]);
-  }
-
-  template <class Element>
-  void terminals(const std::vector<Element>& elements, int first) {
-    for (std::size_t i = 0; i < elements.size(); ++i)
-      for (const NodeIndex node : {elements[i].p, elements[i].n}) terminal(node, first + static_cast<int>(i));
   }
 
   void branches() {

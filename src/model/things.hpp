@@ -1,6 +1,8 @@
 #pragma once
 /// One numbering of all nodes and elements of a network.
 
+#include <vector>
+
 #include "model/network.hpp"
 
 namespace pwlsim::model {
@@ -54,5 +56,23 @@ class Things {
   }
   int node, resistor, capacitor, inductor, branch, injection, diode, complementarity, switch_, source, count;
 };
+
+/// `visit(element, node)` for each terminal of elements of one kind, the first of which is the thing `first`.
+template <class Element, class Visit>
+void for_each_terminal(const std::vector<Element>& elements, int first, const Visit& visit) {
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    for (const NodeIndex node : {elements[i].p, elements[i].n}) visit(first + static_cast<int>(i), node);
+}
+
+/// Of all elements but branches.
+template <class Visit>
+void for_each_terminal(const Network& network, const Things& things, const Visit& visit) {
+  for_each_terminal(network.resistors, things.resistor, visit);
+  for_each_terminal(network.capacitors, things.capacitor, visit);
+  for_each_terminal(network.inductors, things.inductor, visit);
+  for_each_terminal(network.injections, things.injection, visit);
+  for_each_terminal(network.diodes, things.diode, visit);
+  for_each_terminal(network.switches, things.switch_, visit);
+}
 
 }  // namespace pwlsim::model

@@ -10,8 +10,8 @@ namespace {
 constexpr double share_of_norm = 0.1;
 /// Beyond, the sign of a guard is decided as if it had these digits.
 constexpr double most_guard_noise = 1e-11;
-/// Of decays: as long as they may hold a guard, and until they are over.
-constexpr double time_constants_unresolved = 4.0, time_constants_to_rest = 40.0;
+/// Of decays: as long as they may hold a guard.
+constexpr double time_constants_unresolved = 4.0;
 /// What is left of a state that has come to rest, as a fraction of the largest there ever was; counts at relaxed levels only.
 constexpr double rest_noise = 1e-18;
 

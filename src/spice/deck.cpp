@@ -156,7 +156,7 @@ class DeckWriter {
 
   std::string transient_card(const circuit::Transient& transient) const {
     const double length = transient.stop.seconds - transient.start.seconds;
-    const double step = transient.step.seconds == 0.0 ? length / steps_at_least : transient.step.seconds;
+    const double step = transient.row_step();
     const double largest = settings_.largest_step == 0.0 ? std::min(step, length / steps_at_least) : settings_.largest_step;
     return fmt::format(".tran {} {} {} {}{}\n", std::min(step, length), transient.stop.seconds, transient.start.seconds, largest,
                        transient.use_initial_conditions ? " uic" : "");

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <regex>
 
@@ -154,6 +154,19 @@ double measurement(const Json& data, const std::string& name) {
   return 0.0;
 }
 
+/// Rows of the page's table (minimum, maximum, peak to peak, mean, RMS) beside the measurements of `coarse_rows` over all.
+template <class Same>
+void check_whole_run(const std::vector<double>& v, const std::vector<double>& i, const Same& same) {
+  REQUIRE(v.size() == 5);
+  REQUIRE(i.size() == 5);
+  same(v[1], "vmax");
+  same(v[3], "vmean");
+  same(v[4], "vrms");
+  same(i[1], "imax");
+  same(i[3], "imean");
+  same(i[4], "irms");
+}
+
 }  // namespace
 
 TEST_CASE("statistics of the page are those of .meas, whatever the rows are, between the cursors too", "[unit]") {
@@ -167,15 +180,9 @@ TEST_CASE("statistics of the page are those of .meas, whatever the rows are, bet
   };
   const std::string whole = shown(scratch, "r.html");
   if (whole.empty()) return;
-  const auto v = measured(whole, "v(out)"), i = measured(whole, "i(L1)");  // minimum, maximum, peak to peak, mean, RMS
-  REQUIRE(v.size() == 5);
+  const auto v = measured(whole, "v(out)"), i = measured(whole, "i(L1)");
+  check_whole_run(v, i, same);
   same(v[0], "vmin");
-  same(v[1], "vmax");
-  same(v[3], "vmean");
-  same(v[4], "vrms");
-  same(i[1], "imax");
-  same(i[3], "imean");
-  same(i[4], "irms");
   const std::string window = shown(scratch, "r.html", "#A=300e-6&B=1.2345e-3");
   const auto vw = measured(window, "v(out)"), iw = measured(window, "i(L1)");
   REQUIRE(vw.size() == 8);
@@ -201,21 +208,15 @@ TEST_CASE("a run of a hundred thousand events is a page of less than 5 MB, with 
   if (page.empty()) return;
   CHECK_THAT(page, Contains("data-drawn=\"2\""));
   const auto v = measured(page, "v(out)"), i = measured(page, "i(L1)");
-  REQUIRE(v.size() == 5);
-  const auto same = [&](double value, const std::string& name) { CHECK(value == Approx(measurement(data, name)).epsilon(1e-9)); };
-  same(v[1], "vmax");
-  same(v[3], "vmean");
-  same(v[4], "vrms");
-  same(i[1], "imax");
-  same(i[3], "imean");
-  same(i[4], "irms");
+  check_whole_run(v, i, [&](double value, const std::string& name) { CHECK(value == Approx(measurement(data, name)).epsilon(1e-9)); });
 }
 
 TEST_CASE("an address may ask for expressions of traces, and for some of the traces", "[unit]") {
   const Scratch scratch;
   scratch.write("t.net", triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
-  const std::string page = shown(scratch, "r.html", "#from=0&to=1&expression=v(a)*i(R1)%2B2*v(a)*i(D2)&expression=v(a)+*&traces=v(a)*i(R1)%2B2*v(a)*i(D2);i(D2)");
+  const std::string page = shown(
+      scratch, "r.html", "#from=0&to=1&expression=v(a)*i(R1)%2B2*v(a)*i(D2)&expression=v(a)+*&traces=v(a)*i(R1)%2B2*v(a)*i(D2);i(D2)");
   if (page.empty()) return;
   CHECK_THAT(page, Contains("cannot read") || Contains("no signal or number"));
   CHECK_THAT(page, Contains("data-plots=\"2\"") && Contains("2 of 4"));

@@ -58,6 +58,14 @@ void output(Draw& draw, Builder& builder, const std::string& plus, const std::st
 
 void finish(Draw& draw, Builder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
 
+/// Behind the switches of a buck.
+void filter(Draw& draw, Builder& builder, const Stage& stage) {
+  snubber(draw, builder, "sw", "0", stage);
+  builder.inductor("sw", "out", stage.henry);
+  output(draw, builder, "out", "0", stage);
+  finish(draw, builder, stage);
+}
+
 }  // namespace
 
 void buck(Draw& draw, Builder& builder) {
@@ -65,10 +73,7 @@ void buck(Draw& draw, Builder& builder) {
   const std::string in = supply(draw, builder, stage);
   builder.contact(in, "sw", add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty), stage.parts.contact);
   builder.diode("0", "sw");
-  snubber(draw, builder, "sw", "0", stage);
-  builder.inductor("sw", "out", stage.henry);
-  output(draw, builder, "out", "0", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void sync_buck(Draw& draw, Builder& builder) {
@@ -86,10 +91,7 @@ void sync_buck(Draw& draw, Builder& builder) {
     transistor(builder, in, "sw", high, stage.parts);
     transistor(builder, "sw", "0", add_gate(builder, stage.clock, 2 * dead + stage.duty, 1.0), stage.parts);
   }
-  snubber(draw, builder, "sw", "0", stage);
-  builder.inductor("sw", "out", stage.henry);
-  output(draw, builder, "out", "0", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void boost(Draw& draw, Builder& builder) {

@@ -75,6 +75,13 @@ void centre_tap(Builder& builder, const Stage& stage, std::vector<std::string> w
   builder.diode("sb", plus);
 }
 
+/// Behind the rectifier of a converter with an inductor.
+void filter(Draw& draw, Builder& builder, const Stage& stage) {
+  builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
+  output(builder, "out", stage);
+  finish(draw, builder, stage);
+}
+
 }  // namespace
 
 void flyback(Draw& draw, Builder& builder) {
@@ -103,9 +110,7 @@ void forward(Draw& draw, Builder& builder) {
   builder.couple({primary, winding}, stage.factor);
   builder.diode("s", "f");
   builder.diode("0", "f");
-  builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
-  output(builder, "out", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void push_pull(Draw& draw, Builder& builder) {
@@ -116,9 +121,7 @@ void push_pull(Draw& draw, Builder& builder) {
   snubber(draw, builder, "a", "0", stage);
   snubber(draw, builder, "b", "0", stage);
   centre_tap(builder, stage, windings, "f");
-  builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
-  output(builder, "out", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void half_bridge(Draw& draw, Builder& builder) {
@@ -130,9 +133,7 @@ void half_bridge(Draw& draw, Builder& builder) {
   builder.capacitor("mid", "0", half, Draw::rounded(stage.volts / 2));
   const std::string primary = builder.inductor("sw", "mid", stage.magnetizing);
   centre_tap(builder, stage, {primary}, "f");
-  builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
-  output(builder, "out", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void full_bridge(Draw& draw, Builder& builder) {
@@ -146,9 +147,7 @@ void full_bridge(Draw& draw, Builder& builder) {
     builder.couple({primary, builder.inductor("sa", "sb", secondary(stage))}, stage.factor);
     diode_bridge(builder, "sa", "sb", "f");
   }
-  builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
-  output(builder, "out", stage);
-  finish(draw, builder, stage);
+  filter(draw, builder, stage);
 }
 
 void llc(Draw& draw, Builder& builder) {

@@ -106,13 +106,19 @@ void snub(Draw& draw, Builder& builder, const std::string& plus, const std::stri
   builder.capacitor(inner, minus, draw.logarithmic(1e-8, 5e-7));
 }
 
+/// A source from `minus`, and its line to `phase`.
+Supply single_phase(Draw& draw, Builder& builder, const std::string& minus, const std::string& phase) {
+  const Supply supply = draw_supply(draw, builder);
+  builder.source("s", minus, sine(supply.amplitude, frequency(supply), supply.phase));
+  observe(builder, supply, "s", minus);
+  line(builder, supply, "s", phase);
+  return supply;
+}
+
 }  // namespace
 
 void scr_half_wave(Draw& draw, Builder& builder) {
-  const Supply supply = draw_supply(draw, builder);
-  builder.source("s", "0", sine(supply.amplitude, frequency(supply), supply.phase));
-  observe(builder, supply, "s", "0");
-  line(builder, supply, "s", "p");
+  const Supply supply = single_phase(draw, builder, "0", "p");
   const bool inductive = load(draw, builder, supply, "dp", "0");
   builder.thyristor("p", "dp", fire(builder, supply, 0.0), holding(draw, supply, inductive));
   if (draw.chance(0.4)) builder.diode("0", "dp");
@@ -122,10 +128,7 @@ void scr_half_wave(Draw& draw, Builder& builder) {
 
 /// Four thyristors, or two and two diodes in one leg each or in each leg.
 void scr_bridge(Draw& draw, Builder& builder) {
-  const Supply supply = draw_supply(draw, builder);
-  builder.source("s", "b", sine(supply.amplitude, frequency(supply), supply.phase));
-  observe(builder, supply, "s", "b");
-  line(builder, supply, "s", "a");
+  const Supply supply = single_phase(draw, builder, "b", "a");
   const bool inductive = load(draw, builder, supply, "dp", "0");
   const double least = holding(draw, supply, inductive);
   const std::size_t first = fire(builder, supply, 0.0), second = fire(builder, supply, 180.0);
@@ -178,10 +181,7 @@ void scr_six_pulse(Draw& draw, Builder& builder) {
 
 /// Two thyristors back to back, as in a triac, between a supply and an R-L load.
 void ac_controller(Draw& draw, Builder& builder) {
-  const Supply supply = draw_supply(draw, builder);
-  builder.source("s", "0", sine(supply.amplitude, frequency(supply), supply.phase));
-  observe(builder, supply, "s", "0");
-  line(builder, supply, "s", "a");
+  const Supply supply = single_phase(draw, builder, "0", "a");
   builder.thyristor("a", "o", fire(builder, supply, 0.0));
   builder.thyristor("o", "a", fire(builder, supply, 180.0));
   (void)load(draw, builder, supply, "o", "0");

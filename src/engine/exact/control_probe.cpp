@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/exact/guard_watch.hpp"
 #include "model/mode.hpp"
 
 namespace pwlsim::engine {
 namespace {
 
-/// Of a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖).
-constexpr double rounding_levels = 30.0;
 /// Samples of a segment, so many a unit of rate·length: the range of what rings is right to a few percent, that of sinusoids from sources alone to 2·10⁻⁴. They
 /// cost as much as a row each, so a run has only so many.
 constexpr double samples_per_unit = 2.0, most_samples = 48.0, most_samples_of_sources = 256.0;
@@ -46,7 +45,8 @@ void ControlProbe::look(const model::System& system, const Segment& segment, dou
   }
   if (!asks_range) return;
   const double most = system.n == 0 ? most_samples_of_sources : most_samples;
-  const double inside = samples_ < most_samples_of_run ? std::min(most, std::floor(samples_per_unit * segment.mode->flow.rate() * length)) : 0.0;
+  const double inside =
+      samples_ < most_samples_of_run ? std::min(most, std::floor(samples_per_unit * segment.mode->flow.rate() * length)) : 0.0;
   for (double k = 0.0; k <= inside + 1.0; ++k) {  // the begin, points inside, the end
     go_to(k == inside + 1.0 ? length : length * (k * golden - std::floor(k * golden)));
     ++samples_;

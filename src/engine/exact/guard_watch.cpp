@@ -9,8 +9,6 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// Of a guard's rounding level (Mode::noise, against ‖row‖‖y‖): what two modes that follow one another may make of one zero.
-constexpr double rounding_levels = 30.0;
 /// What is left of a run that has come to rest, of the largest value of any guard: the rounding of rounding.
 constexpr double rest_noise = 1e-18;
 /// Segments that are looked into; of those behind them one in so many.

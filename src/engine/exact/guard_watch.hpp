@@ -14,6 +14,9 @@
 
 namespace pwlsim::engine {
 
+/// Of a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖): what two modes that follow one another may make of one zero.
+inline constexpr double rounding_levels = 30.0;
+
 class GuardWatch {
  public:
   explicit GuardWatch(const model::System& system);

@@ -25,8 +25,6 @@ constexpr std::uint64_t worth_building = 4;
 constexpr double row_noise = 1e-12;
 /// Decays that are over within 1e-9 of the run are not followed, where they take no guard to zero.
 constexpr double unseen_per_tolerance = 1e5;
-/// A decay of e^-40 is rounding.
-constexpr double time_constants_to_rest = 40.0;
 constexpr int settled = -2;  ///< in the place of a guard's row: no guard ends the segment, but the end of its fast decays
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
 
@@ -383,7 +381,7 @@ void IslandRun::set_tolerance(double tolerance) {
 }
 
 /// Until the fast decays of the mode are over; ∞ where it has none, or is their slow motion.
-double IslandRun::time_to_settle() { return mode->slow ? time_constants_to_rest * mode->slow->decays->slowest : model::forever; }
+double IslandRun::time_to_settle() { return mode->slow ? model::time_constants_to_rest * mode->slow->decays->slowest : model::forever; }
 
 void IslandRun::close(double time, const std::vector<char>& on) {
   open_ = false;

@@ -7,6 +7,7 @@
 
 #include "lcp/lemke.hpp"
 #include "lcp/solve.hpp"
+#include "model/causality.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::engine {
@@ -25,28 +26,6 @@ constexpr Wide loss = 1e-12L;
 WideMatrix solved(const WideMatrix& m, const WideMatrix& right) {
   if (m.rows() == 0) return right;
   return Eigen::PartialPivLU<WideMatrix>(m).solve(right);
-}
-
-/// Θ: `given` where that is not zero, else the sign with the larger pivot; the largest pivot first.
-WideVector signature(WideMatrix work, const WideVector& given) {
-  const auto k = work.rows();
-  WideVector theta = WideVector::Zero(k);
-  const auto sign_of = [&](Eigen::Index j) { return given[j] != 0 ? given[j] : work(j, j) >= 0 ? Wide{1} : Wide{-1}; };
-  for (Eigen::Index round = 0; round < k; ++round) {
-    Eigen::Index best = -1;
-    for (Eigen::Index j = 0; j < k; ++j)
-      if (theta[j] == 0 && (best < 0 || std::abs(work(j, j) + sign_of(j)) > std::abs(work(best, best) + sign_of(best)))) best = j;
-    theta[best] = sign_of(best);
-    const Wide pivot = work(best, best) + theta[best];
-    if (pivot == 0) continue;
-    for (Eigen::Index i = 0; i < k; ++i) {
-      if (theta[i] != 0) continue;
-      const Wide factor = work(i, best) / pivot;
-      for (Eigen::Index j = 0; j < k; ++j)
-        if (theta[j] == 0) work(i, j) -= factor * work(best, j);
-    }
-  }
-  return theta;
 }
 
 /// A basis of the complementarity problem w = M z + q; none: empty status.
@@ -114,7 +93,7 @@ StaticPorts::Proposal StaticPorts::propose(double epsilon, const Vector& x0, con
   for (Eigen::Index i = diodes; i < k; ++i) given[i] = switch_active[static_cast<std::size_t>(i - diodes)] != 0 ? -1 : 1;
   const std::vector<int> blocked = model::blocked_ports(system_, with_switches(system_, switch_active));
   for (const int i : blocked) given[i] = system_.port[static_cast<std::size_t>(i)].input_is_current ? 1 : -1;
-  const WideVector theta = signature(w.s, given);
+  const WideVector theta = model::causality(w.s, given);
   const WideMatrix signs = theta.asDiagonal();
   WideMatrix right(k, k + 1);
   right << signs - w.s, w.s0;

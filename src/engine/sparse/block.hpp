@@ -125,6 +125,12 @@ class Block {
     Position on;
     Instant instant;
   };
+  /// A position that was found, with the Euler steps in it.
+  struct Found : Beginning {
+    Point first, second, third;
+  };
+  [[nodiscard]] Found found(const Instant& instant) const;
+  void put_back(const Found& found, Instant& instant);
   [[nodiscard]] bool find_position(const Beginning& beginning, Instant& instant, int& level);
   [[nodiscard]] bool decays(const Beginning& beginning, Instant& instant, int& level, int usual);
   [[nodiscard]] bool go_back(const Beginning& beginning, Instant& instant, int level);

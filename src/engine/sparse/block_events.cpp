@@ -376,24 +376,27 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
 /// Of what is too fast for the digits of time: whether it decays in the longest steps without a change of sides, so that nothing depends on its way. Then
 /// these are taken.
 bool Block::decays(const Beginning& beginning, Instant& instant, int& level, int usual) {
-  const Point first = first_, second = second_, third = third_;
-  const Position on = point_.on;
-  const Instant deep = instant;
+  const Found deep = found(instant);
   point_.on = beginning.on;
   instant = beginning.instant;
   const double h = diagonal * ladder(usual);
   const bool taken = euler_steps(h, instant) == Solved::yes && first_.on == point_.on && second_.on == point_.on &&
                      third_.on == point_.on && repeats(h * std::ldexp(1.0, -deeper), 0.0);
-  instant.jump = taken || deep.jump;
+  instant.jump = taken || deep.instant.jump;
   if (taken) level = usual;
-  if (taken) return true;
+  if (!taken) put_back(deep, instant);
+  return taken;
+}
+
+Block::Found Block::found(const Instant& instant) const { return {{point_.on, instant}, first_, second_, third_}; }
+
+void Block::put_back(const Found& found, Instant& instant) {
   failure_ = {};
-  first_ = first;
-  second_ = second;
-  third_ = third;
-  point_.on = on;
-  instant = deep;
-  return false;
+  first_ = found.first;
+  second_ = found.second;
+  third_ = found.third;
+  point_.on = found.on;
+  instant = found.instant;
 }
 
 /// To steps that are longer than what moves in them, as shorter ones find no position: told, not followed.
@@ -422,20 +425,12 @@ int Block::levels_too_long(double h) const {
 void Block::end_before_passage(const Beginning& beginning, Instant& instant, int& level) {
   const int more = levels_too_long(diagonal * ladder(level));
   if (more == 0 || level + more > last_level) return;
-  const Point first = first_, second = second_, third = third_;
-  const Position on = point_.on;
-  const Instant found = instant;
+  const Found usual = found(instant);
   int shorter = level + more;
-  if (find_position(beginning, instant, shorter)) {
+  if (find_position(beginning, instant, shorter))
     level = shorter;
-    return;
-  }
-  failure_ = {};
-  first_ = first;
-  second_ = second;
-  third_ = third;
-  point_.on = on;
-  instant = found;
+  else
+    put_back(usual, instant);
 }
 
 /// Names of the ports that have changed sides at the instant.

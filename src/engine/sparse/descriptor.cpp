@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/log_mean.hpp"
-#include "model/disjoint_sets.hpp"
 #include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -71,10 +70,9 @@ std::vector<char> capacitors_read(const model::Network& network) {
 
 }  // namespace
 
-Descriptor::Descriptor(const model::Network& network) : network_(network) {
+Descriptor::Descriptor(const model::Network& network) : network_(network), sets_(network) {
   choose_scale();
   number_unknowns();
-  find_floating_sets();
   constant_.assign(static_cast<std::size_t>(size_), 0.0);
   add_resistors();
   add_stores();
@@ -144,37 +142,8 @@ void Descriptor::entry_of_port(int row, int column, double slack, double input) 
   places_.push_back({row, column, 0.0, 0.0, slack, input});
 }
 
-void Descriptor::find_floating_sets() {
-  static_assert(ground == -1);  // the least of all, so that its set is named by it
-  model::DisjointSets sets(nodes() + 1);
-  for (const auto& c : network_.capacitors) sets.join(c.p + 1, c.n + 1);
-  for (int node = 0; node < nodes(); ++node) floating_set_.push_back(sets.find(node + 1) - 1);
-}
-
-std::vector<Descriptor::Cut> Descriptor::cuts(NodeIndex p, NodeIndex n) const {
-  std::vector<Cut> result;
-  const auto set = [&](NodeIndex node) { return node == ground ? ground : floating_set_[static_cast<std::size_t>(node)]; };
-  const int set_p = set(p), set_n = set(n);
-  if (p != ground && p != set_p) result.push_back({p, 1.0});
-  if (n != ground && n != set_n) result.push_back({n, -1.0});
-  if (set_p == set_n) return result;
-  if (set_p != ground) result.push_back({set_p, 1.0});
-  if (set_n != ground) result.push_back({set_n, -1.0});
-  return result;
-}
-
 void Descriptor::add_kcl(NodeIndex p, NodeIndex n, int column, double g, double e) {
-  for (const Cut& cut : cuts(p, n)) entry(cut.row, column, cut.sign * e, cut.sign * g);
-}
-
-double Descriptor::product(const std::vector<double>& a, const std::vector<double>& y) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const int set = i < floating_set_.size() ? floating_set_[i] : ground;
-    const bool is_of_node = set != ground && set != static_cast<int>(i);
-    sum += (is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i]) * y[i];
-  }
-  return sum;
+  for (const FloatingSets::Cut& cut : sets_.cuts(p, n)) entry(cut.row, column, cut.sign * e, cut.sign * g);
 }
 
 void Descriptor::add_voltage(int row, NodeIndex p, NodeIndex n, double sign) {
@@ -286,7 +255,7 @@ void Descriptor::add_branches_and_injections() {
     add_form(own, b.voltage, -1.0);
   }
   for (const auto& i : network_.injections)
-    for (const Cut& cut : cuts(i.p, i.n)) add_form(cut.row, i.current, cut.sign * r0_);
+    for (const FloatingSets::Cut& cut : sets_.cuts(i.p, i.n)) add_form(cut.row, i.current, cut.sign * r0_);
 }
 
 void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
@@ -465,7 +434,8 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
     if (own >= 0)
       y[static_cast<std::size_t>(own)] += charge;
     else
-      for (const Cut& cut : cuts(states_[i].plus, states_[i].minus)) y[static_cast<std::size_t>(cut.row)] += cut.sign * charge;
+      for (const FloatingSets::Cut& cut : sets_.cuts(states_[i].plus, states_[i].minus))
+        y[static_cast<std::size_t>(cut.row)] += cut.sign * charge;
   }
   return remains;
 }

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/sparse/floating_sets.hpp"
 #include "linalg/sparse.hpp"
 #include "model/network.hpp"
 
@@ -143,16 +144,9 @@ class Descriptor {
   /// "node out", "the current of V1"
   [[nodiscard]] std::string unknown_name(int index) const;
   /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set.
-  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
+  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const { return sets_.product(a, y); }
 
  private:
-  /// A row of Kirchhoff's current law in which a current from node p to node n counts, and its sign there.
-  struct Cut {
-    int row;
-    double sign;
-  };
-  [[nodiscard]] std::vector<Cut> cuts(model::NodeIndex p, model::NodeIndex n) const;
-  void find_floating_sets();
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;
   [[nodiscard]] std::vector<double> at_ports(const std::vector<double>& of_nodes) const;
   void choose_scale();
@@ -186,8 +180,8 @@ class Descriptor {
   int size_ = 0, first_switch_ = 0;
   int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
   std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none
-  std::vector<int> floating_set_;                      ///< node -> first node of its floating set, ground: none
-  std::vector<double> input_scale_, slack_scale_;      ///< of complementarities: SI value of u a volt, one over the largest of the slack
+  FloatingSets sets_;
+  std::vector<double> input_scale_, slack_scale_;  ///< of complementarities: SI value of u a volt, one over the largest of the slack
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;
   std::vector<double> e_, g_, slack_, input_;      ///< one an entry; slack_ and input_ only in closing rows

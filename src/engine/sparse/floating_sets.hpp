@@ -1,0 +1,29 @@
+#pragma once
+/// Sets of nodes that only capacitors join, with nothing of them at ground: their leaks drown beside C/h in each node's own equation. The row of such a set's
+/// first node holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count.
+
+#include <cstddef>
+#include <vector>
+
+#include "model/network.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class FloatingSets {
+ public:
+  explicit FloatingSets(const model::Network& network);
+
+  /// A row of Kirchhoff's current law in which a current from node p to node n counts, and its sign there.
+  struct Cut {
+    int row;
+    double sign;
+  };
+  [[nodiscard]] std::vector<Cut> cuts(model::NodeIndex p, model::NodeIndex n) const;
+  /// aᵀ y with y in rows as these, as if no row were that of a set.
+  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
+
+ private:
+  std::vector<int> set_;  ///< node -> first node of its set, ground: none
+};
+
+}  // namespace pwlsim::engine::sparse

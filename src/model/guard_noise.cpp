@@ -1,0 +1,49 @@
+#include "model/guard_noise.hpp"
+
+#include <algorithm>
+
+namespace pwlsim::model {
+
+namespace {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+constexpr double error_factor = 10.0;        ///< what two answers differ by, as an error of each
+constexpr double rounding_of_terms = 1e-15;  ///< of a guard row on a slow manifold, against the row of C that it is a sum with
+/// Beyond, a guard counts as if it had these digits: a potential that leaks of 10¹³ Ω hold is not worth an event that is missed.
+constexpr double largest_guard_noise = 1e-9;
+
+/// Guards as rows of x.
+Matrix guards_of_state(const Mode& mode) {
+  Matrix rows(mode.guards.rows(), mode.basis.rows() + mode.ny - mode.n1);
+  rows << mode.guards.leftCols(mode.n1) * mode.basis.transpose(), mode.guards.rightCols(mode.ny - mode.n1);
+  return rows;
+}
+
+/// The row is zero: the port is indeterminate.
+void leave_out_guard(Mode& mode, Eigen::Index row) {
+  for (Matrix* m : {&mode.guards, &mode.absolute_guards, &mode.guard_block_norm}) m->row(row).setZero();
+  mode.guard_norm[row] = mode.guard_c_norm[row] = 0.0;
+  if (mode.scaled_guard_c_norm.size() > 0) mode.scaled_guard_c_norm[row] = 0.0;
+  mode.guard_constant[static_cast<std::size_t>(row)] = 1;
+}
+
+}  // namespace
+
+void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
+  if (!other || other->n1 != mode.n1) return;
+  const Matrix rows = guards_of_state(mode);
+  const Vector error = error_factor * (rows - guards_of_state(*other)).rowwise().norm();
+  for (int i = 0; i < error.size(); ++i) {
+    const double norm = mode.guard_norm[i];
+    if (norm == 0.0) continue;
+    const bool is_blocking = i < system.diodes && !mode.active.contains(i);
+    if (is_blocking && error[i] >= norm && norm <= rounding_of_terms * system.c.row(i).norm())
+      leave_out_guard(mode, i);
+    else
+      mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, largest_guard_noise);
+  }
+}
+
+}  // namespace pwlsim::model
