@@ -86,7 +86,12 @@ struct Request {
   Probes probes;
   std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
-  std::uint64_t dropped_event = 0;  ///< for tests of the certificate: each part passes over this event of a port (from 1), as if it had been missed
+  /// For tests of the certificate: what goes wrong on purpose, in each part.
+  struct Faults {
+    std::uint64_t dropped_event = 0;      ///< this event of a port (from 1) is passed over, as if it had been missed
+    std::uint64_t disturbed_segment = 0;  ///< this segment (from 1) begins with a state that is `disturbance` of itself too large
+    double disturbance = 0.0;
+  } faults;
 };
 
 enum class Outcome { completed, no_solution, not_unique, accumulation, interrupted, sink_stopped };

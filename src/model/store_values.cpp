@@ -42,6 +42,12 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   }
 }
 
+const std::string& StoreValues::of_coordinate(int coordinate) const {
+  Eigen::Index store = 0;
+  coordinates_.col(coordinate).cwiseAbs().maxCoeff(&store);
+  return names_[static_cast<std::size_t>(store)];
+}
+
 double StoreValues::energy(const Vector& x) const { return 0.5 * (sign_.array() * (coordinates_ * x).array().square()).sum(); }
 
 double StoreValues::magnetic_energy(const Vector& x) const {

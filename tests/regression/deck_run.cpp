@@ -55,12 +55,12 @@ engine::Request request_of(const circuit::Compiled& compiled, bool events, DeckR
 /// Runs a compiled deck into a sink; false where the network has errors of structure, which are among the diagnostics then.
 using Simulate = std::function<bool(const circuit::Compiled&, DeckRun&, Diagnostics&)>;
 
-Simulate exact(bool events, std::uint64_t dropped_event = 0) {
-  return [events, dropped_event](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+Simulate exact(bool events, const engine::Request::Faults& faults = {}) {
+  return [events, faults](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
     const auto model = engine::prepare(compiled.network, diagnostics);
     Rows rows(run.rows);
     engine::Request request = request_of(compiled, events, run);
-    request.dropped_event = dropped_event;
+    request.faults = faults;
     if (model) run.answer = engine::run(*model, request, rows);
     return model != nullptr;
   };
@@ -110,9 +110,9 @@ const std::vector<double>* DeckRun::row_at(double time) const {
 
 DeckRun run_deck(const std::filesystem::path& path, bool events) { return run_file(path, exact(events)); }
 
-DeckRun run_deck_without_event(const std::filesystem::path& path, std::uint64_t event) { return run_file(path, exact(false, event)); }
-
-DeckRun run_text_without_event(const std::string& text, std::uint64_t event) { return run_memory(text, exact(false, event)); }
+DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Request::Faults& faults) {
+  return run_file(path, exact(false, faults));
+}
 
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 

@@ -22,9 +22,8 @@ struct DeckRun {
 
 /// `events`: rows before and after every event as well. The deck must have a .tran card.
 [[nodiscard]] DeckRun run_deck(const std::filesystem::path& path, bool events = false);
-/// The same, as if the search for events had missed this event of a port in each part (from 1; 0: none).
-[[nodiscard]] DeckRun run_deck_without_event(const std::filesystem::path& path, std::uint64_t event);
-[[nodiscard]] DeckRun run_text_without_event(const std::string& text, std::uint64_t event);
+/// The same on the exact engine, with something that goes wrong on purpose.
+[[nodiscard]] DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Request::Faults& faults);
 /// The same on the sparse engine.
 [[nodiscard]] DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events = false);
 /// The same for a deck in memory.

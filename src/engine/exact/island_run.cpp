@@ -40,7 +40,8 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
       system_(island_model.extraction.system),
       selector_(system_, several),
       source_departure_(*system_.exosystem),
-      guard_watch_(system_) {
+      guard_watch_(system_),
+      continuity_watch_(system_) {
   const auto size = static_cast<std::size_t>(system_.size());
   x.assign(size, 0.0);
   scratch_.resize(size);
@@ -158,6 +159,7 @@ void IslandRun::open(double time, double late) {
   guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, time - segment_.anchor);
   guard_watch_.look(m, y.data(), time);
   model::from_mode(system_, m, y.data(), x.data());
+  continuity_watch_.begin(x.data());
 }
 
 void IslandRun::look_at_end(double time) {
@@ -208,6 +210,7 @@ const model::Selected& IslandRun::select() {
   rests_ = same ? trigger : -1;
   all_rest_ = same && undecided_;
   trigger = -1;
+  if (result.jumps > 0) continuity_watch_.jumped(*result.details);
   if (result.mode) {
     mode = result.mode;
     wanted = mode->active;
@@ -378,6 +381,7 @@ void IslandRun::set_tolerance(double tolerance) {
   tolerance_ = tolerance;
   source_departure_.set_tolerance(tolerance);
   selector_.set_unseen(unseen_per_tolerance * tolerance);
+  continuity_watch_.set_tolerance(tolerance);
 }
 
 /// Until the fast decays of the mode are over; ∞ where it has none, or is their slow motion.
@@ -395,10 +399,6 @@ void IslandRun::close(double time, const std::vector<char>& on) {
 
 /// From x in the mode as it is.
 void IslandRun::begin_segment(double time, double late) {
-  segment_.mode = mode;
-  segment_.anchor = time;
-  segment_.late = late;
-  ++segment_number_;
   if (segment_.y0.size() < x.size()) {
     segment_.y0.resize(x.size());
     segment_.y.resize(x.size());
@@ -407,6 +407,15 @@ void IslandRun::begin_segment(double time, double late) {
     linalg::copy(y, mode->ny, segment_.y0.data());
   else
     model::to_mode(system_, *mode, x.data(), segment_.y0.data());
+  if (segment_number_ + 1 == disturbed_segment_)
+    for (int i = 0; i < mode->n1; ++i) segment_.y0[static_cast<std::size_t>(i)] *= 1.0 + disturbance_;
+  // Decays that are not followed have no impulse: the state lies where they end.
+  if (mode->decays) continuity_watch_.excuse();
+  continuity_watch_.end({segment_.mode, segment_.y.data()}, {mode, segment_.y0.data()}, time);
+  segment_.mode = mode;
+  segment_.anchor = time;
+  segment_.late = late;
+  ++segment_number_;
   linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/exact/accumulation.hpp"
+#include "engine/exact/continuity_watch.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/guard_watch.hpp"
 #include "engine/exact/locator.hpp"
@@ -22,10 +23,16 @@ class IslandRun {
   [[nodiscard]] const model::Selector& selector() const { return selector_; }
   [[nodiscard]] const Locator& locator() const { return locator_; }
   [[nodiscard]] const GuardWatch& guards() const { return guard_watch_; }
+  [[nodiscard]] const ContinuityWatch& continuity() const { return continuity_watch_; }
   /// The run ends at `time`, within the segment.
   void look_at_end(double time);
   /// For tests: the n-th event (from 1) at which a port's guard falls is passed over, as if the search had missed it.
   void drop_event(std::uint64_t number) { dropped_event_ = number; }
+  /// Likewise: the n-th segment (from 1) begins with this share of its state more than it should, as if a projection were wrong.
+  void disturb_segment(std::uint64_t number, double share) {
+    disturbed_segment_ = number;
+    disturbance_ = share;
+  }
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
   [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
@@ -91,7 +98,10 @@ class IslandRun {
   /// The full state just before the instant at hand.
   [[nodiscard]] model::Vector state_before() const;
   /// t = 0: x and `wanted` are set by the caller, no segment precedes.
-  void open_at_start() { open_ = true; }
+  void open_at_start() {
+    open_ = true;
+    continuity_watch_.begin(x.data());
+  }
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
@@ -116,7 +126,9 @@ class IslandRun {
   model::SourceDeparture source_departure_;
   Locator locator_;
   GuardWatch guard_watch_;
-  std::uint64_t dropped_event_ = 0, port_events_ = 0;
+  ContinuityWatch continuity_watch_;
+  std::uint64_t dropped_event_ = 0, port_events_ = 0, disturbed_segment_ = 0;
+  double disturbance_ = 0.0;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
   double time_to_settle_ = model::forever;  ///< s from the anchor, after which the mode at hand is its slow motion

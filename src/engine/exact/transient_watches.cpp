@@ -218,8 +218,17 @@ void Transient::note_open_signals() {
                      fmt::join(names, ", "))});
 }
 
-/// Whether every port has kept its inequality up to here.
+/// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.
 bool Transient::holds(const IslandRun& island) {
+  if (island.continuity().is_broken()) {
+    const ContinuityWatch::Break found = island.continuity().worst();
+    const std::string store = model::StoreValues(island.model().island, island.model().extraction).of_coordinate(found.coordinate);
+    fail(Outcome::no_solution, "E-no-solution",
+         fmt::format("{} changes by {:.3g} of its largest value at t = {} s without an impulse; try --engine sparse, and report the deck",
+                     store, found.share, found.time),
+         {store});
+    return false;
+  }
   if (!island.guards().is_broken()) return true;
   const GuardWatch::Violation violation = island.guards().worst();
   fail(Outcome::no_solution, "E-no-solution",
@@ -265,8 +274,10 @@ void Transient::finish() {
   s.seconds_model = model_.seconds;
   const auto clock = std::chrono::steady_clock::now();
   answer_.certificate = recorder_.check();
-  for (const auto& island : islands_)
+  for (const auto& island : islands_) {
     answer_.certificate.complementarity = std::max(answer_.certificate.complementarity, island.guards().worst().share());
+    answer_.certificate.kcl_kvl = std::max(answer_.certificate.kcl_kvl, island.continuity().worst().share);
+  }
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
   if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
   answer_.certificate.has_passivity = true;

@@ -1,0 +1,52 @@
+#pragma once
+/// Charge and flux over every instant of a run: a capacitor's voltage and an inductor's current change by impulses of the ports, and by nothing else.
+///
+/// In energy coordinates ξ⁺ − ξ⁻ = B Λ, with Λ = ∫u dt of the ports over the instant (van der Schaft & Schumacher 1996, §3). The state before comes from the end of the
+/// segment, the state after is that from which the next segment begins, so that all that lies between (projections, changes of coordinates,
+/// several selections) is in the sum. What is left beyond rounding counts against the largest value that this very coordinate had in the run.
+
+#include "model/selection.hpp"
+
+namespace pwlsim::engine {
+
+class ContinuityWatch {
+ public:
+  explicit ContinuityWatch(const model::System& system);
+
+  /// Instants are known to this time, s: so far states have moved beside them.
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  /// An instant begins, with the state x = (ξ, ζ) left of it.
+  void begin(const double* x);
+  /// A selection has jumped.
+  void jumped(const model::Details& details);
+  /// This instant is not looked at: what jumps there has no first-order impulse.
+  void excuse() { is_open_ = false; }
+  /// Where a segment ends and the next one begins.
+  struct Side {
+    const model::Mode* mode = nullptr;  ///< null: there is none
+    const double* y = nullptr;
+  };
+  void end(const Side& before, const Side& after, double time);
+
+  struct Break {
+    int coordinate = -1;  ///< of ξ; none: −1
+    double share = 0.0;   ///< what no impulse explains, of the largest value
+    double time = 0.0;
+  };
+  [[nodiscard]] Break worst() const;
+  /// Whether a change was seen that no rounding explains.
+  [[nodiscard]] bool is_broken() const { return is_broken_; }
+
+ private:
+  void examine(const Side& before, const Side& after, double time);
+  [[nodiscard]] model::Vector rate(const Side& side) const;
+
+  const model::System& system_;
+  double tolerance_ = 0.0;
+  bool is_open_ = false, is_broken_ = false, is_moved_ = false;
+  std::vector<double> before_, x_;  ///< left and right of the instant
+  model::Vector moved_;             ///< B Λ
+  std::vector<double> largest_, unexplained_, time_;
+};
+
+}  // namespace pwlsim::engine
