@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pwlsim::engine::sparse {
 
@@ -60,6 +61,14 @@ Stepper::Stepper(const Descriptor& descriptor, PortSolver& ports, const Sources&
 
 void Stepper::start_from(const Point& from) { descriptor_.rates_without_sources(from.z.data(), rates_.data()); }
 
+/// The inputs of ports that are off are zero, and no rounding of the solution: a latch that follows the current of its own thyristor would see it.
+void Stepper::clear_inputs(Point& at) {
+  for (std::size_t i = 0; i < at.on.size(); ++i) {
+    const auto row = static_cast<std::size_t>(descriptor_.ports()[i].row);
+    if (at.on[i] == 0) step_[row] -= std::exchange(at.z[row], 0.0);
+  }
+}
+
 /// (shift·E + G) (z − z0) = m − (G z0 + H w + g)  at at.time, from the position in `at`.
 Solved Stepper::stage(const Point& from, double shift, Search search, Point& at) {
   const std::size_t n = memory_.size();
@@ -71,6 +80,7 @@ Solved Stepper::stage(const Point& from, double shift, Search search, Point& at)
   const Solved solved =
       search == Search::none ? ports_.solve_in(stage, at.on, step_, at.z) : ports_.solve(stage, at.on, step_, at.z, search);
   if (solved != Solved::yes) return solved;
+  clear_inputs(at);
   at.k.resize(n);
   descriptor_.memory(step_.data(), at.k.data());
   for (std::size_t i = 0; i < n; ++i) at.k[i] = shift * at.k[i] - memory_[i];

@@ -75,6 +75,7 @@ class Stepper {
   /// One of the stages of a step from a point, whose rates come first.
   void start_from(const Point& from);
   [[nodiscard]] Solved stage(const Point& from, double shift, Search search, Point& at);
+  void clear_inputs(Point& at);
   [[nodiscard]] double estimate(double shift, const Position& on, const StateScale& scale, const std::vector<double>& z);
 
   const Descriptor& descriptor_;
