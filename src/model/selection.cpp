@@ -125,16 +125,19 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
   coordinates_of_ = nullptr;
   to_mode(system_, slow, projected_.data(), y_.data());
   const double norm = linalg::norm(y_.data(), slow.ny);
+  const Mode& whole = mode(slow.active);
+  const double size_of_x = linalg::norm(x, system_.size());
   for (Eigen::Index i = 0; i < slow.guards.rows(); ++i) {
-    double least = linalg::row_times(slow.guards, i, y_.data());
-    double most = least;
-    double noise = slow.noise * slow.guard_norm[i] * norm;
+    // Where x comes from an event, the guard that was passed is zero to the rounding that it has with its decays.
+    double noise = std::max(slow.noise * slow.guard_norm[i] * norm, whole.noise * whole.guard_norm[i] * size_of_x);
+    decaying_.rest = linalg::row_times(slow.guards, i, y_.data());
+    decaying_.terms.clear();
     for (Eigen::Index k = 0; k < start.size(); ++k) {
-      const double term = decays.guards(i, k) * start[k];
-      (term < 0.0 ? least : most) += term;
       noise += std::abs(decays.guards(i, k)) * rounding[k];
+      if (decays.time_constants[k] > 0.0) decaying_.terms.push_back({decays.guards(i, k) * start[k], decays.time_constants[k]});
     }
-    if (i < system_.diodes ? least < -noise : (least < 0.0) != (most < 0.0)) return false;
+    const bool is_kept = i < system_.diodes ? decaying_.stays_above(-noise) : decaying_.keeps_sign();
+    if (!is_kept) return false;
   }
   return true;
 }

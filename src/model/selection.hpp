@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "model/decaying_sum.hpp"
 #include "model/impulse.hpp"
 #include "model/mode.hpp"
 #include "model/rcp.hpp"
@@ -137,6 +138,7 @@ class Selector {
   Known& known(const IndexSet& wanted);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes goes on in one way from every x
+  DecayingSum decaying_;                                        ///< a guard, while what is left beside the slow motion decays
   std::array<Entry*, 4> recent_{};                              ///< of them, those asked for last
   std::size_t next_recent_ = 0;
   IndexSet held_;

@@ -1,0 +1,50 @@
+#include "model/decaying_sum.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+using pwlsim::model::DecayingSum;
+
+namespace {
+
+/// Least value over 4,000 points from 1e-4 to 100 times the time constants' unit, and at both ends.
+double sampled_least(const DecayingSum& sum) {
+  double least = sum.rest;
+  for (int i = -1; i < 4000; ++i) {
+    const double tau = i < 0 ? 0.0 : std::pow(10.0, -4.0 + 6.0 * i / 4000.0);
+    double f = sum.rest;
+    for (const auto& term : sum.terms) f += term.start * std::exp(-tau / term.time_constant);
+    least = std::min(least, f);
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("a voltage that rises from zero behind decays of both signs stays above it", "[unit]") {
+  // e^{-0}: 22 - 11 - 7 - 8 + 4 = 0, and the slope there is 11/4 + 7 + 8 - 4 > 0.
+  CHECK(DecayingSum{22.0, {{-11.0, 4.0}, {-7.0, 1.0}, {-8.0, 1.0}, {4.0, 1.0}}}.stays_above(-1e-9));
+  // A ring of none: 1 - 2 e^{-t} + e^{-4t} is zero with slope -2 at t = 0.
+  CHECK_FALSE(DecayingSum{1.0, {{-2.0, 1.0}, {1.0, 0.25}}}.stays_above(-1e-9));
+  CHECK_FALSE(DecayingSum{-1.0, {{3.0, 1.0}}}.stays_above(0.0));
+  CHECK(DecayingSum{1.0, {}}.stays_above(1.0));
+}
+
+TEST_CASE("what is said to stay above does so, and most that does is found", "[property]") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> start(-1.0, 1.0), logarithm(-1.0, 1.0);
+  int above = 0, proved = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    DecayingSum sum{0.5 + 0.5 * start(random), {}};
+    for (int k = 0; k < 3; ++k) sum.terms.push_back({start(random), std::pow(10.0, logarithm(random))});
+    const bool is_above = sampled_least(sum) >= 0.0;
+    above += is_above;
+    if (!sum.stays_above(0.0)) continue;
+    ++proved;
+    CHECK(is_above);
+  }
+  INFO(proved << " of " << above);
+  CHECK(proved >= 0.95 * above);
+}
