@@ -198,6 +198,17 @@ void Diagnostics::error(std::string id, SourceSpan span, std::string text) {
   ++errors_;
 }
 
+std::size_t Diagnostics::soften(const std::function<bool(Diagnostic&)>& accepts) {
+  std::size_t softened = 0;
+  for (Diagnostic& diagnostic : list_) {
+    if (diagnostic.severity != Severity::error || !accepts(diagnostic)) continue;
+    diagnostic.severity = Severity::warning;
+    ++softened;
+  }
+  errors_ -= softened;
+  return softened;
+}
+
 void Diagnostics::warning(std::string id, SourceSpan span, std::string text) {
   list_.push_back({Severity::warning, std::move(id), span, std::move(text)});
 }

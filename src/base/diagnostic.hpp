@@ -1,6 +1,7 @@
 #pragma once
 /// User-facing messages as data: collected, never thrown; rendered at the very end.
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,9 @@ class Diagnostics {
   void error(std::string id, SourceSpan span, std::string text);
   void warning(std::string id, SourceSpan span, std::string text);
   void note(std::string id, SourceSpan span, std::string text);
+
+  /// Errors for which `accepts` returns true, and may give another id and text, become warnings. Returns how many.
+  std::size_t soften(const std::function<bool(Diagnostic&)>& accepts);
 
   [[nodiscard]] bool has_errors() const { return errors_ != 0; }
   [[nodiscard]] std::size_t error_count() const { return errors_; }

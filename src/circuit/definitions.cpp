@@ -173,6 +173,7 @@ class Reader {
     if (!is_new) report_second("E-duplicate-subckt", "subcircuit", name, span, entry->second);
     Definition& outer = here();
     open(name, span);
+    here().body = card.span;
     if (is_new) outer.subcircuits[without_case(name)] = &here();
     for (std::size_t k = 1; k < card.items.size(); ++k) read_formal(card.items[k]);
   }
@@ -182,8 +183,8 @@ class Reader {
       here().formals.push_back({item.text, item.text_span, value_of(item)});
     } else if (item.kind != ItemKind::word) {
       reporter_.error("E-unexpected", item.span, fmt::format("a port is a name; usage: {}", subckt_usage));
-    } else if (item.text == "0" || same_name(item.text, "gnd")) {
-      reporter_.error("E-ground-port", item.span, "ground cannot be a port: it is the same node everywhere");
+    } else if (item.text == ground_port || same_name(item.text, "gnd")) {
+      here().ports.emplace_back(ground_port);
     } else if (!same_name(item.text, "params:")) {
       read_port(item);
     }
@@ -209,6 +210,7 @@ class Reader {
       reporter_.error("E-misplaced", card.name_span, ".ends without .subckt");
       return;
     }
+    here().body.end = card.span.end;
     if (!card.items.empty() && !same_name(card.items[0].text, here().name)) {
       reporter_.error("E-ends-name", card.items[0].span, fmt::format(".ends {} ends .subckt {}", card.items[0].text, here().name));
     }

@@ -14,6 +14,9 @@
 
 namespace pwlsim::circuit {
 
+/// What is connected to such a port is not: ground is the same node everywhere.
+inline constexpr std::string_view ground_port = "0";
+
 /// Keys are names without case.
 using CardMap = std::unordered_map<std::string, const netlist::Card*>;
 
@@ -33,8 +36,9 @@ struct FunctionText {
 struct Definition {
   std::string name;  ///< as written; "" for the deck itself
   SourceSpan span;
+  SourceSpan body;                     ///< from .subckt to .ends; of the deck itself unknown
   const Definition* parent = nullptr;  ///< the definition it stands in
-  std::vector<std::string> ports;      ///< keys
+  std::vector<std::string> ports;      ///< keys; `ground_port` where ground itself is written
   std::vector<ParameterText> formals;  ///< `params:`
   std::vector<ParameterText> parameters;
   std::unordered_map<std::string, FunctionText> functions;

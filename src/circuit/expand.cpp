@@ -85,7 +85,13 @@ void Expander::connect(Place& place, const Card& card, const Item& name, Place& 
   }
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const model::NodeIndex node = binder_.node(place, *nodes[k]);
-    if (k < called.ports.size()) inner.nodes.emplace(called.ports[k], node);
+    if (k >= called.ports.size()) continue;
+    if (called.ports[k] != ground_port)
+      inner.nodes.emplace(called.ports[k], node);
+    else if (node != model::ground)
+      reporter().warning("W-ground-port", nodes[k]->span,
+                         fmt::format("{} is not connected to {}: this port of {} is ground itself, the same node everywhere",
+                                     nodes[k]->text, card.name, called.name));
   }
 }
 

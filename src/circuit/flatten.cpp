@@ -7,6 +7,7 @@
 #include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
 #include "circuit/shipped.hpp"
+#include "circuit/unused_subcircuits.hpp"
 
 namespace pwlsim::circuit {
 
@@ -14,8 +15,9 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   Flattened result;
   Circuit& circuit = result.circuit;
   circuit.title = deck.title;
-  circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
+  const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
+  circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   Session session(reporter);

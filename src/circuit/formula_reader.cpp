@@ -126,10 +126,10 @@ std::optional<Condition> FormulaReader::condition(const Expression& expression, 
 std::optional<Condition> FormulaReader::condition_of(const Meaning& meaning, const Expression& expression) {
   if (meaning.condition) return meaning.condition;
   if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant != 0.0 ? 1.0 : 0.0), std::nullopt};
-  reporter().error(
-      "E-not-piecewise-linear", expression.span,
-      fmt::format("{}: a condition on a signal needs a comparison; try '{} > 0.5'", instance_.name, reporter().text(expression.span)));
-  return std::nullopt;
+  reporter().note(
+      "N-condition", expression.span,
+      fmt::format("{}: as a condition '{}' counts from 0.5 on, as in LTspice", instance_.name, reporter().text(expression.span)));
+  return builder_.greater(meaning.value, constant_sum(0.5));
 }
 
 std::optional<double> FormulaReader::constant(const Expression& expression, const Context& context, std::string_view what) {
@@ -189,11 +189,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expressi
   if (is_comparison(op)) return of_comparison(operation, a, b);
   if (is_logic(op)) return of_logic(operation, left_part, left, right);
   if (op == "^" || op == "**") return of_power(operation, a, b);
-  if (op == "*") {
-    std::optional<Sum> product = builder_.product(a, b);
-    if (!product) return refuse(operation, "a product of signals");
-    return Meaning{std::move(*product), std::nullopt};
-  }
+  if (op == "*") return of_product(operation, left, right);
   if (op != "/") return refuse(operation, fmt::format("'{}' between signals", op));
   if (!b.is_constant()) return refuse(operation, "a division by a signal");
   if (b.constant != 0.0) return Meaning{1.0 / b.constant * a, std::nullopt};
@@ -228,6 +224,18 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_logic(const Expression& 
   }
   const Condition result = is_and ? builder_.both(*a, *b) : builder_.either(*a, *b);
   return Meaning{result.value, result};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_product(const Expression& operation, const Meaning& left, const Meaning& right) {
+  if (left.condition && right.condition) {
+    const Condition result = builder_.both(*left.condition, *right.condition);
+    return Meaning{result.value, result};
+  }
+  if (left.condition) return Meaning{builder_.choose(*left.condition, right.value, {}), std::nullopt};
+  if (right.condition) return Meaning{builder_.choose(*right.condition, left.value, {}), std::nullopt};
+  std::optional<Sum> product = builder_.product(left.value, right.value);
+  if (!product) return refuse(operation, "a product of signals");
+  return Meaning{std::move(*product), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
@@ -365,6 +373,11 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
                      fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
     return std::nullopt;
   }
+  if (key == "buf" || key == "inv") {
+    const Condition high = builder_.greater(values[0], constant_sum(0.5));
+    const Condition result = key == "buf" ? high : elements::FormulaBuilder::negation(high);
+    return Meaning{result.value, result};
+  }
   if (key == "abs") return piecewise(builder_.absolute(values[0]));
   if (key == "sgn") return piecewise(builder_.sign(values[0]));
   if (key == "limit") return piecewise(builder_.limit(values[0], values[1], values[2]));
@@ -374,12 +387,27 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
       extreme = key == "min" ? builder_.minimum(extreme, values[k]) : builder_.maximum(extreme, values[k]);
     return piecewise(std::move(extreme));
   }
-  std::optional<Sum> of_time;
+  std::optional<Sum> of_time = rounded(key, values);
   if (key == "sin") of_time = builder_.sine(values[0], 0.0);
   if (key == "cos") of_time = builder_.sine(values[0], quarter_turn);
   if (key == "exp") of_time = builder_.exponential(values[0]);
   if (!of_time) return refuse(expression, fmt::format("{} of a signal", expression.text));
   return piecewise(std::move(*of_time));
+}
+
+/// Of straight lines in time.
+std::optional<AffineSum> FormulaReader::rounded(std::string_view key, const std::vector<Sum>& values) {
+  const Sum& x = values[0];
+  if (key == "floor") return builder_.floor(x);
+  if (key == "round") return builder_.floor(x + constant_sum(0.5));
+  if (key == "mod" && values[1].is_constant() && values[1].constant != 0.0) {
+    const std::optional<Sum> whole = builder_.floor(1.0 / values[1].constant * x);
+    if (whole) return x - values[1].constant * *whole;
+  }
+  if (key != "ceil" && key != "int") return std::nullopt;
+  const std::optional<Sum> whole = builder_.floor(key == "ceil" ? -1.0 * x : x);
+  if (!whole || (key == "int" && !builder_.rises_from_zero(x))) return std::nullopt;
+  return key == "ceil" ? -1.0 * *whole : *whole;
 }
 
 bool FormulaReader::count_is(const Expression& expression, std::size_t least, std::size_t most) {

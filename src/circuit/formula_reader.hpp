@@ -51,6 +51,7 @@ class FormulaReader {
   std::optional<Meaning> of_operation(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_logic(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_numbers(const Expression& operation, double left, double right);
+  std::optional<Meaning> of_product(const Expression& operation, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_power(const Expression& operation, const Sum& base, const Sum& exponent);
   std::optional<Meaning> of_comparison(const Expression& operation, const Sum& left, const Sum& right);
   std::optional<Meaning> of_choice(const Expression& yes, const Expression& no, const Expression& asked, const Context& context);
@@ -60,6 +61,8 @@ class FormulaReader {
   std::optional<Meaning> of_table(const Expression& expression, const Context& context, bool extrapolated);
   std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
   std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);
+
+  std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);

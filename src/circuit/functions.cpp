@@ -56,6 +56,7 @@ constexpr BuiltinFunction functions[] = {
     {"ceil", 1, 1, of_one<std::ceil>},
     {"int", 1, 1, of_one<std::trunc>},
     {"round", 1, 1, of_one<std::round>},
+    {"mod", 2, 2, [](Arguments a) { return a[0] - a[1] * std::floor(a[0] / a[1]); }},
     {"buf", 1, 1, [](Arguments a) { return a[0] > 0.5 ? 1.0 : 0.0; }},
     {"inv", 1, 1, [](Arguments a) { return a[0] > 0.5 ? 0.0 : 1.0; }},
     {"sgn", 1, 1, of_one<sign>},

@@ -1,6 +1,7 @@
 #include "circuit/models.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 
@@ -94,13 +95,38 @@ bool has_known_level(const std::vector<ChainLink>& chain, const elements::ModelK
   return true;
 }
 
+bool is_digits(const Item& item) {
+  return item.kind == ItemKind::word && !item.text.empty() &&
+         std::all_of(item.text.begin(), item.text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// `M=0,2`, a number as some countries write it, comes as an assignment and a word with nothing but the comma between them: as one assignment, 0.2.
+std::optional<Item> with_decimal_comma(const Item& item, const Item* next, Reporter& reporter) {
+  if (next == nullptr || item.kind != ItemKind::assignment || item.items.empty() || !is_digits(item.items[0]) || !is_digits(*next))
+    return std::nullopt;
+  if (item.span.file != next->span.file || item.span.end + 1 != next->span.begin) return std::nullopt;
+  Item whole = item;
+  whole.items[0].text += "." + next->text;
+  whole.span.end = whole.items[0].span.end = next->span.end;
+  reporter.note("N-decimal-comma", whole.items[0].span,
+                fmt::format("{},{} is read as {}", item.items[0].text, next->text, whole.items[0].text));
+  return whole;
+}
+
 /// What one card of a chain gives itself.
 elements::Values own_values(const ChainLink& link, const elements::ModelKind& kind, std::vector<std::string>& ignored, Reporter& reporter) {
   elements::Values values(kind.parameters);
   const std::string owner = "model " + link.found.card->items[0].text;
   ValueReader reader(*link.found.scope, reporter, owner);
   if (kind.block == nullptr) reader.ignore_unknown();  // each parameter of a block has an effect
-  for (const Item* item : link.text.parameters) {
+  const std::vector<const Item*>& items = link.text.parameters;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const Item* item = items[k];
+    if (const auto whole = with_decimal_comma(*item, k + 1 < items.size() ? items[k + 1] : nullptr, reporter)) {
+      reader.assignment(*whole, values, &ignored);
+      ++k;
+      continue;
+    }
     const elements::Parameter* flag = item->kind == ItemKind::word ? elements::find_parameter(kind.parameters, item->text) : nullptr;
     if (item->kind == ItemKind::assignment) {
       reader.assignment(*item, values, &ignored);

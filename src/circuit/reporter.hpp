@@ -24,6 +24,10 @@ class Reporter {
   /// Passes on all of `scratch`, or its errors alone.
   void forward(const Diagnostics& scratch, bool errors_only = false);
 
+  /// Diagnostics::soften of what has been told so far.
+  std::size_t soften(const std::function<bool(Diagnostic&)>& accepts) { return diagnostics_.soften(accepts); }
+  [[nodiscard]] std::size_t error_count() const { return diagnostics_.error_count(); }
+
   /// Notes that stand in this text are not given: it is not the user's.
   void leave_out_notes_of(FileIndex file) { without_notes_.insert(file); }
 

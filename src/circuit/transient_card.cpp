@@ -108,20 +108,24 @@ class TransientReader {
   bool ok_ = true;
 };
 
-void report_second_cards(const Definitions& definitions, Reporter& reporter) {
+/// The last one is run, as in LTspice.
+const Card* card_that_counts(const Definitions& definitions, Reporter& reporter) {
   const auto& cards = definitions.transients;
-  for (std::size_t k = 1; k < cards.size(); ++k) {
-    reporter.error("E-duplicate-analysis", cards[k]->name_span,
-                   fmt::format("a second .tran; the first stands at {}", reporter.where(cards[0]->span)));
+  if (cards.empty()) return nullptr;
+  for (std::size_t k = 0; k + 1 < cards.size(); ++k) {
+    if (cards[k]->items.empty() && !cards[k]->damaged)
+      reporter.error("E-missing-value", cards[k]->span, fmt::format(".tran has no times; usage: {}", usage));
+    reporter.warning("W-second-tran", cards[k]->name_span,
+                     fmt::format("this .tran is not run: the last one counts, at {}", reporter.where(cards.back()->span)));
   }
+  return cards.back();
 }
 
 }  // namespace
 
 void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
   Analyses& analyses = circuit.analyses;
-  report_second_cards(definitions, reporter);
-  const Card* card = definitions.transients.empty() ? nullptr : definitions.transients.front();
+  const Card* card = card_that_counts(definitions, reporter);
   if (card != nullptr && !card->damaged) analyses.transient = TransientReader(*card, scope, reporter).read(analyses.row_limit);
   for (const Card* operating_point : definitions.operating_points) {
     analyses.operating_point = true;

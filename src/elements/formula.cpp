@@ -196,4 +196,40 @@ AffineSum FormulaBuilder::hysteresis(const AffineSum& control, double on_level, 
   return part({.kind = Kind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
 }
 
+/// A part that takes two values, times x.
+std::optional<AffineSum> FormulaBuilder::switched(int index, const AffineSum& x) {
+  const FormulaPart part = parts_[static_cast<std::size_t>(index)];
+  if (part.kind == Kind::step) {
+    Condition above;
+    above.value.terms.emplace_back(index, 1.0);
+    above.margin = part.argument;
+    return choose(above, x, {});
+  }
+  if (part.kind == Kind::choice && part.above.is_constant() && part.below.is_constant())
+    return hysteresis(part.argument, part.on_level, part.off_level, part.above.constant * x, part.below.constant * x);
+  if (part.kind != Kind::time) return std::nullopt;
+  const auto* pwl = std::get_if<model::Pwl>(&part.function);
+  if (pwl == nullptr || pwl->repeats > 0.0 || pwl->points.size() != 2 || pwl->points[0].time != pwl->points[1].time) return std::nullopt;
+  const AffineSum after = time() - constant_sum(pwl->points[0].time);
+  return hysteresis(-1.0 * after, 0.0, 0.0, pwl->points[0].value * x, pwl->points[1].value * x);
+}
+
+std::optional<AffineSum> FormulaBuilder::switched_sum(const AffineSum& a, const AffineSum& x) {
+  AffineSum sum = a.constant * x;
+  for (const auto& [part, coefficient] : a.terms) {
+    const std::optional<AffineSum> product = switched(part, x);
+    if (!product) return std::nullopt;
+    sum = sum + coefficient * *product;
+  }
+  return sum;
+}
+
+std::optional<AffineSum> FormulaBuilder::product(const AffineSum& a, const AffineSum& b) {
+  if (a.is_constant()) return a.constant * b;
+  if (b.is_constant()) return b.constant * a;
+  if (auto product = product_of_time(a, b)) return product;
+  if (auto product = switched_sum(a, b)) return product;
+  return switched_sum(b, a);
+}
+
 }  // namespace pwlsim::elements

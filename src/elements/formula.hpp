@@ -92,7 +92,12 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum time();
   /// Whether nothing but time enters, as a sum of constants, exponentials, sinusoids and a straight line.
   [[nodiscard]] bool is_of_time(const AffineSum& x) const;
-  /// Of two sums of which one is constant, or both are of time. Empty where the product leaves that class.
+  /// floor(x) of a straight line in time: x less a sawtooth. Empty otherwise.
+  [[nodiscard]] std::optional<AffineSum> floor(const AffineSum& x);
+  /// Whether x is a straight line in time that is never negative.
+  [[nodiscard]] bool rises_from_zero(const AffineSum& x) const;
+  /// Of two sums of which one is constant, both are of time, or one is a sum of parts that take two values each (comparisons, choices between numbers): switched
+  /// forms of the other. Empty where the product leaves that class.
   [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
   /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
@@ -106,6 +111,9 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum function_of_time(model::SourceFunction function);
   [[nodiscard]] AffineSum oscillation(double amplitude, double omega, double damping, double phase);
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
+  [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] std::optional<AffineSum> switched(int part, const AffineSum& x);
+  [[nodiscard]] std::optional<AffineSum> switched_sum(const AffineSum& a, const AffineSum& x);
   /// c and t0 where x = c·(t − t0), c ≠ 0.
   struct Line {
     double slope = 0.0, zero = 0.0;

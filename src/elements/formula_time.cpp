@@ -13,6 +13,8 @@ using Kind = FormulaPart::Kind;
 constexpr double half_turn = std::numbers::pi;
 /// `time` itself is a PWL source that rises to here: later than any run.
 constexpr double far_future = 1e15;
+/// So near to a whole number a line begins at it.
+constexpr double whole_number = 1e-12;
 
 const model::Sin* oscillation_of(const FormulaPart& part) {
   return part.kind == Kind::time ? std::get_if<model::Sin>(&part.function) : nullptr;
@@ -44,6 +46,11 @@ std::optional<FormulaBuilder::Line> FormulaBuilder::line_in_time(const AffineSum
   if (x.terms.size() != 1 || !is_time_itself(parts_[static_cast<std::size_t>(x.terms[0].first)])) return std::nullopt;
   const double slope = x.terms[0].second;
   return Line{slope, -x.constant / slope};
+}
+
+bool FormulaBuilder::rises_from_zero(const AffineSum& x) const {
+  const auto line = line_in_time(x);
+  return line && line->slope > 0.0 && x.constant >= 0.0;
 }
 
 /// The points in time are those of the table, in reverse where the line falls; time before 0 does not count.
@@ -111,9 +118,26 @@ std::optional<AffineSum> FormulaBuilder::product_of_parts(int a, int b) {
          oscillation(0.5, omega_a + omega_b, damping, phase_a + phase_b + quarter);
 }
 
-std::optional<AffineSum> FormulaBuilder::product(const AffineSum& a, const AffineSum& b) {
-  if (a.is_constant()) return a.constant * b;
-  if (b.is_constant()) return b.constant * a;
+/// The sawtooth rises from the fraction that x has at time 0 to its first whole number, and then from 0 to 1 for ever.
+std::optional<AffineSum> FormulaBuilder::floor(const AffineSum& x) {
+  if (x.is_constant()) return constant_sum(std::floor(x.constant));
+  const auto line = line_in_time(x);
+  if (!line) return std::nullopt;
+  const double begin = std::abs(x.constant - std::round(x.constant)) < whole_number ? 0.0 : x.constant - std::floor(x.constant);
+  const double period = 1.0 / std::abs(line->slope);
+  const bool rises = line->slope > 0.0;
+  const double first = (rises ? 1.0 - begin : begin) * period;
+  const double from = rises ? 0.0 : 1.0, to = rises ? 1.0 : 0.0;
+  model::Pwl saw;
+  if (first > 0.0) saw.points = {{0.0, begin}, {first, to}};
+  saw.points.push_back({first, from});
+  saw.points.push_back({first + period, to});
+  saw.repeats = model::forever;
+  saw.repeat_from = first;
+  return x - function_of_time(std::move(saw));
+}
+
+std::optional<AffineSum> FormulaBuilder::product_of_time(const AffineSum& a, const AffineSum& b) {
   if (!is_of_time(a) || !is_of_time(b)) return std::nullopt;
   AffineSum sum = constant_sum(a.constant * b.constant);
   for (const auto& [part, coefficient] : a.terms) sum = sum + AffineSum{0.0, {{part, b.constant * coefficient}}};

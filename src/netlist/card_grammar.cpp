@@ -77,7 +77,10 @@ const auto leave_unclosed = [](auto& context) {
   state.open.pop_back();
   if (!state.stopped && !state.unclosed) {
     state.unclosed = true;
-    state.context.report("E-syntax-unclosed", part(opening, opening + 1), "'" + std::string(1, *opening) + "' is never closed");
+    if (*opening == '(')
+      state.context.note("N-parenthesis", part(opening, opening + 1), "'(' is never closed: it ends with the card");
+    else
+      state.context.report("E-syntax-unclosed", part(opening, opening + 1), "'" + std::string(1, *opening) + "' is never closed");
   }
 };
 
@@ -92,6 +95,7 @@ const auto take = [](auto& context) { x3::_val(context) = std::move(x3::_attr(co
 
 const auto report_unexpected = [](auto& context) {
   const std::string_view text = view_of(x3::_attr(context));
+  if (text == ")") return state_of(context).context.note("N-parenthesis", text, "')' closes nothing and is passed over");
   const char* const why = text.front() == '=' ? "' has nothing before it that could take a value" : "' closes nothing";
   state_of(context).context.report("E-syntax-unexpected", text, "'" + std::string(text) + why);
 };
@@ -324,6 +328,10 @@ bool parse_card(const ParseContext& context, Card& card) {
   const std::string_view name_text = card_name(line.text());
   if (name_text.empty()) {
     const std::string_view character = first_character(line.begin(), line.end());
+    if (line.text() == ")") {
+      context.note("N-parenthesis", character, "')' closes nothing and is passed over");
+      return false;
+    }
     context.report("E-syntax-card", character, "a card begins with a name, not with '" + std::string(character) + "'");
     return false;
   }

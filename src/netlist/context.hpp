@@ -14,6 +14,7 @@ struct ParseContext {
   SyntaxErrors& errors;
   int parentheses = 1000;  ///< how deep they may nest
 
+  void note(const char* id, std::string_view part, std::string text) const { errors.note(id, line.span(part), std::move(text)); }
   void report(const char* id, std::string_view part, std::string text) const { errors.report(id, line.span(part), std::move(text)); }
 };
 

@@ -5,19 +5,31 @@
 
 namespace pwlsim::netlist {
 
-void SyntaxErrors::report(std::string id, SourceSpan span, std::string text) {
+bool SyntaxErrors::is_shown(Severity severity, const std::string& id, SourceSpan span) {
   constexpr std::size_t most_shown = 100;
-  ++count_;
   const bool known = std::any_of(shown_.begin(), shown_.end(), [&](const Diagnostic& d) { return d.span == span && d.id == id; });
   if (known) {
-    return;
+    return false;
   }
   if (shown_.size() == most_shown) {
-    ++held_back_;
-    return;
+    held_back_ += severity == Severity::error ? 1 : 0;
+    return false;
   }
-  shown_.push_back({Severity::error, id, span, {}});
-  diagnostics_.error(std::move(id), span, std::move(text));
+  shown_.push_back({severity, id, span, {}});
+  return true;
+}
+
+void SyntaxErrors::report(std::string id, SourceSpan span, std::string text) {
+  ++count_;
+  if (is_shown(Severity::error, id, span)) {
+    diagnostics_.error(std::move(id), span, std::move(text));
+  }
+}
+
+void SyntaxErrors::note(std::string id, SourceSpan span, std::string text) {
+  if (is_shown(Severity::note, id, span)) {
+    diagnostics_.note(std::move(id), span, std::move(text));
+  }
 }
 
 void SyntaxErrors::finish() {

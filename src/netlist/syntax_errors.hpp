@@ -14,6 +14,8 @@ class SyntaxErrors {
 
   /// Passes the error on, unless the same was reported (a file may be read twice) or a hundred stand already.
   void report(std::string id, SourceSpan span, std::string text);
+  /// What is told and passes, likewise.
+  void note(std::string id, SourceSpan span, std::string text);
   /// Says how many errors were held back, if any.
   void finish();
 
@@ -22,6 +24,9 @@ class SyntaxErrors {
   [[nodiscard]] Diagnostics& diagnostics() { return diagnostics_; }
 
  private:
+  /// False where it is known already, or must be held back.
+  bool is_shown(Severity severity, const std::string& id, SourceSpan span);
+
   Diagnostics& diagnostics_;
   std::vector<Diagnostic> shown_;
   std::size_t count_ = 0;

@@ -79,9 +79,9 @@ TEST_CASE("what is wrong on a card is underlined", "[unit]") {
     const char* text;
     const char* messages;
   };
-  const auto row = GENERATE(Row{"V1 a 0 SIN(0 1 50", "E-syntax-unclosed «(»\n"}, Row{"V1 a 0 SIN(0 1 50))", "E-syntax-unexpected «)»\n"},
-                            Row{"V1 a 0 PWL(0 (1 2", "E-syntax-unclosed «(»\n"}, Row{"a1 [x y", "E-syntax-unclosed «[»\n"},
-                            Row{"a1 x]", "E-syntax-unexpected «]»\n"}, Row{"a1 [x)]", "E-syntax-unexpected «)»\n"},
+  const auto row = GENERATE(Row{"V1 a 0 SIN(0 1 50", "N-parenthesis «(»\n"}, Row{"V1 a 0 SIN(0 1 50))", "N-parenthesis «)»\n"},
+                            Row{"V1 a 0 PWL(0 (1 2", "N-parenthesis «(»\n"}, Row{"a1 [x y", "E-syntax-unclosed «[»\n"},
+                            Row{"a1 x]", "E-syntax-unexpected «]»\n"}, Row{"a1 [x)]", "N-parenthesis «)»\n"},
                             Row{"V1 a 0 SIN(0]1)", "E-syntax-unexpected «]»\n"}, Row{"R1 a b }", "E-syntax-unexpected «}»\n"},
                             Row{"R1 = 5", "E-syntax-unexpected «=»\n"}, Row{"R1 a b \"x", "E-syntax-unclosed «\"»\n"},
                             Row{"R1 a b {x", "E-syntax-unclosed «{»\n"}, Row{"R1 a b R==5", "E-syntax-unexpected «==»\n"},
@@ -95,14 +95,14 @@ TEST_CASE("what is wrong on a card is underlined", "[unit]") {
                             Row{".param a=*2", "E-syntax-expression «*»\n"}, Row{".param a=2* b=3", "E-syntax-unexpected «=»\n"},
                             Row{".param a=(1", "E-syntax-unclosed «(»\n"}, Row{".param a=b]", "E-syntax-unexpected «]»\n"},
                             Row{".func f(a) a*", "E-syntax-expression «*»\n"}, Row{"X1 a b s p=q/", "E-syntax-expression «/»\n"},
-                            Row{"V1 a 0 SIN({1+} (2", "E-syntax-expression «}»\nE-syntax-unclosed «(»\n"});
+                            Row{"V1 a 0 SIN({1+} (2", "E-syntax-expression «}»\nN-parenthesis «(»\n"});
   CAPTURE(row.text);
   CHECK(complaints(row.text) == row.messages);
 }
 
 TEST_CASE("errors of all cards are reported and parsing goes on", "[unit]") {
-  const Read read("title\nR1 a b (\nR2 c d 5\n(x\nR3 e f {1+}\n");
-  CHECK(read.messages() == "E-syntax-unclosed «(»\nE-syntax-card «(»\nE-syntax-expression «}»\n");
+  const Read read("title\nR1 a b [\nR2 c d 5\n(x\nR3 e f {1+}\n");
+  CHECK(read.messages() == "E-syntax-unclosed «[»\nE-syntax-card «(»\nE-syntax-expression «}»\n");
   REQUIRE(read.deck.cards.size() == 3);
   CHECK(read.deck.cards[0].damaged);
   CHECK_FALSE(read.deck.cards[1].damaged);
@@ -157,7 +157,7 @@ TEST_CASE("groups that nest beyond reason are refused, however many", "[unit]") 
 TEST_CASE("after a hundred syntax errors the rest is counted", "[unit]") {
   std::string text = "title\n";
   for (int i = 0; i < 250; ++i) {
-    text += "R1 a b )\n";
+    text += "R1 a b ]\n";
   }
   const Read read(text);
   CHECK(read.diagnostics.all().size() == 101);

@@ -116,7 +116,7 @@ TEST_CASE("errors in included files stand where they are", "[unit]") {
   folder.write("bad.inc", "R1 a b (\n\nR2 \x01\n");
   const Loaded loaded(folder.path("deck.net"));
   // The file is read twice, its errors are told once.
-  CHECK(loaded.messages() == "E-syntax-control-character «\x01»\nE-syntax-unclosed «(»\n");
+  CHECK(loaded.messages() == "E-syntax-control-character «\x01»\nN-parenthesis «(»\n");
   CHECK(loaded.sources.name(loaded.diagnostics.all().at(0).span.file) == folder.path("bad.inc"));
 }
 

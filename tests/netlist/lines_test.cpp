@@ -114,7 +114,7 @@ TEST_CASE("a deck without .tran takes tran from its control block", "[unit]") {
   CHECK(std::string(read.sources.text(read.deck.cards.back().name_span)) == "TRAN");
   // What is not used is not judged.
   CHECK(Read("title\n.control\ntran 1u (\n.endc\n.tran 1u 1m\n").messages() == "N-control-skipped «.control»\n");
-  CHECK(Read("title\n.control\ntran 1u (\n.endc\nR1 a b 5\n").messages() == "E-syntax-unclosed «(»\nN-control-skipped «.control»\n");
+  CHECK(Read("title\n.control\ntran 1u (\n.endc\nR1 a b 5\n").messages() == "N-parenthesis «(»\nN-control-skipped «.control»\n");
 }
 
 TEST_CASE("control blocks that do not match are errors", "[unit]") {
