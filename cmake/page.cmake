@@ -2,11 +2,11 @@
 set(PWLSIM_PAGE_PARTS
   page_frame src/analysis/page/page.html
   page_style src/analysis/page/page.css
-  page_solution_script src/analysis/page/solution.js
-  page_traces_script src/analysis/page/traces.js
-  page_script src/analysis/page/page.js
   page_plot_style third_party/uplot/uPlot.min.css
   page_plot_script third_party/uplot/uPlot.iife.min.js)
+# One script of several files, in the order in which their names are needed.
+set(PWLSIM_PAGE_SCRIPTS text expression panels solution view plots pointer trace_list timeline overview measurements chart fourier spectrum xy
+  sweep_charts export address keys tables start)
 
 function(pwlsim_page output)
   file(READ ${PROJECT_SOURCE_DIR}/third_party/README.md readme)
@@ -24,6 +24,14 @@ function(pwlsim_page output)
     file(READ ${PROJECT_SOURCE_DIR}/${file} text)
     string(APPEND definitions "const std::string_view ${name} = R\"page_text(${text})page_text\";\n")
   endwhile()
+  set(script "")
+  foreach(name ${PWLSIM_PAGE_SCRIPTS})
+    set(file ${PROJECT_SOURCE_DIR}/src/analysis/page/${name}.js)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    file(READ ${file} text)
+    string(APPEND script "${text}\n")
+  endforeach()
+  string(APPEND definitions "const std::string_view page_script = R\"page_text(${script})page_text\";\n")
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT "// Made by cmake/page.cmake.
 #include \"analysis/page_parts.hpp\"
 

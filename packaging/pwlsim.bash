@@ -10,14 +10,14 @@ _pwlsim() {
   case $previous in
     --engine) mapfile -t COMPREPLY < <(compgen -W "auto exact sparse" -- "$current") && return ;;
     --format) mapfile -t COMPREPLY < <(compgen -W "csv raw" -- "$current") && return ;;
-    --reltol | --smooth | --mode | --jobs) COMPREPLY=() && return ;;
+    --reltol | --smooth | --budget | --mode | --jobs) COMPREPLY=() && return ;;
   esac
   if [[ $current == -* ]]; then
     local options
     case $command in
       inspect) options="--help --mode --json --quiet" ;;
       export) options="--help --output --smooth --quiet" ;;
-      compare) options="--help --smooth --json --plot --quiet" ;;
+      compare) options="--help --budget --verbose --no-progress --smooth --json --plot --quiet" ;;
       *) options="--help --version --output --events --engine --reltol --stats --format --split --no-rows --jobs --plot --report --check --json --quiet --verbose --no-progress" ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")

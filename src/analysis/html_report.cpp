@@ -198,6 +198,8 @@ std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
                     {"records", json_line(page.records)},
                     {"signals", json_line(page.signals)},
                     {"panels", json_line(panels)},
+                    {"quantities", array_of(kept_signals(outcome, signals), json_string)},
+                    {"runNames", array_of(names, json_string)},
                     {"drawnRuns", index_text(names.size())},
                     {"ports", "0"},
                     {"lanes", "[]"},
@@ -224,14 +226,12 @@ std::string for_script(const std::string& json) {
 std::string html_report(const RunOutcome& outcome, const RunReport& run, const RunRecorder* recorder) {
   const RunRecorder nothing(0.0, 0.0, 0);
   const bool is_sweep = !outcome.sweep.list.empty();
-  const std::array<std::pair<std::string_view, std::string>, 7> parts{
+  const std::array<std::pair<std::string_view, std::string>, 5> parts{
       {{"@plot_style@", std::string(page_plot_style)},
        {"@style@", std::string(page_style)},
        {"@data@",
         for_script(is_sweep ? sweep_data_text(outcome, run) : data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
        {"@plot_script@", std::string(page_plot_script)},
-       {"@solution_script@", std::string(page_solution_script)},
-       {"@traces_script@", std::string(page_traces_script)},
        {"@script@", std::string(page_script)}}};
   std::string page;
   std::string_view rest = page_frame;

@@ -5,7 +5,7 @@
 
 namespace pwlsim::analysis {
 
-extern const std::string_view page_frame, page_style, page_solution_script, page_traces_script, page_script;
+extern const std::string_view page_frame, page_style, page_script;
 /// Of uPlot (third_party/uplot).
 extern const std::string_view page_plot_style, page_plot_script;
 

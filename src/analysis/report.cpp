@@ -175,10 +175,10 @@ std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std:
   return texts;
 }
 
-std::string operating_point_text(std::span<const std::string> names, std::span<const double> values) {
+std::string operating_point_text(std::span<const std::string> names, std::span<const double> values, int digits) {
   assert(names.size() == values.size());
   std::string text;
-  for (std::size_t index = 0; index < names.size(); ++index) text += names[index] + " = " + waveform::shortest(values[index]) + '\n';
+  for (std::size_t index = 0; index < names.size(); ++index) text += names[index] + " = " + waveform::rounded(values[index], digits) + '\n';
   return text;
 }
 

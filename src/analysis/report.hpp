@@ -54,6 +54,6 @@ void write_certificate(JsonWriter& json, const engine::Certificate& certificate)
                                                   const circuit::HiddenParts& hidden = {});
 
 /// `name = value`, one a line.
-[[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values);
+[[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values, int digits = 0);
 
 }  // namespace pwlsim::analysis

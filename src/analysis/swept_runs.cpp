@@ -39,13 +39,13 @@ void add(engine::Certificate& worst, const engine::Certificate& one, bool is_fir
 
 using Value = std::function<std::optional<double>(const SweptRun& run, std::size_t column)>;
 
-std::string table_of(const SweptRuns& runs, const std::vector<std::string>& names, const Value& value) {
+std::string table_of(const SweptRuns& runs, const std::vector<std::string>& names, int digits, const Value& value) {
   std::string text = sweep_head(runs.sweeps, names);
   for (std::size_t run = 0; run < runs.list.size(); ++run) {
-    for (const double stepped : runs.sweeps.point(run)) text += waveform::shortest(stepped) + ",";
+    for (const double stepped : runs.sweeps.point(run)) text += waveform::rounded(stepped, digits) + ",";
     for (std::size_t k = 0; k < names.size(); ++k) {
       const std::optional<double> found = value(runs.list[run], k);
-      text += (found ? waveform::shortest(*found) : "failed") + ",";
+      text += (found ? waveform::rounded(*found, digits) : "failed") + ",";
     }
     text.back() = '\n';
   }
@@ -124,17 +124,17 @@ std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::str
   return text;
 }
 
-std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals) {
-  return table_of(runs, signals, [](const SweptRun& run, std::size_t k) {
+std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals, int digits) {
+  return table_of(runs, signals, digits, [](const SweptRun& run, std::size_t k) {
     return k < run.operating_point.size() ? std::optional(run.operating_point[k]) : std::nullopt;
   });
 }
 
-std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements) {
+std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements, int digits) {
   std::vector<std::string> names;
   for (const circuit::Measurement& measurement : measurements.list)
     if (measurement.shown) names.push_back(measurement.name);
-  return table_of(runs, names, [](const SweptRun& run, std::size_t k) {
+  return table_of(runs, names, digits, [](const SweptRun& run, std::size_t k) {
     const auto& results = run.measurements.list;
     return k < results.size() && results[k].failure.empty() ? std::optional(results[k].value) : std::nullopt;
   });

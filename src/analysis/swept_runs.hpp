@@ -61,10 +61,11 @@ void take_operating_point(const engine::OperatingPoint& point, SweptRun& run);
 
 /// The head of a CSV of runs: what is stepped, then `columns`.
 [[nodiscard]] std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::string>& columns);
-/// CSV, a line a run: the stepped values, then those of the signals at the operating point; "failed" where there are none.
-[[nodiscard]] std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals);
+/// CSV, a line a run: the stepped values, then those of the signals at the operating point, to so many significant digits (0: all); "failed" where
+/// there are none.
+[[nodiscard]] std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals, int digits = 0);
 /// The same of the measurements that are shown.
-[[nodiscard]] std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements);
+[[nodiscard]] std::string measurement_table(const SweptRuns& runs, const circuit::Measurements& measurements, int digits = 0);
 /// CSV, a line a run: the stepped values, the name of its own file without the folder, rows, time reached, failure.
 [[nodiscard]] std::string file_table(const SweptRuns& runs);
 

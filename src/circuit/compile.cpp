@@ -17,7 +17,11 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
-  if (circuit.analyses.transient) check_row_step(*network, *circuit.analyses.transient, reporter);
+  if (circuit.analyses.transient) {
+    check_row_step(*network, *circuit.analyses.transient, reporter);
+    resolve_last_periods(*network, *circuit.analyses.transient, circuit.measurements, reporter);
+    if (reporter.failed()) return std::nullopt;
+  }
   if (!options.measure && circuit.analyses.sweeps.runs() > 1)
     reporter.note("N-first-run", circuit.analyses.sweeps.list.front().span,
                   fmt::format("of the {} runs that .step asks for the first is taken", circuit.analyses.sweeps.runs()));
@@ -26,6 +30,8 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (options.measure) compiled.measurements = circuit.measurements;
   compiled.measured_signals = circuit.measured_signals;
   compiled.hidden = circuit.hidden;
+  compiled.names_signals =
+      std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
   for (model::Switch& contact : compiled.network.switches)
     if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
   if (options.keep_circuit) compiled.circuit = std::move(circuit);

@@ -28,6 +28,7 @@ struct Compiled {
   std::optional<Circuit> circuit;  ///< where it was to be kept
   Measurements measurements{};
   std::size_t measured_signals = 0;
+  bool names_signals = false;  ///< the deck says which signals it saves
   HiddenParts hidden{};
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }

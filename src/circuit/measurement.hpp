@@ -67,6 +67,13 @@ struct Measurement {
   SourceSpan span;
   MeasuredExpression expression;
   std::optional<MeasuredExpression> from, to;  ///< by default Tstart and Tstop
+  /// LAST=n PERIODS OF source: the window ends with the run; `from` and `to` are filled in when the source is known.
+  struct LastPeriods {
+    double count = 1.0;
+    std::string source;
+    SourceSpan span;
+  };
+  std::optional<LastPeriods> last_periods;
   std::optional<MeasuredExpression> at;
   std::optional<Crossing> when;
   bool shown = true;  ///< false: a part of another measurement

@@ -22,6 +22,7 @@ using Results = std::unordered_map<std::string, int>;
 constexpr std::string_view usage =
     ".meas [tran] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
     "c=d | "
+    "AVG expr LAST=n PERIODS OF V1 | "
     "PARAM expr";
 constexpr std::string_view fourier_usage = ".four frequency [harmonics [periods]] v(node) ...";
 constexpr double most_harmonics = 10000;
@@ -184,7 +185,31 @@ class CardReader {
     return true;
   }
 
+  /// LAST=n PERIODS OF V1
+  bool read_last_periods(Measurement& measurement) {
+    Measurement::LastPeriods last;
+    last.span = items_[at_ - 1].span;
+    // These words are none elsewhere: they are read as expressions.
+    const auto says = [&](std::string_view word) { return at_ < items_.size() && same_name(text(items_[at_]), word); };
+    if (at_ < items_.size() && !says("period") && !says("periods")) {
+      const std::optional<Number> number = scope_.number(items_[at_++]);
+      if (!number) return false;
+      if (number->value < 1.0 || number->value != std::floor(number->value))
+        return refuse("E-range", last.span, fmt::format("LAST counts whole periods from 1, not {}", number->value));
+      last.count = number->value;
+    }
+    const bool has_word = says("periods") || says("period");
+    at_ += static_cast<std::size_t>(has_word);
+    if (!has_word || !says("of") || at_ + 1 >= items_.size())
+      return refuse("E-missing-value", last.span, "LAST=n is followed by PERIODS OF and a source");
+    last.source = text(items_[at_ + 1]);
+    at_ += 2;
+    measurement.last_periods = std::move(last);
+    return true;
+  }
+
   bool read_window(Measurement& measurement) {
+    if (take("last")) return read_last_periods(measurement);
     while (at("from") || at("to")) {
       const bool is_from = is_word(items_[at_++], "from");
       auto& place = is_from ? measurement.from : measurement.to;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/names.hpp"
+
 namespace pwlsim::circuit {
 
 namespace {
@@ -11,7 +13,8 @@ namespace {
 constexpr double rows_a_period = 2.0;  ///< as many or fewer do not show it
 constexpr double suggested_rows = 40.0;
 
-/// Infinite where it does not repeat.
+}  // namespace
+
 double period_of(const model::SourceFunction& function) {
   if (const auto* sine = std::get_if<model::Sin>(&function); sine && sine->amplitude != 0.0 && sine->frequency > 0.0 && sine->cycles > 1.0)
     return 1.0 / sine->frequency;
@@ -19,8 +22,6 @@ double period_of(const model::SourceFunction& function) {
     return pulse->period;
   return model::forever;
 }
-
-}  // namespace
 
 void check_row_step(const model::Network& network, const Transient& transient, Reporter& reporter) {
   const auto fastest = std::min_element(network.sources.begin(), network.sources.end(),
@@ -34,6 +35,39 @@ void check_row_step(const model::Network& network, const Transient& transient, R
       fmt::format("rows every {:.6g} s do not show {}, whose period is {:.6g} s; for the waveforms try .tran {:.2g} {:.6g} or --plot; "
                   "measurements do not depend on the rows",
                   step, fastest->label.name, period, period / suggested_rows, transient.stop.seconds));
+}
+
+namespace {
+
+MeasuredExpression constant(double value) {
+  MeasuredExpression expression;
+  expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = value});
+  return expression;
+}
+
+}  // namespace
+
+void resolve_last_periods(const model::Network& network, const Transient& transient, Measurements& measurements, Reporter& reporter) {
+  for (Measurement& measurement : measurements.list) {
+    if (!measurement.last_periods) continue;
+    const Measurement::LastPeriods& last = *measurement.last_periods;
+    const auto source = std::find_if(network.sources.begin(), network.sources.end(),
+                                     [&](const model::Source& each) { return same_name(each.label.name, last.source); });
+    const double period = source == network.sources.end() ? model::forever : period_of(source->function);
+    const double stop = transient.stop.seconds, from = stop - last.count * period;
+    constexpr double rounding = 1e-9;  // of a period
+    if (!(period < model::forever)) {
+      reporter.error("E-measurement", last.span,
+                     fmt::format("measurement {}: {} is no source that repeats; try one with SIN or PULSE", measurement.name, last.source));
+    } else if (from < -rounding * period) {
+      reporter.error("E-measurement", last.span,
+                     fmt::format("measurement {}: the run holds {:.6g} periods of {} ({:.6g} s), not {}; try a later Tstop or a smaller n",
+                                 measurement.name, stop / period, last.source, period, last.count));
+    } else {
+      measurement.from = constant(std::max(from, 0.0));
+      measurement.to = constant(stop);
+    }
+  }
 }
 
 }  // namespace pwlsim::circuit

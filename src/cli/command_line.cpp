@@ -28,7 +28,7 @@ struct Subcommand {
 };
 constexpr std::string_view inspect_usage = "circuit.net [--mode D1=on,D2=off,…] [--json]";
 constexpr std::string_view export_usage = "circuit.net -o out.cir [--smooth X]";
-constexpr std::string_view compare_usage = "circuit.net [--smooth X] [--json] [--plot out.svg]";
+constexpr std::string_view compare_usage = "circuit.net [--budget S] [--verbose] [--smooth X] [--json] [--plot out.svg]";
 constexpr std::array<Subcommand, 3> subcommands{{
     {"inspect", inspect_usage, "the model: islands, states, ports, (A,B,C,D) per switch position"},
     {"export", export_usage, "the smoothed equivalent as an ngspice deck"},
@@ -58,7 +58,7 @@ class HelpText : public CLI::Formatter {
 /// What CLI11 fills in; checked and turned into RunOptions afterwards, so that every complaint has our own form.
 struct Raw {
   std::vector<std::string> files;
-  std::string output, engine, reltol, stats, format, plot, report, mode, smooth, jobs;
+  std::string output, engine, reltol, stats, format, plot, report, mode, smooth, budget, jobs;
   bool events = false, quiet = false, verbose = false, no_progress = false, json = false, split = false, check = false, no_rows = false;
 };
 
@@ -128,12 +128,17 @@ void add_export_options(CLI::App& app, Raw& raw) {
 void add_compare_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "compare", compare_usage,
                      "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-                     "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
-                     "own errors explain, how far its switching times are off, and what both took.",
+                     "that stands still; then says how far apart the two are and what both took. --verbose: per\n"
+                     "signal, how much of it ngspice's own errors explain, and how far its switching times are off.",
                      "The deck");
+  app.add_option("--budget", raw.budget,
+                 "How long ngspice may run, in seconds (default: 10); a longer deck is compared up to where that reaches")
+      ->type_name("S");
   app.add_option("--smooth", raw.smooth, "Where the smoothing starts, 1e-9 to 1 (default: 1e-3)")->type_name("X");
   app.add_flag("--json", raw.json, "As JSON, with all digits");
   app.add_option("--plot", raw.plot, "Draw the waveforms of both over each other")->type_name("FILE.svg");
+  app.add_flag("--verbose", raw.verbose, "Say what each signal and each setting of ngspice gave");
+  app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
   add_quiet_option(app, raw);
 }
 
@@ -415,16 +420,29 @@ CommandLine checked_export(const CLI::App& app, const Raw& raw, Complaints& comp
   return options;
 }
 
+double read_budget(const CLI::App& app, const std::string& text, Complaints& complaints) {
+  constexpr double usual = 10.0, least = 0.1, most = 1e5;
+  if (app.count("--budget") == 0) return usual;
+  const double value = positive_number(text);
+  if (value < least || value > most)
+    complaints.add("E-option-value",
+                   fmt::format("`--budget {}` is no time from {} to {} seconds; try `--budget {}`", text, least, most, usual));
+  return value;
+}
+
 CommandLine checked_compare(const CLI::App& app, const Raw& raw, Complaints& complaints) {
   CompareOptions options;
   check_files(raw, complaints);
   check_plot_name(app, raw.plot, complaints);
   options.sharpness = read_sharpness(app, raw.smooth, complaints);
+  options.budget = read_budget(app, raw.budget, complaints);
   if (complaints.any()) return complaints.refused();
   options.deck = raw.files[0];
   options.plot = raw.plot;
   options.json = raw.json;
   options.quiet = raw.quiet;
+  options.verbose = raw.verbose;
+  options.progress = !raw.no_progress && !raw.quiet;
   return options;
 }
 

@@ -56,8 +56,11 @@ struct CompareOptions {
   std::string deck;
   std::string plot;         ///< empty: none
   double sharpness = 1e-3;  ///< --smooth
+  double budget = 10.0;     ///< --budget: s that ngspice may take in all
   bool json = false;
   bool quiet = false;
+  bool verbose = false;
+  bool progress = true;
 };
 
 /// Text asked for by --help or --version.

@@ -18,7 +18,9 @@ using analysis::quantity;
 
 const spice::Level* finest(const spice::Study& study) { return study.signals.empty() ? nullptr : &study.levels[study.finest_level]; }
 
-std::string method(const spice::Level& level) { return level.deck.gear ? "gear" : "trap"; }
+std::string method(const spice::Level& level) {
+  return std::string(level.deck.gear ? "gear" : "trap") + (level.deck.snubber.impedance > 0.0 ? "+rc" : "");
+}
 
 std::string signal_lines(const CompareReport& report) {
   std::size_t width = 6;
@@ -56,10 +58,10 @@ std::string level_lines(const spice::Study& study) {
   std::string text = fmt::format("\n{:<10}  {:>10}  {:>8}  {:>8}  {:>6}  {:>9}  {:>9}  {:>9}\n", "refined", "step (s)", "reltol", "X",
                                  "method", "points", "CPU (s)", "change");
   for (const spice::Level& level : study.levels) {
+    const std::string change = level.change < 0.0 ? "-" : fmt::format("{:.1e}", level.change);
     text += fmt::format("{:<10}  {:>10.3g}  {:>8.1e}  {:>8.1e}  {:>6}  {:>9}  {:>9.4g}  {:>9}\n", level.smoothing ? "smoothing" : "step",
                         level.deck.largest_step, level.deck.reltol, level.deck.sharpness, method(level), level.points, level.seconds,
-                        level.change < 0.0 ? "-" : fmt::format("{:.1e}", level.change));
-    if (!level.failure.empty()) text += fmt::format("  ngspice failed: {}\n", level.failure);
+                        level.failure.empty() ? change : "failed: " + level.failure);
   }
   return text;
 }
@@ -72,6 +74,37 @@ std::string times_line(const CompareReport& report) {
   if (const spice::Level* level = finest(report.study))
     text += fmt::format("ngspice, finest level: {} of CPU time for {} points\n", quantity(level->seconds, "s"), level->points);
   return text;
+}
+
+/// On average over the sample times: where a contact interrupts an inductor's current, two right answers may lie apart for an instant.
+bool is_agreed(const spice::ComparedSignal& signal) {
+  constexpr double agreement = 2e-2;
+  return signal.explained || signal.mean <= agreement;
+}
+
+/// The signal that differs most by some measure, of those that `counts` names.
+template <class Measure, class Counts>
+const spice::ComparedSignal* most_different(const spice::Comparison& comparison, const Measure& measure, const Counts& counts) {
+  const spice::ComparedSignal* worst = nullptr;
+  for (const spice::ComparedSignal& signal : comparison.signals)
+    if (counts(signal) && (worst == nullptr || measure(signal) > measure(*worst))) worst = &signal;
+  return worst;
+}
+
+const char* reason_of(const spice::ComparedSignal& signal) {
+  return signal.settled ? "the smoothed circuit has another limit than the ideal one" : "ngspice's own answer has not settled there";
+}
+
+constexpr double remarkable = 1e-2;  ///< of an instant: it is named
+
+std::string percent(double share) {
+  constexpr double rounding = 1e-9;
+  return share < rounding ? "rounding" : fmt::format("{:.{}g} %", 100.0 * share, share < 0.1 ? 2 : 3);
+}
+
+/// What ngspice said of its last failure.
+std::string words_of_failures(const spice::Study& study) {
+  return study.levels.empty() ? "" : fmt::format(" ({})", study.levels.back().failure);
 }
 
 void write_levels(analysis::JsonWriter& json, const spice::Study& study) {
@@ -97,6 +130,7 @@ void write_signals(analysis::JsonWriter& json, const spice::Comparison& comparis
     json.value(analysis::json_line({{"name", json_string(signal.name)},
                                     {"maximum", json_number(signal.scale)},
                                     {"difference", json_number(signal.difference)},
+                                    {"mean_difference", json_number(signal.mean)},
                                     {"at", json_number(signal.time)},
                                     {"discretisation", json_number(signal.discretisation)},
                                     {"smoothing", json_number(signal.smoothing)},
@@ -119,8 +153,32 @@ void write_events(analysis::JsonWriter& json, const CompareReport& report) {
 
 }  // namespace
 
-std::string compare_text(const CompareReport& report) {
-  std::string text = fmt::format("{}: pwlsim beside ngspice on the smoothed circuit\n", report.deck) + times_line(report);
+std::string compare_verdict(const CompareReport& report) {
+  const std::string window =
+      report.is_cut ? fmt::format(" (the first {} of {})", quantity(report.until, "s", 3), quantity(report.stop, "s", 3)) : "";
+  const std::string own = "pwlsim " + quantity(report.seconds_window, "s", 3);
+  const spice::Level* level = finest(report.study);
+  if (level == nullptr)
+    return fmt::format("no verdict{}: ngspice reached the end at no setting{}; {}", window, words_of_failures(report.study), own);
+  const std::string times = fmt::format("ngspice {}, {}", quantity(level->seconds, "s", 3), own);
+  const auto average = [](const spice::ComparedSignal& signal) { return signal.mean; };
+  const auto largest = [](const spice::ComparedSignal& signal) { return signal.difference; };
+  if (const auto* worst = most_different(report.comparison, average, [](const auto& signal) { return !is_agreed(signal); }))
+    return fmt::format("differs by {} in {}{}: {}; {}", percent(worst->mean), worst->name, window, reason_of(*worst), times);
+  const auto* worst = most_different(report.comparison, average, [](const auto&) { return true; });
+  if (worst == nullptr) return fmt::format("no signal differs from zero{}: {}", window, times);
+  const auto* apart =
+      most_different(report.comparison, largest, [](const auto& signal) { return !signal.explained && signal.difference > remarkable; });
+  const std::string instant = apart == nullptr ? ""
+                                               : fmt::format("; {} is {} apart at t = {}: {}", apart->name, percent(apart->difference),
+                                                             quantity(apart->time, "s", 5), reason_of(*apart));
+  return fmt::format("agrees to {}{}: {}{}", percent(worst->mean), window, times, instant);
+}
+
+std::string compare_text(const CompareReport& report, bool verbose) {
+  const std::string verdict = fmt::format("{}: {}\n", report.deck, compare_verdict(report));
+  if (!verbose) return verdict;
+  std::string text = verdict + times_line(report);
   text +=
       report.comparison.signals.empty() ? "\nngspice reached the end at no setting: there is nothing to compare.\n" : signal_lines(report);
   return text + event_lines(report) + level_lines(report.study);
@@ -133,8 +191,11 @@ std::string compare_json(const CompareReport& report) {
   json.member("deck", json_string(report.deck));
   json.member("engine", json_string(report.engine));
   json.member("skipped", "null");
+  json.member("verdict", json_string(compare_verdict(report)));
+  json.member("until", json_number(report.until));
   json.member("samples", std::to_string(report.samples));
-  json.member("pwlsim", analysis::json_line({{"seconds_simulate", json_number(report.exact.statistics.seconds_simulate)},
+  json.member("pwlsim", analysis::json_line({{"seconds_window", json_number(report.seconds_window)},
+                                             {"seconds_simulate", json_number(report.exact.statistics.seconds_simulate)},
                                              {"seconds_model", json_number(report.exact.statistics.seconds_model)},
                                              {"rows", std::to_string(report.grid.times.size())},
                                              {"events", std::to_string(report.exact.statistics.events)}}));

@@ -9,9 +9,11 @@
 
 #include "analysis/json.hpp"
 #include "analysis/prepared_engine.hpp"
+#include "analysis/quantity.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
+#include "cli/progress.hpp"
 #include "cli/signals.hpp"
 
 namespace pwlsim::cli {
@@ -19,6 +21,7 @@ namespace {
 
 constexpr std::size_t sample_count = 200;
 constexpr std::size_t most_events = 20'000;
+constexpr double events_per_second = 30.0;  ///< of the budget: so many of a converter ngspice follows at all settings in about that time
 
 /// The engine that `pwlsim circuit.net` takes.
 analysis::PreparedEngine prepare(const model::Network& network, const circuit::Analyses& analyses, Diagnostics& diagnostics) {
@@ -76,6 +79,27 @@ std::vector<spice::SwitchingTimes> changes_of(const std::vector<double>& events,
   return list;
 }
 
+double largest_of(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// Signals that are rounding beside the largest of their unit have no relative difference worth a line.
+void leave_out_noise(spice::Comparison& comparison) {
+  constexpr double rounding = 1e-9;
+  const auto unit = [](const spice::ComparedSignal& signal) { return analysis::unit_of_signal(signal.name); };
+  const auto is_noise = [&](const spice::ComparedSignal& signal) {
+    double largest = 0.0;
+    for (const spice::ComparedSignal& other : comparison.signals)
+      if (unit(other) == unit(signal)) largest = std::max(largest, other.scale);
+    return signal.scale < rounding * largest;
+  };
+  std::vector<spice::ComparedSignal> kept;
+  std::remove_copy_if(comparison.signals.begin(), comparison.signals.end(), std::back_inserter(kept), is_noise);
+  comparison.signals = std::move(kept);
+}
+
 class CompareSession {
  public:
   explicit CompareSession(const CompareOptions& options) : options_(options), messages_(options.quiet) {}
@@ -84,6 +108,7 @@ class CompareSession {
     const DeckReading reading = read_deck(options_.deck, {.keep_circuit = true}, sources_, messages_);
     if (!reading.compiled) return static_cast<int>(reading.status);
     compiled_ = &*reading.compiled;
+    analyses_ = compiled_->analyses;
     report_.deck = options_.deck;
     if (!compiled_->analyses.transient)
       return fail(Status::wrong_input, "E-no-transient",
@@ -95,7 +120,7 @@ class CompareSession {
     int status = run_exact();
     if (status == 0) status = run_ngspice(*program);
     if (status == 0) status = write_plot();
-    return status != 0 ? status : print(options_.json ? compare_json(report_) : compare_text(report_), messages_);
+    return status != 0 ? status : print(options_.json ? compare_json(report_) : compare_text(report_, options_.verbose), messages_);
   }
 
  private:
@@ -139,32 +164,59 @@ class CompareSession {
   }
 
   int sample(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals) {
-    const circuit::Transient& transient = *compiled_->analyses.transient;
+    const circuit::Transient& transient = *analyses_.transient;
     const std::size_t columns = watch.network.signals.size();
     analysis::RunControl with_events = control();
     with_events.events = true;
     const std::vector<double> ends{transient.start.seconds, transient.stop.seconds};
     const auto all = analysis::sample(compiled_->analyses, columns, engine.simulate, ends, with_events);
     if (const int status = conclude(all.answer); status != 0) return status;
-    const std::vector<double> events = analysis::repeated_times(all);
+    std::vector<double> events = analysis::repeated_times(all);
+    cut_to_budget(events);
     times_ = sample_times(transient, events);
-    auto sampled = analysis::sample(compiled_->analyses, columns, engine.simulate, times_, control());
+    auto sampled = analysis::sample(analyses_, columns, engine.simulate, times_, control());
     if (const int status = conclude(sampled.answer); status != 0) return status;
+    report_.seconds_window = report_.is_cut ? sampled.answer.statistics.seconds_simulate : report_.exact.statistics.seconds_simulate;
+    snubber_ = snubber_for(sampled, signals, events.size());
     sampled.columns.resize(signals);
     exact_.values = std::move(sampled.columns);
     report_.events_skipped = events.size() > most_events;
     return report_.events_skipped ? 0 : watch_events(engine, watch, signals, events);
   }
 
+  /// A run with more events than ngspice can follow in its time is compared up to the last that it can.
+  void cut_to_budget(std::vector<double>& events) {
+    circuit::Transient& transient = *analyses_.transient;
+    const auto most = static_cast<std::size_t>(std::max(1.0, events_per_second * options_.budget));
+    report_.stop = report_.until = transient.stop.seconds;
+    if (events.size() <= most) return;
+    report_.is_cut = true;
+    report_.until = transient.stop.seconds = 0.5 * (events[most - 1] + events[most]);
+    events.resize(most);
+  }
+
+  /// As large as the circuit's voltages over its currents, and fast beside the time between its events.
+  spice::Snubber snubber_for(const analysis::SampledRun& run, std::size_t signals, std::size_t events) const {
+    double voltage = 0.0, current = 0.0;
+    for (std::size_t k = 0; k < run.columns.size(); ++k) {
+      const bool is_voltage = k < signals && analysis::unit_of_signal(compiled_->network.signals[k].name) == "V";
+      if (is_voltage) voltage = std::max(voltage, largest_of(run.columns[k]));
+      if (k >= signals) current = std::max(current, largest_of(run.columns[k]));
+    }
+    if (current <= 0.0) return {};
+    const double length = analyses_.transient->stop.seconds - analyses_.transient->start.seconds;
+    return {voltage > 0.0 ? voltage / current : 1.0, length / static_cast<double>(events + 1)};
+  }
+
   int watch_events(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
-    const circuit::Transient& transient = *compiled_->analyses.transient;
+    const circuit::Transient& transient = *analyses_.transient;
     std::vector<double> inner, middles;
     for (double event : events)
       if (event > transient.start.seconds && event < transient.stop.seconds) inner.push_back(event);
     for (std::size_t k = 0; k <= inner.size(); ++k)
       middles.push_back(0.5 *
                         ((k == 0 ? transient.start.seconds : inner[k - 1]) + (k == inner.size() ? transient.stop.seconds : inner[k])));
-    const auto run = analysis::sample(compiled_->analyses, watch.network.signals.size(), engine.simulate, middles, control());
+    const auto run = analysis::sample(analyses_, watch.network.signals.size(), engine.simulate, middles, control());
     if (const int status = conclude(run.answer); status != 0) return status;
     exact_.switching = changes_of(inner, run, watch.names, signals);
     return 0;
@@ -176,12 +228,19 @@ class CompareSession {
     settings.sharpness = options_.sharpness;
     settings.sample_times = times_;
     settings.interrupt = &caught_signal();
-    report_.study = spice::refine(*compiled_->circuit, program, settings, diagnostics);
+    settings.seconds = options_.budget;
+    settings.snubber = snubber_;
+    Progress progress(options_.progress, options_.budget);
+    settings.watcher = [&](double seconds) { progress.spent(seconds); };
+    circuit::Circuit window = *compiled_->circuit;
+    window.analyses = analyses_;
+    report_.study = spice::refine(window, program, settings, diagnostics);
     messages_.report(diagnostics, sources_);
     if (diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
     if (caught_signal() != 0) return conclude({});
     report_.samples = times_.size();
     if (!report_.study.signals.empty()) report_.comparison = spice::compare(report_.study, times_, exact_);
+    leave_out_noise(report_.comparison);
     return 0;
   }
 
@@ -196,6 +255,8 @@ class CompareSession {
   Messages messages_;
   SourceStore sources_;
   const circuit::Compiled* compiled_ = nullptr;
+  circuit::Analyses analyses_;  ///< up to where the comparison goes
+  spice::Snubber snubber_;
   PictureFile plot_;
   std::vector<double> times_;
   spice::ExactRun exact_;

@@ -33,6 +33,11 @@ void Messages::report(const Diagnostic& diagnostic, const SourceStore& sources) 
   if (!quiet_ || diagnostic.severity == Severity::error) say(rendered);
 }
 
+void Messages::keep(const Diagnostic& diagnostic) {
+  const std::string rendered = render(diagnostic, SourceStore{});
+  heads_.push_back(rendered.substr(0, rendered.find('\n')));
+}
+
 void Messages::remark(const std::string& text) const {
   if (!quiet_) say(text);
 }

@@ -20,6 +20,8 @@ class Messages {
   void report(const Diagnostics& diagnostics, const SourceStore& sources);
   /// The same for one message, unless it was said before.
   void report(const Diagnostic& diagnostic, const SourceStore& sources = {});
+  /// Kept for the statistics, and not said.
+  void keep(const Diagnostic& diagnostic);
   /// Said unless quiet; not kept.
   void remark(const std::string& text) const;
 

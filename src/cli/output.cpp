@@ -21,6 +21,11 @@ int print(const std::string& text, Messages& messages, Stream stream) {
   return fail(messages, Status::file_error, "E-cannot-write", fmt::format("standard output: {}", std::strerror(error_number)));
 }
 
+int digits_for(Stream stream) {
+  constexpr int for_people = 6, all = 0;
+  return ::isatty(stream == Stream::output ? STDOUT_FILENO : STDERR_FILENO) == 1 ? for_people : all;
+}
+
 int check_output(const std::string& name, const std::vector<std::string>& read, Messages& messages) {
   if (name == "-") return static_cast<int>(Status::done);
   for (const std::string& written : {name, waveform::partial_of(name)})

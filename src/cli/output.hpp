@@ -16,6 +16,9 @@ int fail(Messages& messages, Status status, std::string id, std::string text);
 
 enum class Stream { output, error };
 
+/// How many significant digits a stream is given: on a terminal those that people read, elsewhere all.
+[[nodiscard]] int digits_for(Stream stream);
+
 /// The text on a standard stream, whole.
 [[nodiscard]] int print(const std::string& text, Messages& messages, Stream stream = Stream::output);
 

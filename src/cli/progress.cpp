@@ -37,6 +37,10 @@ void Progress::finished(double runs) {
   if (is_due()) draw(runs, fmt::format("{} of {} runs", runs, stop_));
 }
 
+void Progress::spent(double seconds) {
+  if (is_due()) draw(seconds, "ngspice runs");
+}
+
 bool Progress::is_due() const { return shown_ && Clock::now() >= next_; }
 
 void Progress::draw(double reached, const std::string& text) {

@@ -20,6 +20,8 @@ class Progress {
   void reached(double time);
   /// The same where the bar counts runs.
   void finished(double runs);
+  /// The same where the bar shows how much of a budget of seconds is spent.
+  void spent(double seconds);
 
  private:
   [[nodiscard]] bool is_due() const;

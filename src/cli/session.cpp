@@ -14,9 +14,11 @@
 
 #include "analysis/abandonable.hpp"
 #include "analysis/check.hpp"
+#include "analysis/efficiency.hpp"
 #include "analysis/html_report.hpp"
 #include "analysis/kept_rows.hpp"
 #include "analysis/prepared_engine.hpp"
+#include "analysis/quantity.hpp"
 #include "analysis/report.hpp"
 #include "analysis/row_grid.hpp"
 #include "analysis/run_figure.hpp"
@@ -88,7 +90,8 @@ class Session {
   int transient();
   int check();
   int conclude(const analysis::TransientRun& run);
-  int report_measurements(const measure::Results& results);
+  int report_measurements(const measure::Results& results, bool is_complete);
+  void report_failures(const measure::Results& results, bool is_complete);
   int write_pictures();
   void take_messages();
   int written(int status, const std::string& name, std::string& noted);
@@ -96,6 +99,7 @@ class Session {
   int print_json();
   void note_rows(bool write_failed, bool complete, double end);
   void tell_details();
+  bool concerns_nobody(const engine::Remark& remark) const;
   void take_remarks(const engine::Answer& answer);
 
   const RunOptions& options_;
@@ -193,8 +197,23 @@ int Session::open_files() {
   return status;
 }
 
+/// A remark on signals that nobody named, measured or draws: with --verbose it is said.
+bool Session::concerns_nobody(const engine::Remark& remark) const {
+  if (remark.signals.empty() || options_.verbose || compiled_->names_signals || plot_file_.is_open() || report_file_) return false;
+  const auto& probes = compiled_->measurements.probe_signals;
+  return std::none_of(probes.begin(), probes.end(), [&](int probe) {
+    const std::string& name = compiled_->network.signals[static_cast<std::size_t>(probe)].name;
+    return std::find(remark.signals.begin(), remark.signals.end(), name) != remark.signals.end();
+  });
+}
+
 void Session::take_remarks(const engine::Answer& answer) {
-  for (const engine::Remark& remark : answer.remarks) messages_.report(analysis::message_of(remark));
+  for (const engine::Remark& remark : answer.remarks) {
+    if (concerns_nobody(remark))
+      messages_.keep(analysis::message_of(remark));
+    else
+      messages_.report(analysis::message_of(remark));
+  }
   report_.statistics = answer.statistics;
   report_.jumps = answer.jumps;
   if (options_.events)
@@ -230,8 +249,8 @@ int Session::operating_point() {
   outcome_.operating_point = point.values;
   outcome_.operating_point->resize(outcome_.signals.size());
   if (options_.json) return 0;
-  const std::string text = analysis::operating_point_text(outcome_.signals, *outcome_.operating_point);
-  return print(text, messages_, options_.output == "-" ? Stream::error : Stream::output);
+  const Stream stream = options_.output == "-" ? Stream::error : Stream::output;
+  return print(analysis::operating_point_text(outcome_.signals, *outcome_.operating_point, digits_for(stream)), messages_, stream);
 }
 
 int Session::transient() {
@@ -254,10 +273,12 @@ int Session::transient() {
   report_.seconds.write = run.seconds_write;
   report_.seconds.total = since(start_);
   note_rows(run.ending == Ending::write_failed, run.ending == Ending::completed, run.answer.time);
-  const int status = conclude(run);
   outcome_.measurements = std::move(run.measurements);
-  const int measured = report_measurements(outcome_.measurements);
-  return std::max({status, measured, kept_rows_ && run.ending == Ending::completed ? check() : 0});
+  const bool is_complete = run.ending == Ending::completed;
+  const int measured = is_complete ? 0 : report_measurements(outcome_.measurements, false);
+  const int status = conclude(run);  // an error comes last
+  const int measured_whole = is_complete ? report_measurements(outcome_.measurements, true) : 0;
+  return std::max({status, measured, measured_whole, kept_rows_ && run.ending == Ending::completed ? check() : 0});
 }
 
 /// The rows of a complete run beside the other engine.
@@ -276,11 +297,25 @@ int Session::check() {
   return printed;
 }
 
-/// Measurements that failed do not make the run one that failed.
-int Session::report_measurements(const measure::Results& results) {
-  if (results.empty()) return 0;
+/// Of a run that ended early the first stands for all.
+void Session::report_failures(const measure::Results& results, bool is_complete) {
+  std::vector<const measure::Result*> failed;
   for (const measure::Result& result : results.list)
-    if (!result.failure.empty()) messages_.report(measure::failure_warning(result), sources_);
+    if (!result.failure.empty()) failed.push_back(&result);
+  if (failed.empty()) return;
+  const std::size_t others = is_complete ? 0 : failed.size() - 1;
+  failed.resize(failed.size() - others);
+  for (const measure::Result* result : failed) {
+    Diagnostic warning = measure::failure_warning(*result);
+    if (others > 0) warning.text += fmt::format(" (and so did {})", analysis::counted(others, "other measurement"));
+    messages_.report(warning, sources_);
+  }
+}
+
+/// Measurements that failed do not make the run one that failed.
+int Session::report_measurements(const measure::Results& results, bool is_complete) {
+  if (results.empty()) return 0;
+  report_failures(results, is_complete);
   for (const measure::Result& result : results.list)
     if (!result.left_out.empty()) messages_.report(measure::left_out_warning(result), sources_);
   for (const measure::FourierResult& result : results.fourier)
@@ -288,8 +323,10 @@ int Session::report_measurements(const measure::Results& results) {
       messages_.report(
           {Severity::warning, "W-measurement-failed", {}, fmt::format("Fourier analysis of {} failed: {}", result.column, result.failure)},
           sources_);
+  for (const Diagnostic& warning : analysis::efficiency_warnings(*compiled_, results)) messages_.report(warning, sources_);
   if (options_.json) return 0;
-  return print(measure::results_text(results), messages_, options_.output == "-" ? Stream::error : Stream::output);
+  const Stream stream = options_.output == "-" ? Stream::error : Stream::output;
+  return print(measure::results_text(results, digits_for(stream)), messages_, stream);
 }
 
 void Session::note_rows(bool write_failed, bool complete, double end) {

@@ -257,17 +257,19 @@ class Sweep {
 
   /// Tables of a line a run, as CSV; then those of .four. An empty line between them.
   int print_tables() {
+    const Stream stream = task_.options.output == "-" ? Stream::error : Stream::output;
+    const int digits = digits_for(stream);
     std::vector<std::string> tables;
     const std::vector<std::string> signals(columns_.begin() + 1, columns_.end());
-    if (task_.first.analyses.operating_point) tables.push_back(analysis::operating_point_table(runs_, signals));
+    if (task_.first.analyses.operating_point) tables.push_back(analysis::operating_point_table(runs_, signals, digits));
     const auto& list = task_.first.measurements.list;
     if (std::any_of(list.begin(), list.end(), [](const auto& m) { return m.shown; }))
-      tables.push_back(analysis::measurement_table(runs_, task_.first.measurements));
+      tables.push_back(analysis::measurement_table(runs_, task_.first.measurements, digits));
     std::string text = fmt::format("{}", fmt::join(tables, "\n"));
     for (std::size_t run = 0; run < records_.size(); ++run)
       for (const measure::FourierResult& result : records_[run].measurements.fourier)
         text += fmt::format("{}\n{}", name(run), measure::fourier_text(result));
-    return text.empty() ? 0 : print(text, messages_, task_.options.output == "-" ? Stream::error : Stream::output);
+    return text.empty() ? 0 : print(text, messages_, stream);
   }
 
   /// Of each measurement the first run in which that text of it is not empty, with how many others have one.

@@ -109,6 +109,7 @@ struct Certificate {
 struct Remark {
   std::string id;
   std::string text;
+  std::vector<std::string> signals{};  ///< that it concerns alone; none: the run
 };
 
 struct Statistics {

@@ -168,10 +168,11 @@ Diagnostic left_out_warning(const Result& result, const std::string& where) {
                       result.name, where, result.left_out)};
 }
 
-std::string results_text(const Results& results) {
+std::string results_text(const Results& results, int digits) {
+  const auto value_text = [&](double value) { return digits == 0 ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits); };
   std::string text;
   for (const Result& result : results.list)
-    text += result.failure.empty() ? fmt::format("{} = {}\n", result.name, result.value) : fmt::format("{} = failed\n", result.name);
+    text += fmt::format("{} = {}\n", result.name, result.failure.empty() ? value_text(result.value) : "failed");
   for (const FourierResult& result : results.fourier) text += fourier_text(result);
   return text;
 }

@@ -76,7 +76,7 @@ class Measuring : public engine::PieceSink {
 [[nodiscard]] Diagnostic failure_warning(const Result& result, const std::string& where = "");
 [[nodiscard]] Diagnostic left_out_warning(const Result& result, const std::string& where = "");
 
-/// `name = value`, one a line, `name = failed` where there is none; then the tables of .four.
-[[nodiscard]] std::string results_text(const Results& results);
+/// `name = value`, one a line, to so many significant digits (0: all), `name = failed` where there is none; then the tables of .four.
+[[nodiscard]] std::string results_text(const Results& results, int digits = 0);
 
 }  // namespace pwlsim::measure

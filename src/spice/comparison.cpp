@@ -22,6 +22,7 @@ ComparedSignal compare_signal(const SignalStudy& study, const std::vector<double
   const double unit = signal.scale == 0.0 ? 1.0 : signal.scale;
   for (std::size_t k = 0; k < times.size(); ++k) {
     const double difference = std::abs(study.values[k] - exact[k]) / unit;
+    signal.mean += difference / static_cast<double>(times.size());
     if (difference <= signal.difference) continue;
     signal.difference = difference;
     signal.time = times[k];

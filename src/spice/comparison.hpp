@@ -24,7 +24,8 @@ struct ComparedSignal {
   std::string name;
   double scale = 0.0;           ///< its largest magnitude in the exact run; of ngspice's where that is zero
   double difference = 0.0;      ///< largest at the sample times; this and what follows relative to `scale`
-  double time = 0.0;            ///< s, of that
+  double mean = 0.0;            ///< of the magnitudes at the sample times
+  double time = 0.0;            ///< s, of the largest
   double discretisation = 0.0;  ///< ngspice's own, as estimated (spice/study.hpp)
   double smoothing = 0.0;
   bool settled = false;

@@ -1,6 +1,7 @@
 #include "spice/deck.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -48,6 +49,7 @@ class DeckWriter {
     for (std::size_t k = 0; k < circuit_.instances.size(); ++k) {
       twin_.select(k);
       circuit_.instances[k].kind->smooth_twin(twin_);
+      if (settings_.snubber.impedance > 0.0) add_snubber(circuit_.instances[k]);
     }
     add_samples();
     SmoothDeck deck{fmt::format("* {}\n", one_line(circuit_.title)), vectors(), {}};
@@ -89,6 +91,15 @@ class DeckWriter {
                            fmt::format("ngspice forces no current in an operating point: `.ic I({})` counts there with uic only; try uic",
                                        condition.name));
     }
+  }
+
+  void add_snubber(const elements::Instance& instance) {
+    if (instance.kind->twin_event == nullptr || instance.nodes.size() < 2) return;
+    const model::NodeIndex other = instance.nodes.back();  // of a transistor the source
+    const std::string middle = twin_.inner("snubber");
+    const auto& [impedance, time] = settings_.snubber;
+    twin_.resistor("snubber", {names_.node(instance.nodes[0]), middle}, impedance / std::sqrt(settings_.sharpness));
+    twin_.capacitor("snubber", {middle, names_.node(other)}, settings_.sharpness * time / impedance);
   }
 
   void add_samples() {

@@ -14,11 +14,20 @@ namespace pwlsim::spice {
 inline constexpr double default_sharpness = 1e-3;
 inline constexpr double least_sharpness = 1e-9, largest_sharpness = 1.0;
 
+/// A small R–C across each diode and switch. Without it nothing limits the voltage of an inductor whose current a contact of 1e8 ohm interrupts, and
+/// ngspice ends with "Timestep too small". With a circuit of impedance Z whose events are T apart, C = X·T/Z and R = Z/√X: its effect vanishes with X as
+/// that of the smoothing does, and it damps what rings between C and an inductance of about Z·T at every X.
+struct Snubber {
+  double impedance = 0.0;  ///< Z, ohm; 0: no snubber
+  double time = 0.0;       ///< T, s
+};
+
 struct DeckSettings {
   double sharpness = default_sharpness;  ///< elements/twin.hpp
   double reltol = 1e-4;
-  double largest_step = 0.0;         ///< s; 0: Tstep, or a thousandth of the run where that is smaller
-  bool gear = false;                 ///< instead of the trapezoidal rule
+  double largest_step = 0.0;  ///< s; 0: Tstep, or a thousandth of the run where that is smaller
+  bool gear = false;          ///< instead of the trapezoidal rule
+  Snubber snubber;
   bool switching = false;            ///< save also what diodes and switches follow
   std::vector<double> sample_times;  ///< s, ascending, above 0: ngspice is made to step on them
 };

@@ -18,8 +18,9 @@ constexpr std::size_t least_levels = 3;
 constexpr int most_failures = 2;  // one after the other
 constexpr double first_reltol = 1e-3, first_steps = 1000.0;
 constexpr double step_ratio = 2.0, tolerance_ratio = 4.0, sharpness_ratio = 4.0;
-constexpr double growth_of_time = 2.5;  // from one level to the next
-constexpr double end_slack = 1e-9;      // of the run's length
+constexpr double share_of_attempt = 0.35;  // of the time that is left to a level: the rest is for those after it
+constexpr double growth_of_time = 2.5;     // from one level to the next
+constexpr double end_slack = 1e-9;         // of the run's length
 
 double largest(const std::vector<double>& values) {
   double result = 0.0;
@@ -104,13 +105,36 @@ class Refinement {
     }
   }
 
-  /// By the trapezoidal rule, and where that fails by Gear's.
+  /// All attempts share the time.
   bool attempt(bool smoothing, int k, double seconds) {
-    DeckSettings deck = level_settings(smoothing, k);
-    if (run_level(smoothing, deck, seconds)) return true;
-    if (deck.gear || diagnostics_.has_errors() || interrupted()) return false;
-    deck.gear = true;
-    return run_level(smoothing, deck, seconds);
+    const auto begin = Clock::now();
+    const std::vector<DeckSettings> list = attempts_from(smoothing, level_settings(smoothing, k));
+    for (const DeckSettings& deck : list) {
+      const double left = seconds - std::chrono::duration<double>(Clock::now() - begin).count();
+      if (left <= 0.0) return false;
+      const bool is_proven = !ladder_.empty() && &deck == &list.front();  // it ran on the level before
+      if (run_level(smoothing, deck, is_proven ? left : share_of_attempt * left)) return true;
+      if (diagnostics_.has_errors() || interrupted()) return false;
+    }
+    return false;
+  }
+
+  /// What a level is tried with until one reaches its end: what the level before ran with, then Gear's method; where there is
+  /// no answer yet also with a small R–C across the contacts.
+  std::vector<DeckSettings> attempts_from(bool smoothing, const DeckSettings& first) const {
+    std::vector<DeckSettings> list{first};
+    const auto add = [&](bool gear, const Snubber& snubber) {
+      list.push_back(first);
+      list.back().gear = gear;
+      list.back().snubber = snubber;
+    };
+    if (first.snubber.impedance > 0.0) return list;  // by another method what rings would have another answer
+    if (!first.gear) add(true, first.snubber);
+    const bool has_answer = smoothing || ladder_.size() > 1;
+    if (has_answer || settings_.snubber.impedance <= 0.0) return list;
+    add(false, settings_.snubber);
+    add(true, settings_.snubber);
+    return list;
   }
 
   bool run_level(bool smoothing, const DeckSettings& settings, double seconds) {
@@ -120,6 +144,7 @@ class Refinement {
     level.smoothing = smoothing;
     level.deck = settings;
     const auto begin = Clock::now();
+    if (settings_.watcher) settings_.watcher(elapsed());
     NgspiceRun run = run_ngspice(program_, deck->text, {seconds, settings_.interrupt});
     const double took = std::chrono::duration<double>(Clock::now() - begin).count();
     level.seconds = run.seconds;
@@ -127,12 +152,14 @@ class Refinement {
     Samples samples;
     level.failure = failure_of(run, *deck, samples);
     const bool good = level.failure.empty();
-    if (good && !ladder_.empty()) level.change = worst_change(ladder_.back(), samples);
+    if (good && !ladder_.empty() && settings.snubber.impedance == base_.snubber.impedance)
+      level.change = worst_change(ladder_.back(), samples);
     study_.levels.push_back(std::move(level));
     if (!good) return false;
     study_.finest_level = study_.levels.size() - 1;
     last_seconds_ = took;
     if (!smoothing) steps_seconds_ = took;
+    if (settings.snubber.impedance != base_.snubber.impedance) ladder_.clear();  // it is another circuit
     base_ = settings;
     ladder_.push_back(std::move(samples));
     study_.finest = std::move(*deck);

@@ -7,6 +7,7 @@
 /// estimate is below the target.
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct StudySettings {
   double target = 1e-4;                  ///< change between levels, relative to a signal's maximum, that counts as standing still
   double seconds = 30.0;                 ///< of wall time, in all
   std::vector<double> sample_times;      ///< s, ascending, within (0, Tstop]
+  Snubber snubber;                       ///< what a deck is given that ngspice does not run without; impedance 0: nothing
+  std::function<void(double)> watcher;   ///< called while ngspice runs, with the seconds since the start; may be empty
   const std::atomic<int>* interrupt = nullptr;
 };
 

@@ -1,5 +1,7 @@
 #include "waveform/csv.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <charconv>
@@ -48,6 +50,8 @@ std::string shortest(double value) {
   char text[longest_double];
   return {text, std::to_chars(text, text + longest_double, value).ptr};
 }
+
+std::string rounded(double value, int digits) { return digits == 0 ? shortest(value) : fmt::format("{:.{}g}", value, digits); }
 
 CsvWriter::CsvWriter(OutputFile& file, std::span<const std::string> names)
     : file_(file), columns_(names.size()), row_room_(columns_ * (longest_double + 1)) {

@@ -23,6 +23,8 @@ void append_csv_row(std::string& text, std::string_view prefix, std::span<const 
 
 /// The shortest text that reads back to `value`.
 [[nodiscard]] std::string shortest(double value);
+/// To so many significant digits; 0: as shortest().
+[[nodiscard]] std::string rounded(double value, int digits);
 
 /// Collects rows in a buffer and hands it to `file` when full. `file` must outlive the writer; it is neither opened nor committed here.
 class CsvWriter : public RowWriter {

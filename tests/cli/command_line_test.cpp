@@ -86,7 +86,6 @@ TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
   CHECK(accepted({"-o", "export", "c.net"}).output == "export");
 }
 
-
 TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   const auto exported = [](const Words& arguments) {
     const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
@@ -100,7 +99,8 @@ TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   CHECK(exported({"--quiet", "export", "c.net", "-o", "c.cir"}).quiet);
   CHECK(refused({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") == 0);
   CHECK(refused({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"}).find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
+  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"})
+            .find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
 }
 
 TEST_CASE("the help of export and compare, to the letter", "[unit]") {
@@ -118,23 +118,26 @@ TEST_CASE("the help of export and compare, to the letter", "[unit]") {
         "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
         "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n");
   CHECK(information({"compare", "-h"}) ==
-        "Usage: pwlsim compare circuit.net [--smooth X] [--json] [--plot out.svg]\n"
+        "Usage: pwlsim compare circuit.net [--budget S] [--verbose] [--smooth X] [--json] [--plot out.svg]\n"
         "\n"
         "  circuit.net         The deck: a SPICE-like netlist\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
+        "  --budget S          How long ngspice may run, in seconds (default: 10); a longer deck is compared up to where that reaches\n"
         "  --smooth X          Where the smoothing starts, 1e-9 to 1 (default: 1e-3)\n"
         "  --json              As JSON, with all digits\n"
         "  --plot FILE.svg     Draw the waveforms of both over each other\n"
+        "  --verbose           Say what each signal and each setting of ngspice gave\n"
+        "  --no-progress       No progress bar on a terminal\n"
         "  --quiet             No notes and warnings; errors stay\n"
         "\n"
         "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-        "that stands still; then says per signal how far apart the two are, how much of it ngspice's\n"
-        "own errors explain, how far its switching times are off, and what both took.\n");
+        "that stands still; then says how far apart the two are and what both took. --verbose: per\n"
+        "signal, how much of it ngspice's own errors explain, and how far its switching times are off.\n");
 }
 
-TEST_CASE("compare takes a deck, a picture, a sharpness and --json", "[unit]") {
+TEST_CASE("compare takes a deck, a picture, a sharpness, a budget, --json and --verbose", "[unit]") {
   const auto compared = [](const Words& arguments) {
     const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
     REQUIRE(std::holds_alternative<cli::CompareOptions>(command));
@@ -145,6 +148,10 @@ TEST_CASE("compare takes a deck, a picture, a sharpness and --json", "[unit]") {
   CHECK(compared({"compare", "c.net", "--plot", "p.svg"}).plot == "p.svg");
   CHECK(compared({"compare", "c.net", "--json", "--smooth", "1e-2"}).json);
   CHECK(compared({"compare", "c.net", "--smooth", "1e-2"}).sharpness == 1e-2);
+  CHECK(compared({"compare", "c.net"}).budget == 10.0);
+  CHECK(compared({"compare", "c.net", "--budget", "2.5", "--verbose"}).budget == 2.5);
+  CHECK(compared({"compare", "c.net", "--verbose"}).verbose);
+  CHECK(refused({"compare", "c.net", "--budget", "0"}).find("error[E-option-value]: `--budget 0` is no time") == 0);
   CHECK(refused({"compare"}).find("error[E-no-deck]") == 0);
   CHECK(refused({"compare", "c.net", "--plot", "-"}).find("error[E-option-value]: `--plot -`") == 0);
 }

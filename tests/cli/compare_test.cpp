@@ -1,6 +1,8 @@
 // pwlsim export and pwlsim compare as a user meets them.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstdlib>
 
 #include "cli/run_in.hpp"
@@ -136,7 +138,7 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
                                     "flyback_ideal", "freewheel", "rlcd", "paper/saturation", "paper/optimal_control");
   INFO(name);
   const Scratch scratch;
-  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist(name), "--json", "--quiet"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist(name), "--json", "--quiet", "--budget", "60"});
   REQUIRE(finished.status == 0);
   const Json report = JsonReader(finished.out).read();
   REQUIRE(report["signals"].array.size() != 0);
@@ -153,16 +155,17 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
 TEST_CASE("an inelastic stop, which a smoothed diode turns into a spring, is not explained", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("carts")});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("carts"), "--verbose"});
   CHECK(finished.status == 0);
-  CHECK_THAT(finished.out, Contains("NOT explained"));
+  CHECK_THAT(finished.out,
+             Contains("carts.net: differs by ") && Contains("another limit than the ideal one; ngspice ") && Contains("NOT explained"));
 }
 
 TEST_CASE("compare reports in words, with the levels and the switching times, and draws both waveforms", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
   scratch.write("c.net", rectifier);
-  const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg", "--verbose"});
   REQUIRE(finished.status == 0);
   CHECK_THAT(finished.out,
              Contains("signal") && Contains("discretisation") && Contains("smoothing") && Contains("v(b)") && Contains("i(D1)"));
@@ -170,4 +173,40 @@ TEST_CASE("compare reports in words, with the levels and the switching times, an
   CHECK(scratch.names() == Names{"c.net", "c.svg"});
   const std::string picture = read_file(scratch / "c.svg");
   CHECK_THAT(picture, Contains(">pwlsim<") && Contains(">ngspice<") && Contains(">v(b)<") && Contains("time (ms)"));
+}
+
+TEST_CASE("compare says in one line that both agree, and what they took", "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  scratch.write("c.net", rectifier);
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net"});
+  REQUIRE(finished.status == 0);
+  CHECK(std::count(finished.out.begin(), finished.out.end(), '\n') == 1);
+  CHECK_THAT(finished.out, Catch::Matchers::Matches("c\\.net: agrees to [-0-9.e]+ %: ngspice .* m?s, pwlsim .*s\n"));
+}
+
+TEST_CASE(
+    "compare of a converter that ngspice does not run as it stands: small R-C across its contacts, within the budget, without rows of "
+    "noise",
+    "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  // A SEPIC whose diode and transistor are 1e8 ohm when they are off: without capacitance ngspice makes no progress in either method.
+  scratch.write(
+      "sepic.net",
+      "SEPIC\nVin in 0 12\nL1 in a 22u\nM1 a g 0 0 NM\nVg g 0 PULSE(0 10 0 20n 20n 4u 10u)\nC1 a b 4.7u\nL2 b 0 22u\nD1 b out DS\n"
+      "C2 out 0 100u\nR1 out 0 8\n.model NM VDMOS(Ron=10m Vto=3)\n.model DS D(Ron=10m Roff=1e8 Vfwd=0.4)\n.tran 1u 5m\n"
+      ".save v(out) i(L1) i(Vg)\n");
+  constexpr double budget = 6.0, start_of_programs = 3.0;
+  const auto begin = std::chrono::steady_clock::now();
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "sepic.net", "--json", "--quiet", "--budget", "6"});
+  CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < budget + start_of_programs);
+  REQUIRE(finished.status == 0);
+  const Json report = JsonReader(finished.out).read();
+  CHECK_THAT(report["verdict"].string, Contains("agrees to ") && Contains("(the first ") && Contains(" of 5 ms)"));
+  CHECK(report["until"].number < 5e-3);
+  REQUIRE(report["signals"].array.size() == 2);  // a gate without current has no line
+  for (const Json& signal : report["signals"].array) CHECK(signal["difference"].number < 1e-2);
+  const auto& levels = report["levels"].array;
+  CHECK(std::any_of(levels.begin(), levels.end(), [](const Json& level) { return level["method"].string == "trap+rc"; }));
 }

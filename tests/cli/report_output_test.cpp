@@ -5,11 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
-#include <cstdlib>
-#include <regex>
 
+#include "cli/page.hpp"
 #include "cli/run_in.hpp"
-#include "support/json.hpp"
 #include "waveform/svg_plot.hpp"
 
 using namespace pwlsim::test;
@@ -30,59 +28,6 @@ const std::string triangle =
     "D2 b d DI\n"
     "V3 d 0 1\n";
 const std::string many_rows = "many rows\nV1 a 0 SIN(0 1 50)\nD1 a b DI\nR1 b 0 1k\n.model DI D\n.tran 1n 0.9\n.end\n";
-
-std::string between(const std::string& text, const std::string& from, const std::string& to) {
-  const std::size_t begin = text.find(from);
-  REQUIRE(begin != std::string::npos);
-  const std::size_t start = begin + from.size();
-  return text.substr(start, text.find(to, start) - start);
-}
-
-Json data_of(const std::string& page) { return read_json(between(page, "<script type=\"application/json\" id=\"run\">", "</script>")); }
-
-/// A signal of the page from its Legendre series on the piece that holds the time.
-double value_of(const Json& data, std::size_t signal, double time) {
-  const Json& shown = data["signals"][signal];
-  const auto& edges = data["records"][static_cast<std::size_t>(shown["record"].number)]["edges"].array;
-  std::size_t piece = 0, start = 0;
-  const auto length = [&](std::size_t k) { return std::stoul(shown["lengths"].string.substr(k, 1), nullptr, 16) + 1; };
-  for (; piece + 2 < edges.size() && edges[piece + 1].number < time; ++piece) start += length(piece);
-  const double from = edges[piece].number, to = edges[piece + 1].number;
-  double value = 0.0;
-  for (std::size_t k = 0; k < length(piece); ++k)
-    value += shown["coefficients"][start + k].number * std::legendre(static_cast<unsigned>(k), (2.0 * time - from - to) / (to - from));
-  return value;
-}
-
-double end_of(const Json& data, std::size_t signal) {
-  return data["records"][static_cast<std::size_t>(data["signals"][signal]["record"].number)]["edges"].array.back().number;
-}
-
-/// The numbers of a signal's line of measurements, all digits: at A, at B, B − A, minimum, maximum, peak to peak, mean, RMS (those that there are).
-std::vector<double> measured(const std::string& page, const std::string& signal) {
-  const std::string line = between(page, "<tr><td>" + signal + "</td>", "</tr>");
-  std::vector<double> values;
-  static const std::regex title("title=\"([^\"]*)\"");
-  for (auto found = std::sregex_iterator(line.begin(), line.end(), title); found != std::sregex_iterator(); ++found)
-    values.push_back(std::stod((*found)[1]));
-  return values;
-}
-
-/// Without what shows only where the pointer rests.
-std::string without_titles(const std::string& page) { return std::regex_replace(page, std::regex(" title=\"[^\"]*\""), ""); }
-
-/// The page as it stands when its scripts have run; empty where there is no Chromium.
-std::string shown(const Scratch& scratch, const std::string& page, const std::string& view = "") {
-  if (std::system("command -v chromium > /dev/null 2>&1") != 0) {
-    WARN("chromium is not installed: this test is skipped");
-    return "";
-  }
-  const std::string command =
-      "cd '" + scratch.path().string() + "' && HOME=\"$PWD\" timeout 60 chromium --headless --no-sandbox --disable-gpu " +
-      "--window-size=1200,1000 --virtual-time-budget=10000 --dump-dom 'file://" + (scratch / page) + view + "' > dom.html 2> chromium.log";
-  REQUIRE(std::system(command.c_str()) == 0);
-  return read_file(scratch / "dom.html");
-}
 
 }  // namespace
 

@@ -1,4 +1,3 @@
-"use strict";
 // The solution that a page holds: values, statistics and what a plot draws of them.
 // Each signal is a Legendre series on every piece of its run; before the first piece there may be bins of time, of which only the least and the largest
 // value, the mean and the mean square are known.
@@ -42,10 +41,10 @@ function solutionOf(data) {
     return left && k > 0 && signal.edges[k] === time ? k - 1 : k;
   };
 
-  // After a jump; null where it is not known.
-  function valueAt(signal, time) {
+  // After a jump, or before it; null where it is not known.
+  function valueAt(signal, time, isBefore = false) {
     if (!(time >= signal.edges[0] && time <= signal.end)) return null;
-    const piece = pieceAt(signal, time);
+    const piece = pieceAt(signal, time, isBefore);
     return valueIn(signal, piece, placeInPiece(signal, piece, time));
   }
 
@@ -175,13 +174,17 @@ function solutionOf(data) {
     return values;
   }
 
+  // The series that has these values at the sixteen points.
+  const projected = values =>
+    Float64Array.from(values, (unused, k) => values.reduce((sum, value, i) => sum + (2 * k + 1) / 2 * gauss.weights[i] * value * legendre[k][i], 0));
+
   // A signal that a function makes of others, on the pieces where these are known: each is halved until sixteen coefficients resolve it.
   function derived(name, unit, sources, at) {
     const edges = [sources[0].edges[0]], lengths = [], coefficients = [], resolution = 1e-12, deepest = 10;
     let largest = 0;
     const add = (piece, lower, upper, depth) => {
       const values = gauss.points.map(point => at(sources.map(source => valueIn(source, piece, lower + (upper - lower) * (point + 1) / 2))));
-      const c = Float64Array.from(values, (unused, k) => values.reduce((sum, value, i) => sum + (2 * k + 1) / 2 * gauss.weights[i] * value * legendre[k][i], 0));
+      const c = projected(values);
       largest = Math.max(largest, ...values.map(Math.abs));
       if (Math.abs(c[13]) + Math.abs(c[14]) + Math.abs(c[15]) > resolution * largest && depth < deepest) {
         add(piece, lower, (lower + upper) / 2, depth + 1);
@@ -200,5 +203,21 @@ function solutionOf(data) {
       coefficients: Float64Array.from(coefficients), extremes: new Map(), begin: edges[0], end: edges[edges.length - 1]};
   }
 
-  return {placeIn, valueAt, measure, columnsOf, derived};
+  // The pieces of a signal within [from, to] with their series; those that the window cuts are expanded anew.
+  function piecesWithin(signal, from, to) {
+    const pieces = [];
+    for (let k = pieceAt(signal, from); k <= lastPiece(signal) && signal.edges[k] < to; ++k) {
+      const lower = placeInPiece(signal, k, from), upper = placeInPiece(signal, k, to);
+      if (upper <= lower) continue;
+      let c = signal.coefficients.subarray(signal.starts[k], signal.starts[k + 1]);
+      if (lower !== -1 || upper !== 1) {
+        const values = gauss.points.map(point => valueIn(signal, k, lower + (upper - lower) * (point + 1) / 2));
+        c = projected(values).subarray(0, c.length);
+      }
+      pieces.push({from: Math.max(from, signal.edges[k]), to: Math.min(to, signal.edges[k + 1]), c});
+    }
+    return pieces;
+  }
+
+  return {placeIn, valueAt, measure, columnsOf, derived, piecesWithin};
 }

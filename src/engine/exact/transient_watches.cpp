@@ -160,12 +160,46 @@ void Transient::note_several(const IslandRun& island, const model::Selected& sel
                               selected.details->continuations.size());
 }
 
+namespace {
+
+/// Controlled sources, which a sign may make deliver energy: up to three names, "F1, E2 and others".
+std::string controlled_sources(const model::Network& network) {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> names;
+  const auto add = [&](const auto& parts, const auto& form) {
+    for (const auto& part : parts) {
+      const std::string& name = part.label.name;
+      const std::size_t dot = name.rfind('.');
+      const char letter = name.empty() ? ' ' : name[dot == std::string::npos ? 0 : dot + 1];
+      const auto& terms = part.*form;
+      const bool is_controlled =
+          std::any_of(terms.begin(), terms.end(), [](const model::Term& term) { return !model::is_independent(term); });
+      if (is_controlled && std::string_view("EFGHefgh").find(letter) != std::string_view::npos) names.push_back(name);
+    }
+  };
+  add(network.branches, &model::Branch::voltage);
+  add(network.injections, &model::Injection::current);
+  if (names.size() <= most) return fmt::format("{}", fmt::join(names, ", "));
+  names.resize(most);
+  return fmt::format("{} and others", fmt::join(names, ", "));
+}
+
+/// What may be wrong comes before the option that only chooses.
+std::string advice_of(const IslandRun& island) {
+  const std::string active = island.system().passive ? "" : controlled_sources(island.model().island.network);
+  const std::string choice = ".options nonunique=first";
+  if (active.empty()) return "try " + choice;
+  return fmt::format("the linear part is not passive with {}; try the other sign or a smaller gain there, or {}", active, choice);
+}
+
+}  // namespace
+
 void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
   if (selected.choice == model::Choice::several) {
     const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
-         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; try .options nonunique=first", time,
-                     fmt::join(names, ", "), selected.details->continuations.size()),
+         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; {}", time, fmt::join(names, ", "),
+                     selected.details->continuations.size(), advice_of(island)),
          names);
     return;
   }
@@ -211,11 +245,12 @@ void Transient::note_open_signals() {
     for (const std::size_t output : island.selector().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
   if (!names.empty())
-    answer_.remarks.push_back(
-        {"N-indeterminate",
-         fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
-                     "the values of least norm",
-                     fmt::join(names, ", "))});
+    answer_.remarks.push_back(Remark{
+        "N-indeterminate",
+        fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
+                    "the values of least norm",
+                    fmt::join(names, ", ")),
+        {names.begin(), names.end()}});
 }
 
 /// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.

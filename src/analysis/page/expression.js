@@ -1,6 +1,3 @@
-"use strict";
-// Which traces are drawn, in which panels, and expressions of traces.
-
 // A signal made of others, "v(a)*i(R1)": + - * / ** ( ), numbers, abs, sqrt, min, max. Throws where the text is none.
 function expressionOf(text, signals) {
   const names = signals.map(signal => signal.name).sort((a, b) => b.length - a.length);
@@ -78,21 +75,4 @@ function expressionOf(text, signals) {
   if (rest) throw new Error("cannot read '" + rest + "'");
   if (!used.size) throw new Error("it holds no signal");
   return {at, unit: unit === "1" ? "" : unit, signals: [...used.keys()]};
-}
-
-// Panels of traces by unit and size: outputs and currents of inductors first, gates last.
-function panelsByKind(signals, numbers, sizeOf) {
-  const mostCurves = 6, ratio = 20;
-  const rank = signal => signal.isGate ? 3 : /out/i.test(signal.name) || signal.isDerived ? 0 : /^i\((.*[.:])?l/i.test(signal.name) ? 1 : 2;
-  const sorted = [...numbers].sort((a, b) => rank(signals[a]) - rank(signals[b]) || a - b);
-  const panels = [];
-  for (const number of sorted) {
-    const signal = signals[number], size = sizeOf(signal);
-    const fits = panel => panel.unit === signal.unit && panel.isGate === !!signal.isGate && panel.members.length < mostCurves &&
-      (size === 0 || panel.size === 0 || (size <= ratio * panel.size && panel.size <= ratio * size));
-    const panel = panels.find(fits) ?? panels[panels.push({unit: signal.unit, isGate: !!signal.isGate, size, members: []}) - 1];
-    panel.members.push(number);
-    panel.size = Math.max(panel.size, size);
-  }
-  return panels.map(panel => panel.members);
 }
