@@ -54,9 +54,12 @@ std::vector<Departure> departures(const Diagnostics& diagnostics, const SourceSt
     const std::string_view kind = departure_kind(diagnostic.id);
     if (kind.empty()) continue;
     const SourceSpan& span = diagnostic.span;
-    const std::string place =
-        span.known() ? fmt::format("{}:{}", sources.name(span.file), sources.position(span.file, span.begin).line) : "";
-    list.push_back({kind, subject_of(span, sources), place, diagnostic.text});
+    std::string place;
+    if (span.known()) {
+      const SourcePlace at = sources.place(span.file, span.begin);
+      place = fmt::format("{}:{}", at.name, at.position.line);
+    }
+    list.push_back({kind, subject_of(span, sources), std::move(place), diagnostic.text});
   }
   return list;
 }
