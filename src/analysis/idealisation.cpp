@@ -17,12 +17,24 @@ struct Told {
   std::string_view kind;
 };
 constexpr Told told[] = {
-    {"N-diode-tangent", replaced},    {"N-idealised", replaced},     {"N-zero-capacitance", replaced},
-    {"N-zero-inductance", replaced},  {"W-ignored-card", ignored},   {"W-ignored-option", ignored},
-    {"W-ignored-parameter", ignored}, {"W-lib-skipped", ignored},    {"N-control-skipped", ignored},
-    {"W-ic-unused", ignored},         {"W-startup", read_otherwise}, {"N-negative-hysteresis", read_otherwise},
-    {"W-second-model", ignored},      {"W-femto", read_otherwise},   {"N-dc-value", read_otherwise},
-    {"W-unknown-option", ignored},    {"W-ignored-output", ignored},
+    {"N-diode-tangent", replaced},
+    {"N-idealised", replaced},
+    {"N-model-at-hand", replaced},
+    {"N-zero-capacitance", replaced},
+    {"N-zero-inductance", replaced},
+    {"W-ignored-card", ignored},
+    {"W-ignored-option", ignored},
+    {"W-ignored-parameter", ignored},
+    {"W-lib-skipped", ignored},
+    {"N-control-skipped", ignored},
+    {"W-ic-unused", ignored},
+    {"W-startup", read_otherwise},
+    {"N-negative-hysteresis", read_otherwise},
+    {"W-second-model", ignored},
+    {"W-femto", read_otherwise},
+    {"N-dc-value", read_otherwise},
+    {"W-unknown-option", ignored},
+    {"W-ignored-output", ignored},
 };
 
 /// On one line.

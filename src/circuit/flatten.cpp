@@ -3,6 +3,7 @@
 #include "circuit/census.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/definitions.hpp"
+#include "circuit/devices.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
@@ -18,6 +19,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   Definitions definitions = read_definitions(deck, reporter);
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
+  const DeviceModels devices = add_device_models(definitions, sources, reporter);
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);
   Sweeps& sweeps = circuit.analyses.sweeps;
@@ -33,7 +35,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;
-  Models models(circuit, options.settings, reporter);
+  Models models(circuit, options.settings, reporter, &devices.sources);
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);

@@ -13,11 +13,29 @@
 namespace pwlsim::circuit {
 namespace {
 
-/// "" where there is none.
-std::string text_of(std::string_view name) {
+const ShippedSubcircuit* find_shipped(std::string_view name) {
   const auto all = shipped_subcircuits();
   const auto found = std::find_if(all.begin(), all.end(), [&](const ShippedSubcircuit& s) { return same_name(s.name, name); });
-  return found == all.end() ? logic_subcircuit(name) : std::string(found->text);
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// The levels of LTspice's universal amplifier: `level.2`, `level2`, `level3a`, …; "" for other names.
+std::string_view amplifier_level(std::string_view name) {
+  constexpr std::string_view word = "level";
+  if (!same_name(name.substr(0, word.size()), word)) return "";
+  std::string_view level = name.substr(word.size());
+  if (level.starts_with('.')) level.remove_prefix(1);
+  if (level == "1") return "universalopamp1";
+  return level == "2" || same_name(level, "3a") || same_name(level, "3b") ? "universalopamp2" : "";
+}
+
+/// "" where there is none.
+std::string text_of(std::string_view name) {
+  const std::string_view level = amplifier_level(name);
+  const ShippedSubcircuit* found = find_shipped(level.empty() ? name : level);
+  if (found == nullptr) return logic_subcircuit(name);
+  std::string text(found->text);
+  return level.empty() ? text : text.replace(text.find(level), level.size(), name);
 }
 
 struct Called {

@@ -86,7 +86,6 @@ TEST_CASE("a file named like a subcommand or an option is reached", "[unit]") {
   CHECK(accepted({"-o", "export", "c.net"}).output == "export");
 }
 
-
 TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   const auto exported = [](const Words& arguments) {
     const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
@@ -100,14 +99,15 @@ TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   CHECK(exported({"--quiet", "export", "c.net", "-o", "c.cir"}).quiet);
   CHECK(refused({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") == 0);
   CHECK(refused({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"}).find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
+  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"})
+            .find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
 }
 
 TEST_CASE("the help of export and compare, to the letter", "[unit]") {
   CHECK(information({"export", "--help"}) ==
         "Usage: pwlsim export circuit.net -o out.cir [--smooth X]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
@@ -116,11 +116,12 @@ TEST_CASE("the help of export and compare, to the letter", "[unit]") {
         "  --quiet             No notes and warnings; errors stay\n"
         "\n"
         "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
-        "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n");
+        "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n"
+        "Of a schematic, schematic.asc -o out.net writes its netlist instead.\n");
   CHECK(information({"compare", "-h"}) ==
         "Usage: pwlsim compare circuit.net [--smooth X] [--json] [--plot out.svg]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
