@@ -1,6 +1,7 @@
 #include "circuit/devices.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <map>
@@ -80,12 +81,12 @@ bool is_suffix(std::string_view rest, std::size_t name_size) {
   return rest.empty() || (name_size >= shortest_name && rest.size() <= longest_suffix && !is_digit(rest.front()));
 }
 
-/// `5v1…`, `12…`, `24v…`: the voltage in the spelling of a Zener diode's name, without what follows; empty where there is none.
+/// `5v1…`, `6.8…`, `12…`, `24v…`: the voltage in the spelling of a Zener diode's name, without what follows; empty where there is none.
 std::string zener_voltage(std::string_view rest) {
   std::string text;
   std::size_t at = 0;
   while (at < rest.size() && is_digit(rest[at])) text += rest[at++];
-  if (!text.empty() && at + 1 < rest.size() && rest[at] == 'v' && is_digit(rest[at + 1])) {
+  if (!text.empty() && at + 1 < rest.size() && (rest[at] == 'v' || rest[at] == '.' || rest[at] == '_') && is_digit(rest[at + 1])) {
     text += '.';
     for (++at; at < rest.size() && is_digit(rest[at]);) text += rest[at++];
   }
@@ -99,6 +100,26 @@ std::string with_voltage(std::string_view parameters, const std::string& voltage
   std::string text(parameters);
   const std::size_t at = text.find(voltage_mark);
   return at == std::string::npos ? text : text.replace(at, voltage_mark.size(), voltage);
+}
+
+/// Infineon says resistance and voltage in the name of a MOSFET: BSC093N15NS5 has 9.3 mohm and 150 V, IPP070N8N3 80 V, BSC010NE2LS 25 V.
+std::optional<Device> read_infineon(std::string_view key) {
+  constexpr std::array<std::string_view, 9> families{"bsc", "bsz", "bsb", "ipp", "ipb", "ipd", "ipi", "ipa", "ipc"};
+  if (key.size() < 8 || std::find(families.begin(), families.end(), key.substr(0, 3)) == families.end()) return std::nullopt;
+  int tenths = 0, tens = 0;
+  const char* const end = key.data() + key.size();
+  const auto [behind, error] = std::from_chars(key.data() + 3, key.data() + 6, tenths);
+  if (error != std::errc{} || behind != key.data() + 6 || tenths == 0 || key[6] != 'n') return std::nullopt;
+  const bool is_low = key[7] == 'e' && key[8 < key.size() ? 8 : 7] == '2';
+  const auto [last, second_error] = std::from_chars(key.data() + 7, std::min(end, key.data() + 9), tens);
+  if (!is_low && (second_error != std::errc{} || tens == 0 || tens > 60)) return std::nullopt;
+  const std::string_view grade(is_low ? key.data() + 9 : last, static_cast<std::size_t>(end - (is_low ? key.data() + 9 : last)));
+  if (grade.starts_with('s')) return std::nullopt;  // of cars: the first number is a current
+  const double resistance = 1e-4 * tenths;
+  const double threshold = grade.starts_with('l') || grade.starts_with('m') ? 1.7 : 3.0;
+  return Device{"VDMOS",
+                fmt::format("Vto={} Ron={:g} Vfwd=0.75 Rfwd={:g} BV={}", threshold, resistance, resistance / 2, is_low ? 25 : 10 * tens),
+                "Infineon: resistance and voltage stand in the name"};
 }
 
 bool takes_type(char letter, std::string_view type) {
@@ -159,7 +180,7 @@ std::optional<Device> find_device(std::string_view name) {
   const auto* named = longest(table().names, key, [&](std::size_t size) { return is_suffix(std::string_view(key).substr(size), size); });
   if (named != nullptr) return Device{named->second.type, std::string(named->second.parameters), named->second.source};
   const auto* pattern = longest(table().patterns, key, [&](std::size_t size) { return !zener_voltage(key.substr(size)).empty(); });
-  if (pattern == nullptr) return std::nullopt;
+  if (pattern == nullptr) return read_infineon(key);
   return Device{pattern->second.type, with_voltage(pattern->second.parameters, zener_voltage(key.substr(pattern->first.size()))),
                 pattern->second.source};
 }

@@ -20,6 +20,7 @@ std::string parameters_of(std::string_view name) {
 }
 
 std::string card_of(std::string_view type, std::string_view name) {
+  if (type == "OPAMP") return fmt::format("X1 0 b c d b {}\nV2 c 0 5\nV3 0 d 5\nR1 b 0 1", name);
   if (type == "D") return fmt::format("D1 a 0 {}", name);
   const char letter = type == "VDMOS" ? 'M' : type == "NPN" || type == "PNP" ? 'Q' : 'J';
   return fmt::format("{}1 a b 0 {}\nR2 b 0 1", letter, name);
@@ -45,8 +46,19 @@ TEST_CASE("the voltage of a Zener diode stands in its name", "[unit]") {
   CHECK(parameters_of("BZX84C5V1") == "D Vfwd=0.75 Ron=1.5 Vrev=5.1 Rrev=20");
   CHECK(parameters_of("bzx84c24vly") == "D Vfwd=0.75 Ron=1.5 Vrev=24 Rrev=20");
   CHECK(parameters_of("BZX79-C12") == "D Vfwd=0.75 Ron=1.5 Vrev=12 Rrev=20");
+  CHECK(parameters_of("P6KE6.8A") == "D Vfwd=0.8 Ron=20m Vrev=6.8 Rrev=0.5");
   CHECK(parameters_of("BZX84C") == "none");
   CHECK(parameters_of("BZX84C5231") == "none");
+}
+
+TEST_CASE("resistance and voltage stand in the names of Infineon's MOSFETs", "[unit]") {
+  CHECK(parameters_of("BSC900N20NS3") == "VDMOS Vto=3 Ron=0.09 Vfwd=0.75 Rfwd=0.045 BV=200");
+  CHECK(parameters_of("BSZ100N03MS") == "VDMOS Vto=1.7 Ron=0.01 Vfwd=0.75 Rfwd=0.005 BV=30");
+  CHECK(parameters_of("IPP052N8N5") == "VDMOS Vto=3 Ron=0.0052 Vfwd=0.75 Rfwd=0.0026 BV=80");
+  CHECK(parameters_of("BSC009NE2LS5") == "VDMOS Vto=1.7 Ron=0.0009 Vfwd=0.75 Rfwd=0.00045 BV=25");
+  CHECK(parameters_of("IPB180N04S4") == "none");  // 180 A
+  CHECK(parameters_of("BSC9N") == "none");
+  CHECK(parameters_of("IPPabcN10") == "none");
 }
 
 TEST_CASE("every model at hand can be used", "[unit]") {

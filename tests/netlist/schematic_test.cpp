@@ -240,3 +240,10 @@ TEST_CASE("damaged schematics end in messages", "[property]") {
     for (const Diagnostic& diagnostic : diagnostics.all()) CHECK_FALSE(render(diagnostic, sources).empty());
   }
 }
+
+TEST_CASE("a symbol of the folder of amplifiers has five pins, where wires or labels end at all of them", "[unit]") {
+  const std::string flags = "Version 4\nFLAG -32 80 p\nFLAG -32 48 n\nFLAG 0 32 vp\nFLAG 0 96 vn\n";
+  const std::string symbol = "SYMBOL OpAmps\\\\LT1001 0 0 R0\nSYMATTR InstName U1\n";
+  CHECK(Made(flags + "FLAG 32 64 out\n" + symbol).text.find("XU1 p n vp vn out LT1001\n") != std::string::npos);
+  CHECK(Made(flags + symbol).messages() == "E-schematic-symbol «OpAmps\\\\LT1001»\n");
+}

@@ -37,6 +37,16 @@ bool is_for_top(std::string_view line) {
   return std::any_of(all.begin(), all.end(), [&](std::string_view known) { return same_name(known, word); });
 }
 
+/// All its pins lie at ends of wires or at labels.
+bool is_connected(const Placed& element, const Sheet& sheet) {
+  const auto is_end = [&](GridPoint pin) {
+    return std::any_of(sheet.wires.begin(), sheet.wires.end(), [&](const Wire& wire) { return wire.from == pin || wire.to == pin; }) ||
+           std::any_of(sheet.flags.begin(), sheet.flags.end(), [&](const Flag& flag) { return flag.at == pin; });
+  };
+  const std::vector<GridPoint> pins = element.pins();
+  return std::all_of(pins.begin(), pins.end(), is_end);
+}
+
 bool ends_deck(std::string_view line) {
   const std::string_view word = take_word(line);
   return same_name(word, ".end") || same_name(word, ".backanno");
@@ -87,7 +97,7 @@ class Netlister {
 
   void write_elements(const Sheet& sheet, const std::filesystem::path& folder) {
     std::vector<Placed> placed;
-    for (const Instance& instance : sheet.instances) place(instance, folder, placed);
+    for (const Instance& instance : sheet.instances) place(instance, sheet, folder, placed);
     std::vector<GridPoint> pins;
     std::vector<Wire> jumpers;
     for (const Placed& element : placed) {
@@ -102,13 +112,17 @@ class Netlister {
     for (const Nets::Alias& alias : nets.aliases()) add_line(fmt::format("R_label_{} {} {} 0", alias.label, alias.label, alias.net), {});
   }
 
-  void place(const Instance& instance, const std::filesystem::path& folder, std::vector<Placed>& placed) {
+  void place(const Instance& instance, const Sheet& sheet, const std::filesystem::path& folder, std::vector<Placed>& placed) {
     const FoundSymbol found = shelf_.symbol(instance.symbol, folder);
     if (found.symbol == nullptr) {
       report_unknown(instance);
       return;
     }
     Placed element{&instance, found.symbol, {}};
+    if (found.is_guess && !is_connected(element, sheet)) {
+      report_unknown(instance);
+      return;
+    }
     if (found.symbol->prefix.empty() && !call_block(element, found, folder)) return;
     if (element.attribute("InstName").empty() && !is_jumper(element)) {
       diagnostics_.error("E-schematic-name", instance.span, "this symbol has no name; try a line 'SYMATTR InstName R1' behind it");

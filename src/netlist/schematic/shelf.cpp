@@ -11,13 +11,20 @@ std::filesystem::path Shelf::find(const std::string& name, const std::filesystem
   return path;
 }
 
+FoundSymbol Shelf::standard(const std::string& name) {
+  if (const Symbol* known = find_standard_symbol(name)) return {known, {}};
+  std::optional<Symbol> guess = guess_amplifier(name);
+  if (!guess) return {};
+  return {&guessed_.try_emplace(name, std::move(*guess)).first->second, {}, true};
+}
+
 FoundSymbol Shelf::symbol(const std::string& name, const std::filesystem::path& folder) {
   const std::filesystem::path path = find(name + ".asy", folder);
-  if (path.empty()) return {find_standard_symbol(name), {}};
+  if (path.empty()) return standard(name);
   auto known = read_.find(path);
   if (known == read_.end()) {
     FileBytes file = read_file(path);
-    if (!file.readable) return {find_standard_symbol(name), {}};
+    if (!file.readable) return standard(name);
     const DecodedText decoded = decode(std::move(file.bytes));
     known = read_.emplace(path, read_symbol(std::string(without_folder(name)), decoded.text)).first;
   }

@@ -14,6 +14,7 @@ namespace pwlsim::netlist {
 struct FoundSymbol {
   const Symbol* symbol = nullptr;  ///< null where there is none
   std::filesystem::path file;      ///< empty for one of LTspice's library
+  bool is_guess = false;           ///< an amplifier that is taken for one of five pins
 };
 
 /// Reads each file once.
@@ -31,10 +32,12 @@ class Shelf {
   [[nodiscard]] std::vector<std::string> files() const;
 
  private:
+  [[nodiscard]] FoundSymbol standard(const std::string& name);
   [[nodiscard]] std::filesystem::path find(const std::string& name, const std::filesystem::path& folder) const;
 
   std::filesystem::path root_;
   std::map<std::filesystem::path, Symbol> read_;
+  std::map<std::string, Symbol> guessed_;
 };
 
 }  // namespace pwlsim::netlist

@@ -152,6 +152,15 @@ const Symbol* find_standard_symbol(std::string_view name) {
   return found == table().end() || !is_standard_folder(folder) ? nullptr : &found->second;
 }
 
+std::optional<Symbol> guess_amplifier(std::string_view name) {
+  const std::string_view own = without_folder(name);
+  if (!same_name(name.substr(0, name.size() - own.size()), "opamps/")) return std::nullopt;
+  Symbol symbol = *find_standard_symbol("opamp2");
+  symbol.name = own;
+  symbol.attributes.set("Value", own);
+  return symbol;
+}
+
 std::vector<std::string> standard_symbol_names() {
   std::vector<std::string> names;
   for (const auto& [key, symbol] : table()) names.push_back(symbol.name);

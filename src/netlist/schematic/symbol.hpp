@@ -43,6 +43,10 @@ struct Symbol {
 /// The symbol of LTspice's library with that name, which may have its folder before it; null where there is none. Letter case does not count.
 [[nodiscard]] const Symbol* find_standard_symbol(std::string_view name);
 
+/// A symbol of LTspice's folder of amplifiers that is not in the table, as most single ones are: five pins, and its name is that of its model. None for
+/// other folders.
+[[nodiscard]] std::optional<Symbol> guess_amplifier(std::string_view name);
+
 /// All names of lib/ltspice.symbols.
 [[nodiscard]] std::vector<std::string> standard_symbol_names();
 
