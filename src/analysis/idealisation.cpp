@@ -35,6 +35,8 @@ constexpr Told told[] = {
     {"N-dc-value", read_otherwise},
     {"W-unknown-option", ignored},
     {"W-ignored-output", ignored},
+    {"W-no-model", ignored},
+    {"W-floating", read_otherwise},
 };
 
 /// On one line.

@@ -17,6 +17,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   circuit.title = deck.title;
   circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
   Definitions definitions = read_definitions(deck, reporter);
+  circuit.written_by_ltspice = definitions.written_by_ltspice;
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   const DeviceModels devices = add_device_models(definitions, sources, reporter);
