@@ -17,12 +17,26 @@ struct Told {
   std::string_view kind;
 };
 constexpr Told told[] = {
-    {"N-diode-tangent", replaced},    {"N-idealised", replaced},     {"N-zero-capacitance", replaced},
-    {"N-zero-inductance", replaced},  {"W-ignored-card", ignored},   {"W-ignored-option", ignored},
-    {"W-ignored-parameter", ignored}, {"W-lib-skipped", ignored},    {"N-control-skipped", ignored},
-    {"W-ic-unused", ignored},         {"W-startup", read_otherwise}, {"N-negative-hysteresis", read_otherwise},
-    {"W-second-model", ignored},      {"W-femto", read_otherwise},   {"N-dc-value", read_otherwise},
-    {"W-unknown-option", ignored},    {"W-ignored-output", ignored},
+    {"N-diode-tangent", replaced},
+    {"N-idealised", replaced},
+    {"N-model-at-hand", replaced},
+    {"N-zero-capacitance", replaced},
+    {"N-zero-inductance", replaced},
+    {"W-ignored-card", ignored},
+    {"W-ignored-option", ignored},
+    {"W-ignored-parameter", ignored},
+    {"W-lib-skipped", ignored},
+    {"N-control-skipped", ignored},
+    {"W-ic-unused", ignored},
+    {"W-startup", read_otherwise},
+    {"N-negative-hysteresis", read_otherwise},
+    {"W-second-model", ignored},
+    {"W-femto", read_otherwise},
+    {"N-dc-value", read_otherwise},
+    {"W-unknown-option", ignored},
+    {"W-ignored-output", ignored},
+    {"W-no-model", ignored},
+    {"W-floating", read_otherwise},
 };
 
 /// On one line.
@@ -54,9 +68,12 @@ std::vector<Departure> departures(const Diagnostics& diagnostics, const SourceSt
     const std::string_view kind = departure_kind(diagnostic.id);
     if (kind.empty()) continue;
     const SourceSpan& span = diagnostic.span;
-    const std::string place =
-        span.known() ? fmt::format("{}:{}", sources.name(span.file), sources.position(span.file, span.begin).line) : "";
-    list.push_back({kind, subject_of(span, sources), place, diagnostic.text});
+    std::string place;
+    if (span.known()) {
+      const SourcePlace at = sources.place(span.file, span.begin);
+      place = fmt::format("{}:{}", at.name, at.position.line);
+    }
+    list.push_back({kind, subject_of(span, sources), std::move(place), diagnostic.text});
   }
   return list;
 }

@@ -224,12 +224,12 @@ std::string render(const Diagnostic& diagnostic, const SourceStore& sources) {
   if (!span.known()) {
     return head;
   }
-  const SourcePosition position = sources.position(span.file, span.begin);
+  const SourcePlace place = sources.place(span.file, span.begin);
   const std::string_view line = sources.line_at(span.file, span.begin);
   const auto line_begin = static_cast<std::size_t>(line.data() - sources.text(span.file).data());
   const std::size_t begin = std::min<std::size_t>(span.begin - line_begin, line.size());
   const std::size_t end = std::clamp<std::size_t>(span.end - std::min<std::size_t>(line_begin, span.end), begin, line.size());
-  return printable_text(sources.name(span.file)) + ':' + std::to_string(position.line) + ':' + std::to_string(position.column) + ": " +
+  return printable_text(place.name) + ':' + std::to_string(place.position.line) + ':' + std::to_string(place.position.column) + ": " +
          head + Excerpt(line, begin, end).lines();
 }
 

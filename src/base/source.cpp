@@ -15,8 +15,10 @@ SourceSpan cover(const SourceSpan& a, const SourceSpan& b) {
   return {a.file, std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
 
-FileIndex SourceStore::add(std::string name, std::string text) {
-  File file{std::move(name), std::move(text), {0}};
+FileIndex SourceStore::add(std::string name, std::string text) { return add(std::move(name), std::move(text), {}); }
+
+FileIndex SourceStore::add(std::string name, std::string text, std::vector<SourceOrigin> origins) {
+  File file{std::move(name), std::move(text), {0}, std::move(origins)};
   const char* const begin = file.text.data();
   const char* const end = begin + file.text.size();
   for (const char* at = begin; at != end; ++at) {
@@ -49,6 +51,29 @@ SourcePosition SourceStore::position(FileIndex file, std::uint32_t offset) const
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // all but UTF-8 continuation bytes
   });
   return {static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(code_points + 1)};
+}
+
+const SourceOrigin* SourceStore::origin(FileIndex file, std::uint32_t line) const {
+  const auto& origins = files_.at(file).origins;
+  return line <= origins.size() ? &origins[line - 1] : nullptr;
+}
+
+SourcePlace SourceStore::place(FileIndex file, std::uint32_t offset) const {
+  const SourcePosition here = position(file, offset);
+  const SourceOrigin* const from = origin(file, here.line);
+  if (from == nullptr || from->file == no_file) {
+    return {name(file), here};
+  }
+  SourcePosition there = position(from->file, from->offset);
+  if (from->is_verbatim) {
+    there.column += here.column - 1;
+  }
+  return {name(from->file), there};
+}
+
+bool SourceStore::is_from_nowhere(FileIndex file, std::uint32_t offset) const {
+  const SourceOrigin* const from = origin(file, position(file, offset).line);
+  return from != nullptr && from->file == no_file;
 }
 
 std::string_view SourceStore::line_at(FileIndex file, std::uint32_t offset) const {

@@ -31,16 +31,35 @@ struct SourcePosition {
   std::uint32_t column = 0;
 };
 
+/// Where a line comes from whose text the program wrote itself: the line of a schematic behind a line of its netlist.
+struct SourceOrigin {
+  FileIndex file = no_file;  ///< no_file: from nowhere
+  std::uint32_t offset = 0;  ///< of the place in that file
+  bool is_verbatim = false;  ///< the line stands there as it is, so that places within it are known, too
+};
+
+/// What a message says of a place.
+struct SourcePlace {
+  std::string_view name;  ///< of the file
+  SourcePosition position;
+};
+
 /// Owns every text read (UTF-8) with its line map. Texts are never dropped nor moved, so spans and views stay valid.
 class SourceStore {
  public:
   /// `name` is printed in messages as given.
   FileIndex add(std::string name, std::string text);
+  /// A text that the program wrote, with the origin of each of its lines.
+  FileIndex add(std::string name, std::string text, std::vector<SourceOrigin> origins);
 
   [[nodiscard]] const std::string& name(FileIndex file) const { return files_.at(file).name; }
   [[nodiscard]] std::string_view text(FileIndex file) const { return files_.at(file).text; }
   [[nodiscard]] std::string_view text(const SourceSpan& span) const;
   [[nodiscard]] SourcePosition position(FileIndex file, std::uint32_t offset) const;
+  /// The same for a reader: in the file from which the line comes, where the program wrote it.
+  [[nodiscard]] SourcePlace place(FileIndex file, std::uint32_t offset) const;
+  /// A line of a text that the program wrote, without an origin.
+  [[nodiscard]] bool is_from_nowhere(FileIndex file, std::uint32_t offset) const;
   /// The whole line that holds `offset`, without its line end.
   [[nodiscard]] std::string_view line_at(FileIndex file, std::uint32_t offset) const;
 
@@ -49,7 +68,10 @@ class SourceStore {
     std::string name;
     std::string text;
     std::vector<std::uint32_t> line_starts;
+    std::vector<SourceOrigin> origins;  ///< of the lines, empty where the text was read
   };
+  /// Null where the text was read.
+  [[nodiscard]] const SourceOrigin* origin(FileIndex file, std::uint32_t line) const;
   std::deque<File> files_;  // keeps every text where it is while others are added
 };
 

@@ -32,9 +32,11 @@ class Assembler {
     const std::vector<SignalSource> probes = resolve_probes(circuit_, names_, reporter_);
     resolve_conditions();
     if (!reporter_.failed()) check_complete();
-    if (!circuit_.has_gaps) report_floating(circuit_, reporter_);
+    std::vector<model::NodeIndex> to_tie;
+    if (!circuit_.has_gaps) to_tie = report_floating(circuit_, reporter_);
     if (reporter_.failed()) return std::nullopt;
     emit();
+    tie_to_ground(to_tie);
     add_signals(signals, probes);
     if (reporter_.failed()) return std::nullopt;
     elements::decide_steps(builder_);
@@ -42,6 +44,12 @@ class Assembler {
   }
 
  private:
+  /// No current flows there: nothing else leads to ground.
+  void tie_to_ground(const std::vector<model::NodeIndex>& nodes) {
+    for (const model::NodeIndex node : nodes)
+      builder_.add(model::Resistor{circuit_.nodes()[static_cast<std::size_t>(node)], node, model::ground, 1.0});
+  }
+
   void check_names() {
     for (int second : names_.second_ones()) {
       const Instance& instance = circuit_.instances[static_cast<std::size_t>(second)];

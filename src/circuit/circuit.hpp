@@ -64,7 +64,8 @@ class Circuit {
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
   std::vector<InitialCondition> conditions;
   Analyses analyses;
-  bool has_gaps = false;  ///< some element could not be read: what it connects is not known
+  bool written_by_ltspice = false;  ///< by its own cards
+  bool has_gaps = false;            ///< some element could not be read: what it connects is not known
 
   /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.
   model::NodeIndex node(std::string_view name, SourceSpan where = {});

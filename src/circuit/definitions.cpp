@@ -33,6 +33,16 @@ constexpr std::string_view subckt_usage = ".subckt name n1 n2 ... [params: p=val
 /// The function's head is the first item of its card: f(a,b).
 bool is_function_head(const Item& item) { return item.kind == ItemKind::group && !item.text.empty(); }
 
+/// `U1 __U1`: how KiCad writes a symbol without a model for simulation.
+bool is_placeholder(const Definition& definition, const Card& card) {
+  if (card.items.empty() || card.items.back().kind != ItemKind::word) return false;
+  const std::string_view last = card.items.back().text;
+  if (!last.starts_with("__") || last.size() - 2 > card.name.size()) return false;
+  const std::string_view reference = last.substr(2);
+  return same_name(std::string_view(card.name).substr(card.name.size() - reference.size()), reference) &&
+         !definition.models.contains(without_case(last));
+}
+
 class Reader {
  public:
   Reader(const netlist::Deck& deck, Reporter& reporter) : deck_(deck), reporter_(reporter) {}
@@ -45,6 +55,7 @@ class Reader {
       reporter_.error("E-missing-ends", current().definition->span, fmt::format(".subckt {} has no .ends", current().definition->name));
       stack_.pop_back();
     }
+    for (const auto& definition : result_.all) leave_out_placeholders(*definition);
     return std::move(result_);
   }
 
@@ -80,6 +91,17 @@ class Reader {
     } else {
       report_second("E-duplicate-element", "element", card.name, card.name_span, entry->second);
     }
+  }
+
+  void leave_out_placeholders(Definition& definition) {
+    std::erase_if(definition.elements, [&](const Card* card) {
+      if (!is_placeholder(definition, *card)) return false;
+      reporter_.warning(
+          "W-no-model", card->span,
+          fmt::format("{} has no model for simulation and is left out; try the fields Sim.Device and Sim.Params of its symbol in KiCad",
+                      card->name));
+      return true;
+    });
   }
 
   void report_second(std::string id, std::string_view what, std::string_view name, SourceSpan second, SourceSpan first) {

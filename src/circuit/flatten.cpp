@@ -3,6 +3,7 @@
 #include "circuit/census.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/definitions.hpp"
+#include "circuit/devices.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
@@ -18,8 +19,10 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
+  circuit.written_by_ltspice = definitions.written_by_ltspice;
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
+  const DeviceModels devices = add_device_models(definitions, sources, reporter);
   Session session(reporter);
   Scope top(*definitions.all.front(), nullptr, session);
   Sweeps& sweeps = circuit.analyses.sweeps;
@@ -35,7 +38,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;
-  Models models(circuit, options.settings, reporter);
+  Models models(circuit, options.settings, reporter, &devices.sources);
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);

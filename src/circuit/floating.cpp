@@ -68,9 +68,20 @@ std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& g
   return text;
 }
 
+/// A current that an element does not tie enters or leaves the group.
+bool is_fed(const Circuit& circuit, Groups& groups, int root) {
+  for (const Instance& instance : circuit.instances) {
+    if (instance.nodes.size() != 2 || ties(instance)) continue;
+    const int a = groups.root(instance.nodes[0]), b = groups.root(instance.nodes[1]);
+    if (a != b && (a == root || b == root)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-void report_floating(const Circuit& circuit, Reporter& reporter) {
+std::vector<NodeIndex> report_floating(const Circuit& circuit, Reporter& reporter) {
+  std::vector<NodeIndex> to_tie;
   Groups groups(circuit.nodes().size());
   join(circuit, groups);
   std::map<int, std::vector<std::size_t>> floating;
@@ -81,8 +92,17 @@ void report_floating(const Circuit& circuit, Reporter& reporter) {
     const model::Label& first = circuit.nodes()[group[0]];
     const std::string who =
         group.size() == 1 ? fmt::format("the node {} has", first.name) : fmt::format("the nodes {} have", some_names(circuit, group));
-    reporter.error("E-floating", first.span, fmt::format("{} no path to ground; try a resistor from {} to 0", who, first.name));
+    if (circuit.written_by_ltspice && !is_fed(circuit, groups, root)) {
+      reporter.warning(
+          "W-floating", first.span,
+          fmt::format("{0} no path to ground, and {1} is tied to it, as LTspice's smallest conductances do; try a resistor from {1} to 0",
+                      who, first.name));
+      to_tie.push_back(static_cast<NodeIndex>(group[0]));
+    } else {
+      reporter.error("E-floating", first.span, fmt::format("{} no path to ground; try a resistor from {} to 0", who, first.name));
+    }
   }
+  return to_tie;
 }
 
 }  // namespace pwlsim::circuit

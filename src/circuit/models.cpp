@@ -229,6 +229,7 @@ int Models::use(Scope& scope, const Item& name, const elements::Kind& kind) {
     report_unknown(scope, name, kind);
     return -1;
   }
+  if (devices_ != nullptr && !used_.contains(found.card)) tell_device(*found.card, name);
   const int index = evaluated(*found.scope, *found.card);
   if (index < 0) return -1;
   const elements::Model& model = circuit_.models[static_cast<std::size_t>(index)];
@@ -237,6 +238,14 @@ int Models::use(Scope& scope, const Item& name, const elements::Kind& kind) {
   reporter_.error("E-wrong-model-type", name.span,
                   fmt::format("the model {} is of type {}; a {} takes {}", name.text, type, kind.name, type_names(kind)));
   return -1;
+}
+
+void Models::tell_device(const Card& card, const Item& name) {
+  const auto device = devices_->find(&card);
+  if (device == devices_->end()) return;
+  reporter_.note("N-model-at-hand", name.span,
+                 fmt::format("{} is not defined here, and taken from the models at hand: {}; try a .model card for other numbers",
+                             name.text, device->second));
 }
 
 bool Models::known(Scope& scope, const Item& name) { return find_model(scope, name.text).card != nullptr; }

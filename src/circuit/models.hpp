@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "circuit/circuit.hpp"
+#include "circuit/devices.hpp"
 #include "circuit/scope.hpp"
 #include "elements/kind.hpp"
 
@@ -14,8 +15,9 @@ namespace pwlsim::circuit {
 
 class Models {
  public:
-  Models(Circuit& circuit, const elements::Settings& settings, Reporter& reporter)
-      : circuit_(circuit), settings_(settings), reporter_(reporter) {}
+  /// `devices`: models that are not the deck's; one that is used is told of.
+  Models(Circuit& circuit, const elements::Settings& settings, Reporter& reporter, const DeviceSources* devices = nullptr)
+      : circuit_(circuit), settings_(settings), reporter_(reporter), devices_(devices) {}
 
   /// The index in circuit.models of the model `name` as seen from `scope`, for an element of `kind`; -1 after an error.
   [[nodiscard]] int use(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
@@ -30,11 +32,13 @@ class Models {
   [[nodiscard]] int evaluated(Scope& scope, const netlist::Card& card);
   [[nodiscard]] std::optional<elements::Model> read(Scope& scope, const netlist::Card& card);
   [[nodiscard]] bool is_idealised(Scope& scope, const netlist::Card& card);
+  void tell_device(const netlist::Card& card, const netlist::Item& name);
   void report_unknown(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
 
   Circuit& circuit_;
   const elements::Settings& settings_;
   Reporter& reporter_;
+  const DeviceSources* devices_;
   std::unordered_set<const netlist::Card*> used_;
 };
 

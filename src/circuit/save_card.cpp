@@ -64,8 +64,8 @@ bool is_transistor_current(const Item& item) {
 /// Powers, expressions and options of columns, which other simulators print: a word may be a slip instead.
 bool is_other_output(const Item& item) {
   const bool is_voltage_or_current = same_name(item.text, "v") || same_name(item.text, "i");
-  return item.kind == ItemKind::assignment || item.kind == ItemKind::expression || (item.kind == ItemKind::group && !is_voltage_or_current) ||
-         (item.kind == ItemKind::word && item.text.starts_with('@'));
+  return item.kind == ItemKind::assignment || item.kind == ItemKind::expression ||
+         (item.kind == ItemKind::group && !is_voltage_or_current) || (item.kind == ItemKind::word && item.text.starts_with('@'));
 }
 
 /// ngspice's @d1[id], @r1[i], @q1[ic]: the element; empty for another word.

@@ -1,23 +1,75 @@
 #include "circuit/shipped.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
+#include "circuit/devices.hpp"
 #include "circuit/logic_subcircuit.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim::circuit {
 namespace {
 
-/// "" where there is none.
-std::string text_of(std::string_view name) {
+constexpr std::string_view amplifier_type = "OPAMP";  ///< in devices.txt
+
+const ShippedSubcircuit* find_shipped(std::string_view name) {
   const auto all = shipped_subcircuits();
   const auto found = std::find_if(all.begin(), all.end(), [&](const ShippedSubcircuit& s) { return same_name(s.name, name); });
-  return found == all.end() ? logic_subcircuit(name) : std::string(found->text);
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// The levels of LTspice's universal amplifier: `level.2`, `level2`, `level3a`, …; "" for other names.
+std::string_view amplifier_level(std::string_view name) {
+  constexpr std::string_view word = "level";
+  if (!same_name(name.substr(0, word.size()), word)) return "";
+  std::string_view level = name.substr(word.size());
+  if (level.starts_with('.')) level.remove_prefix(1);
+  if (level == "1") return "universalopamp1";
+  return level == "2" || same_name(level, "3a") || same_name(level, "3b") ? "universalopamp2" : "";
+}
+
+/// The text under another name.
+std::string renamed(const ShippedSubcircuit& shipped, std::string_view name) {
+  std::string text(shipped.text);
+  return text.replace(text.find(shipped.name), shipped.name.size(), name);
+}
+
+/// A universal amplifier with the numbers of a common one; "" for other names.
+std::string amplifier(std::string_view name) {
+  const std::optional<Device> device = find_device(name);
+  const ShippedSubcircuit* universal = find_shipped("universalopamp2");
+  if (!device || device->type != amplifier_type || universal == nullptr) return "";
+  std::string text = renamed(*universal, name);
+  std::string_view rest = device->parameters;
+  while (!rest.empty()) {
+    const std::string_view assignment = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(std::min(assignment.size() + 1, rest.size()));
+    const std::size_t at = text.find(' ' + std::string(assignment.substr(0, assignment.find('=') + 1))) + 1;
+    text.replace(at, text.find(' ', at) - at, assignment);
+  }
+  return text;
+}
+
+/// "" where there is none.
+std::string text_of(std::string_view name) {
+  const std::string_view level = amplifier_level(name);
+  if (const ShippedSubcircuit* found = find_shipped(level.empty() ? name : level)) return renamed(*found, name);
+  std::string text = amplifier(name);
+  return text.empty() ? logic_subcircuit(name) : text;
+}
+
+/// It is not the deck's, and not called by the library's own names.
+void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
+  const std::optional<Device> device = find_device(name.text);
+  if (!device || device->type != amplifier_type) return;
+  reporter.note("N-model-at-hand", name.span,
+                fmt::format("{} is not defined here, and taken from the models at hand: {} ({}); try a .subckt for other numbers",
+                            name.text, device->parameters, device->source));
 }
 
 struct Called {
@@ -25,7 +77,7 @@ struct Called {
 };
 
 /// Those that some card calls from where nothing of that name is seen, each once.
-std::vector<Called> called_from(const Definitions& definitions) {
+std::vector<Called> called_from(const Definitions& definitions, Reporter& reporter) {
   std::vector<Called> list;
   for (const auto& definition : definitions.all) {
     for (const netlist::Card* card : definition->elements) {
@@ -33,7 +85,10 @@ std::vector<Called> called_from(const Definitions& definitions) {
       if (name == nullptr || find_subcircuit(*definition, name->text) != nullptr) continue;
       const auto is_same = [&](const Called& called) { return same_name(called.name, name->text); };
       if (std::any_of(list.begin(), list.end(), is_same)) continue;
-      if (std::string text = text_of(name->text); !text.empty()) list.push_back({without_case(name->text), std::move(text)});
+      std::string text = text_of(name->text);
+      if (text.empty()) continue;
+      tell_amplifier(*name, reporter);
+      list.push_back({without_case(name->text), std::move(text)});
     }
   }
   return list;
@@ -44,7 +99,7 @@ std::vector<Called> called_from(const Definitions& definitions) {
 std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
   std::vector<netlist::Deck> decks;
   Definition& top = *definitions.all.front();
-  for (const Called& called : called_from(definitions)) {
+  for (const Called& called : called_from(definitions, reporter)) {
     Diagnostics scratch;
     const std::string name = fmt::format("pwlsim's {}.sub", called.name);
     decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, called.text), sources, scratch));

@@ -84,11 +84,13 @@ class SweepReader {
     if (sweep_.is_parameter && name.kind == ItemKind::word) return true;
     const char letter = name.kind == ItemKind::word ? lower_letter(name.text.front()) : '?';
     if (is_word(name, "temp"))
-      (void)fail("E-not-supported", name.span, "the elements are ideal and have no temperature; try .step param temp … and {temp} in the values that depend on it");
+      (void)fail("E-not-supported", name.span,
+                 "the elements are ideal and have no temperature; try .step param temp … and {temp} in the values that depend on it");
     else if (letter != 'v' && letter != 'i')
       (void)fail(
           "E-not-supported", name.span,
-          fmt::format("{} is neither a parameter nor a source; try .step param x … and {{x}} as the value of the element, or in its model", reporter_.text(name.span)));
+          fmt::format("{} is neither a parameter nor a source; try .step param x … and {{x}} as the value of the element, or in its model",
+                      reporter_.text(name.span)));
     else
       return true;
     return false;

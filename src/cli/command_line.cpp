@@ -49,7 +49,9 @@ class HelpText : public CLI::Formatter {
   std::string make_usage(const CLI::App* app, std::string) const override {
     return fmt::format("{}Usage: pwlsim {}\n", app->get_description().empty() ? "" : "\n", usage_);
   }
-  std::string make_positionals(const CLI::App*) const override { return "\n  circuit.net         The deck: a SPICE-like netlist\n"; }
+  std::string make_positionals(const CLI::App*) const override {
+    return "\n  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n";
+  }
 
  private:
   std::string usage_;
@@ -118,7 +120,8 @@ void add_inspect_options(CLI::App& app, Raw& raw) {
 void add_export_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "export", export_usage,
                      "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
-                     "expanded, ideal diodes and switches with resistances, steps and corners rounded.",
+                     "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n"
+                     "Of a schematic, schematic.asc -o out.net writes its netlist instead.",
                      "The deck");
   app.add_option("-o,--output", raw.output, "The ngspice deck; '-' is standard output")->type_name("FILE");
   app.add_option("--smooth", raw.smooth, "How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)")->type_name("X");

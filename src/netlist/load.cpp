@@ -3,10 +3,28 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/names.hpp"
 #include "netlist/files.hpp"
 #include "netlist/loader.hpp"
 
 namespace pwlsim::netlist {
+
+bool is_schematic(std::string_view path) {
+  constexpr std::string_view ending = ".asc";
+  return path.size() > ending.size() && same_name(path.substr(path.size() - ending.size()), ending);
+}
+
+WrittenNetlist write_netlist(const std::string& path, SourceStore& sources, Diagnostics& diagnostics) {
+  FileBytes file = read_file(path);
+  if (!file.readable) {
+    diagnostics.error("E-file-unreadable", {}, "cannot read '" + path + "': " + file.reason);
+    return {{}, false, {}};
+  }
+  Loader loader(sources, diagnostics, {});
+  WrittenNetlist written{loader.write_netlist(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true, {path}};
+  for (std::string& name : loader.files()) written.files.push_back(std::move(name));
+  return written;
+}
 
 Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {
   FileBytes file = read_file(path);

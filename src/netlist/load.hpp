@@ -17,6 +17,9 @@ struct LoadLimits {
   int parentheses = 1000;  ///< in an expression; groups outside of expressions nest to 50
 };
 
+/// `.asc`: a schematic of LTspice, which is read as the netlist that LTspice makes of it.
+[[nodiscard]] bool is_schematic(std::string_view path);
+
 /// Reads `path` and all it includes. Every syntax error of every file goes to `diagnostics`; what could be read is returned all the same.
 /// `readable` is false where the top file itself cannot be read (exit status 3).
 struct Loaded {
@@ -25,6 +28,14 @@ struct Loaded {
   std::vector<std::string> files;  ///< those read: the top file, then the others
 };
 [[nodiscard]] Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits = {});
+
+/// The netlist of the schematic `path` as text.
+struct WrittenNetlist {
+  std::string text;
+  bool readable = true;            ///< the schematic itself
+  std::vector<std::string> files;  ///< those read: the schematic, then the others
+};
+[[nodiscard]] WrittenNetlist write_netlist(const std::string& path, SourceStore& sources, Diagnostics& diagnostics);
 
 /// The same from text in memory; `name` stands in messages and includes are sought from the current directory.
 [[nodiscard]] Deck parse(const std::string& name, std::string_view text, SourceStore& sources, Diagnostics& diagnostics,

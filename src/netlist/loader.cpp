@@ -11,6 +11,7 @@
 #include "netlist/file_card.hpp"
 #include "netlist/files.hpp"
 #include "netlist/number.hpp"
+#include "netlist/schematic/netlister.hpp"
 
 namespace pwlsim::netlist {
 
@@ -44,7 +45,7 @@ bool looks_like_card(std::string_view title) {
 }  // namespace
 
 Deck Loader::read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
-  const File file = add_text(name, std::move(bytes), directory);
+  const File file = add_top(name, std::move(bytes), directory);
   if (file.is_text) {
     const std::size_t errors_before = errors_.count();
     const std::size_t begin = take_title(file);
@@ -58,6 +59,21 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
   }
   errors_.finish();
   return std::move(deck_);
+}
+
+Loader::File Loader::add_top(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
+  File file = add_text(name, std::move(bytes), directory);
+  if (!is_schematic(name) || !file.is_text) return file;
+  SchematicNetlist netlist = netlist_of(file.index, directory, sources_, errors_.diagnostics());
+  symbol_files_ = std::move(netlist.files);
+  file.index = sources_.add("netlist of " + name, std::move(netlist.text), std::move(netlist.origins));
+  return file;
+}
+
+std::string Loader::write_netlist(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
+  const File file = add_top(name, std::move(bytes), directory);
+  errors_.finish();
+  return file.is_text ? std::string(sources_.text(file.index)) : "";
 }
 
 Loader::File Loader::add_text(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
@@ -293,7 +309,8 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
   if (request.is_library && is_standard_library(request.file)) deck_.names_ltspice_library = true;
   const auto [path, not_found, is_elsewhere] = find_file(request.file, from.directory);
   if (is_elsewhere)
-    errors_.diagnostics().note("N-file-beside", request.file_span, fmt::format("'{}' is not there: {} is read", request.file, path.string()));
+    errors_.diagnostics().note("N-file-beside", request.file_span,
+                               fmt::format("'{}' is not there: {} is read", request.file, path.string()));
   FileBytes read;
   if (!path.empty()) {
     std::error_code error;
@@ -310,6 +327,7 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
   } else {
     read.reason = not_found;
   }
+  if (sources_.is_from_nowhere(request.file_span.file, request.file_span.begin)) return nullptr;  // LTspice's library is not asked for
   const std::string text = fmt::format("cannot read '{}': {}", request.file, read.reason);
   if (request.is_library && (is_standard_library(request.file) || is_windows_path(request.file))) {
     errors_.diagnostics().warning("W-lib-skipped", request.file_span, text + "; its models are missing where they are used");
@@ -320,7 +338,7 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
 }
 
 std::vector<std::string> Loader::files() const {
-  std::vector<std::string> names;
+  std::vector<std::string> names = symbol_files_;
   for (const auto& [path, file] : files_) names.push_back(path);
   return names;
 }

@@ -26,6 +26,8 @@ class Loader {
 
   /// The whole deck; `bytes` are those of the top file, `directory` is where its includes are sought first.
   Deck read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory);
+  /// The netlist of a schematic, whose bytes these are; empty where it is no text.
+  std::string write_netlist(const std::string& name, std::string bytes, const std::filesystem::path& directory);
   /// Those read besides the top file.
   [[nodiscard]] std::vector<std::string> files() const;
 
@@ -49,6 +51,8 @@ class Loader {
     std::string section;
   };
 
+  /// The text to read: the file itself, or the netlist of a schematic.
+  File add_top(const std::string& name, std::string bytes, const std::filesystem::path& directory);
   File add_text(const std::string& name, std::string bytes, const std::filesystem::path& directory);
   void report_text_problems(File& file, const DecodedText& decoded);
   std::size_t take_title(const File& file);
@@ -72,7 +76,8 @@ class Loader {
   SyntaxErrors errors_;
   LoadLimits limits_;
   Deck deck_;
-  std::map<std::string, File> files_;  ///< by canonical path
+  std::map<std::string, File> files_;      ///< by canonical path
+  std::vector<std::string> symbol_files_;  ///< of a schematic
   std::set<FileIndex> reads_;
   std::vector<Visit> visits_;
   std::size_t repeated_files_ = 0;

@@ -107,7 +107,7 @@ TEST_CASE("the help of export and compare, to the letter", "[unit]") {
   CHECK(information({"export", "--help"}) ==
         "Usage: pwlsim export circuit.net -o out.cir [--smooth X]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
@@ -116,11 +116,12 @@ TEST_CASE("the help of export and compare, to the letter", "[unit]") {
         "  --quiet             No notes and warnings; errors stay\n"
         "\n"
         "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
-        "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n");
+        "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n"
+        "Of a schematic, schematic.asc -o out.net writes its netlist instead.\n");
   CHECK(information({"compare", "-h"}) ==
         "Usage: pwlsim compare circuit.net [--budget S] [--verbose] [--smooth X] [--json] [--plot out.svg]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"

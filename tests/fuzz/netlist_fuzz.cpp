@@ -150,7 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   pwlsim::SourceStore sources;
   pwlsim::Diagnostics diagnostics;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto deck = pwlsim::netlist::parse("fuzz.net", text, sources, diagnostics);
+  const auto deck = pwlsim::netlist::parse(text.starts_with("Version") ? "fuzz.asc" : "fuzz.net", text, sources, diagnostics);
   Checker checker(sources);
   bool damaged = false;
   for (const auto& card : deck.cards) {

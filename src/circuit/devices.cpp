@@ -1,0 +1,218 @@
+#include "circuit/devices.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/names.hpp"
+#include "netlist/load.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+
+constexpr std::string_view voltage_mark = "{V}";
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/// Takes what stands before the next `mark` away from `rest`, without blanks around it.
+std::string_view take(std::string_view& rest, char mark) {
+  const std::size_t end = std::min(rest.find(mark), rest.size());
+  std::string_view part = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  while (part.starts_with(' ')) part.remove_prefix(1);
+  while (part.ends_with(' ')) part.remove_suffix(1);
+  return part;
+}
+
+struct Row {
+  std::string_view type, parameters, source;
+};
+struct Table {
+  std::map<std::string, Row> names;
+  std::map<std::string, Row> patterns;  ///< by what stands before the voltage
+};
+
+void add_row(Table& table, std::string_view line) {
+  Row row;
+  row.type = take(line, '|');
+  if (row.type.empty() || row.type.front() == '#') return;
+  std::string_view names = take(line, '|');
+  row.parameters = take(line, '|');
+  row.source = line;
+  while (row.source.starts_with(' ')) row.source.remove_prefix(1);
+  while (!names.empty()) {
+    std::string_view name = take(names, ' ');
+    const bool is_pattern = name.ends_with(voltage_mark);
+    if (is_pattern) name.remove_suffix(voltage_mark.size());
+    if (!name.empty()) (is_pattern ? table.patterns : table.names).emplace(without_case(name), row);
+  }
+}
+
+const Table& table() {
+  static const Table all = [] {
+    Table result;
+    for (std::string_view rest = device_table(); !rest.empty();) add_row(result, take(rest, '\n'));
+    return result;
+  }();
+  return all;
+}
+
+/// The longest key of `rows` with which `name` begins and for which `fits` takes the rest; null where there is none.
+template <class Fits>
+const std::pair<const std::string, Row>* longest(const std::map<std::string, Row>& rows, const std::string& name, Fits fits) {
+  for (std::size_t size = name.size(); size > 0; --size) {
+    const auto found = rows.find(name.substr(0, size));
+    if (found != rows.end() && fits(size)) return &*found;
+  }
+  return nullptr;
+}
+
+/// Letters of package, tape and grade behind a part's number. Short names stand for themselves alone.
+bool is_suffix(std::string_view rest, std::size_t name_size) {
+  constexpr std::size_t shortest_name = 5, longest_suffix = 8;
+  return rest.empty() || (name_size >= shortest_name && rest.size() <= longest_suffix && !is_digit(rest.front()));
+}
+
+/// `5v1…`, `6.8…`, `12…`, `24v…`: the voltage in the spelling of a Zener diode's name, without what follows; empty where there is none.
+std::string zener_voltage(std::string_view rest) {
+  std::string text;
+  std::size_t at = 0;
+  while (at < rest.size() && is_digit(rest[at])) text += rest[at++];
+  if (!text.empty() && at + 1 < rest.size() && (rest[at] == 'v' || rest[at] == '.' || rest[at] == '_') && is_digit(rest[at + 1])) {
+    text += '.';
+    for (++at; at < rest.size() && is_digit(rest[at]);) text += rest[at++];
+  }
+  constexpr double largest_voltage = 300.0;
+  double voltage = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), voltage);
+  return voltage > 0.0 && voltage <= largest_voltage ? text : "";
+}
+
+std::string with_voltage(std::string_view parameters, const std::string& voltage) {
+  std::string text(parameters);
+  const std::size_t at = text.find(voltage_mark);
+  return at == std::string::npos ? text : text.replace(at, voltage_mark.size(), voltage);
+}
+
+/// Infineon says resistance and voltage in the name of a MOSFET: BSC093N15NS5 has 9.3 mohm and 150 V, IPP070N8N3 80 V, BSC010NE2LS 25 V.
+std::optional<Device> read_infineon(std::string_view key) {
+  constexpr std::array<std::string_view, 9> families{"bsc", "bsz", "bsb", "ipp", "ipb", "ipd", "ipi", "ipa", "ipc"};
+  if (key.size() < 8 || std::find(families.begin(), families.end(), key.substr(0, 3)) == families.end()) return std::nullopt;
+  int tenths = 0, tens = 0;
+  const char* const end = key.data() + key.size();
+  const auto [behind, error] = std::from_chars(key.data() + 3, key.data() + 6, tenths);
+  if (error != std::errc{} || behind != key.data() + 6 || tenths == 0 || key[6] != 'n') return std::nullopt;
+  const bool is_low = key[7] == 'e' && key[8 < key.size() ? 8 : 7] == '2';
+  const auto [last, second_error] = std::from_chars(key.data() + 7, std::min(end, key.data() + 9), tens);
+  if (!is_low && (second_error != std::errc{} || tens == 0 || tens > 60)) return std::nullopt;
+  const std::string_view grade(is_low ? key.data() + 9 : last, static_cast<std::size_t>(end - (is_low ? key.data() + 9 : last)));
+  if (grade.starts_with('s')) return std::nullopt;  // of cars: the first number is a current
+  const double resistance = 1e-4 * tenths;
+  const double threshold = grade.starts_with('l') || grade.starts_with('m') ? 1.7 : 3.0;
+  return Device{"VDMOS",
+                fmt::format("Vto={} Ron={:g} Vfwd=0.75 Rfwd={:g} BV={}", threshold, resistance, resistance / 2, is_low ? 25 : 10 * tens),
+                "Infineon: resistance and voltage stand in the name"};
+}
+
+bool takes_type(char letter, std::string_view type) {
+  switch (letter) {
+    case 'd':
+      return type == "D";
+    case 'q':
+      return type == "NPN" || type == "PNP";
+    case 'j':
+      return type == "NJF" || type == "PJF";
+    default:
+      return letter == 'm' && type == "VDMOS";
+  }
+}
+
+bool is_defined(const Definition& from, const std::string& key) {
+  for (const Definition* at = &from; at != nullptr; at = at->parent)
+    if (at->models.contains(key)) return true;
+  return false;
+}
+
+struct Wanted {
+  std::string name;
+  Device device;
+};
+
+/// Behind the nodes of a D, Q, M or J card; null where its model is defined.
+const Item* find_device_name(const Definition& from, const Card& card) {
+  const char letter = lower_letter(card.name.front());
+  if (std::string_view("dqmj").find(letter) == std::string_view::npos) return nullptr;
+  const std::size_t nodes = letter == 'd' ? 2 : 3;
+  for (std::size_t at = nodes; at < card.items.size(); ++at) {
+    const Item& item = card.items[at];
+    if (item.kind != Item::Kind::word) continue;
+    if (is_defined(from, without_case(item.text))) return nullptr;
+    const auto device = find_device(item.text);
+    if (device && takes_type(letter, device->type)) return &item;
+  }
+  return nullptr;
+}
+
+std::vector<Wanted> wanted_by(const Definitions& definitions) {
+  std::vector<Wanted> list;
+  std::set<std::string> keys;
+  for (const auto& definition : definitions.all) {
+    for (const Card* card : definition->elements) {
+      const Item* name = find_device_name(*definition, *card);
+      if (name != nullptr && keys.insert(without_case(name->text)).second) list.push_back({name->text, *find_device(name->text)});
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+std::optional<Device> find_device(std::string_view name) {
+  const std::string key = without_case(name);
+  const auto* named = longest(table().names, key, [&](std::size_t size) { return is_suffix(std::string_view(key).substr(size), size); });
+  if (named != nullptr) return Device{named->second.type, std::string(named->second.parameters), named->second.source};
+  const auto* pattern = longest(table().patterns, key, [&](std::size_t size) { return !zener_voltage(key.substr(size)).empty(); });
+  if (pattern == nullptr) return read_infineon(key);
+  return Device{pattern->second.type, with_voltage(pattern->second.parameters, zener_voltage(key.substr(pattern->first.size()))),
+                pattern->second.source};
+}
+
+std::vector<std::string> device_names() {
+  std::vector<std::string> names;
+  for (const auto& [key, row] : table().names) {
+    names.push_back(key);
+    std::transform(names.back().begin(), names.back().end(), names.back().begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  }
+  return names;
+}
+
+DeviceModels add_device_models(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
+  DeviceModels models;
+  const std::vector<Wanted> wanted = wanted_by(definitions);
+  if (wanted.empty()) return models;
+  std::string text = "pwlsim's models\n";
+  for (const Wanted& one : wanted) text += fmt::format(".model {} {} {}\n", one.name, one.device.type, one.device.parameters);
+  Diagnostics scratch;
+  models.deck = netlist::parse("pwlsim's models", text, sources, scratch);
+  reporter.forward(scratch);
+  reporter.leave_out_notes_of(models.deck.title_span.file);
+  Definition& top = *definitions.all.front();
+  for (std::size_t at = 0; at < models.deck.cards.size() && at < wanted.size(); ++at) {
+    const Card& card = models.deck.cards[at];
+    top.models.emplace(without_case(wanted[at].name), &card);
+    models.sources.emplace(&card,
+                           fmt::format("{} {} ({})", wanted[at].device.type, wanted[at].device.parameters, wanted[at].device.source));
+  }
+  return models;
+}
+
+}  // namespace pwlsim::circuit

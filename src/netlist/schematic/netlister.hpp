@@ -1,0 +1,25 @@
+#pragma once
+/// A schematic as the netlist that LTspice makes of it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+#include "base/source.hpp"
+
+namespace pwlsim::netlist {
+
+struct SchematicNetlist {
+  std::string text;                   ///< with a title
+  std::vector<SourceOrigin> origins;  ///< of its lines; those that LTspice adds by itself come from nowhere
+  std::vector<std::string> files;     ///< read besides the schematic
+};
+
+/// The schematic is a text of the store; symbols and blocks are sought in `folder`. Elements come in their order on the sheet, then the blocks as
+/// subcircuits, LTspice's own models and libraries for the kinds of elements that are there, and the directives. A symbol that is not found is
+/// `E-schematic-symbol`, one without a name `E-schematic-name`; the others are written all the same.
+[[nodiscard]] SchematicNetlist netlist_of(FileIndex schematic, const std::filesystem::path& folder, SourceStore& sources,
+                                          Diagnostics& diagnostics);
+
+}  // namespace pwlsim::netlist

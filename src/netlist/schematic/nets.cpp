@@ -1,0 +1,116 @@
+#include "netlist/schematic/nets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "base/names.hpp"
+
+namespace pwlsim::netlist {
+
+namespace {
+
+GridPoint exchanged(GridPoint point) { return {point.y, point.x}; }
+
+bool lies_on(GridPoint point, const Wire& wire) {
+  const auto between = [](std::int32_t x, std::int32_t a, std::int32_t b) { return std::min(a, b) <= x && x <= std::max(a, b); };
+  if (!between(point.x, wire.from.x, wire.to.x) || !between(point.y, wire.from.y, wire.to.y)) return false;
+  const std::int64_t along_x = wire.to.x - wire.from.x, along_y = wire.to.y - wire.from.y;
+  return along_x * (point.y - wire.from.y) == along_y * (point.x - wire.from.x);
+}
+
+}  // namespace
+
+bool is_ground(std::string_view label) { return label == "0" || same_name(label, "gnd"); }
+
+std::string node_name(std::string_view label) {
+  std::string name(label);
+  for (char& c : name)
+    if (std::string_view(" \t(){}=,\"';").find(c) != std::string_view::npos) c = '_';
+  return name;
+}
+
+Nets::Nets(const Sheet& sheet, const std::vector<GridPoint>& pins, const std::vector<Wire>& joined) {
+  for (const Wire& wire : sheet.wires) {
+    add_point(wire.from);
+    add_point(wire.to);
+  }
+  for (const Flag& flag : sheet.flags) add_point(flag.at);
+  for (const GridPoint pin : pins) add_point(pin);
+  for (const Wire& wire : sheet.wires) join_along(wire);
+  for (const Wire& wire : joined) join(wire.from, wire.to);
+  join_labels(sheet.flags);
+  name_labelled(sheet.flags);
+  name_others();
+}
+
+void Nets::add_point(GridPoint point) {
+  uses_[point] += 1;
+  if (points_.emplace(point, above_.size()).second) {
+    by_rows_.emplace(exchanged(point), above_.size());
+    above_.push_back(above_.size());
+  }
+}
+
+Nets::Index Nets::root(Index at) const {
+  while (above_[at] != at) at = above_[at] = above_[above_[at]];
+  return at;
+}
+
+void Nets::join(Index a, Index b) { above_[root(b)] = root(a); }
+
+/// Only the points between the ends of the wire are looked at: those of its row, or of its columns.
+void Nets::join_along(const Wire& wire) {
+  const bool is_level = wire.to.y == wire.from.y;
+  const auto& order = is_level ? by_rows_ : points_;
+  const auto key = [&](GridPoint point) { return is_level ? exchanged(point) : point; };
+  const auto [low, high] = std::minmax(key(wire.from), key(wire.to));
+  const Index here = points_.at(wire.from);
+  for (auto at = order.lower_bound(low); at != order.end() && at->first <= high; ++at)
+    if (lies_on(key(at->first), wire)) {
+      join(here, at->second);
+      uses_[key(at->first)] += 1;
+    }
+}
+
+void Nets::join_labels(const std::vector<Flag>& flags) {
+  std::map<std::string, GridPoint> first;
+  for (const Flag& flag : flags) {
+    const std::string key = is_ground(flag.name) ? "0" : without_case(node_name(flag.name));
+    const auto [known, is_new] = first.emplace(key, flag.at);
+    if (!is_new) join(known->second, flag.at);
+  }
+}
+
+void Nets::name_labelled(const std::vector<Flag>& flags) {
+  for (const Flag& flag : flags)
+    if (is_ground(flag.name)) names_[root(points_.at(flag.at))] = "0";
+  std::set<std::string> told;
+  for (const Flag& flag : flags) {
+    const std::string label = node_name(flag.name);
+    const auto [named, is_new] = names_.emplace(root(points_.at(flag.at)), label);
+    if (!is_new && !is_ground(label) && !same_name(named->second, label) && told.insert(without_case(label)).second)
+      aliases_.push_back({label, named->second});
+  }
+}
+
+void Nets::name_others() {
+  std::set<std::string> taken;
+  for (const auto& [index, name] : names_) taken.insert(without_case(name));
+  for (const Alias& alias : aliases_) taken.insert(without_case(alias.label));
+  int number = 0;
+  for (const auto& [point, index] : by_rows_) {
+    std::string& name = names_[root(index)];
+    while (name.empty()) {
+      std::string next = fmt::format("N{:03}", ++number);
+      if (!taken.contains(without_case(next))) name = std::move(next);
+    }
+  }
+}
+
+const std::string& Nets::name_at(GridPoint pin) const { return names_.at(root(points_.at(pin))); }
+
+bool Nets::is_open(GridPoint pin) const { return uses_.at(pin) == 1; }
+
+}  // namespace pwlsim::netlist

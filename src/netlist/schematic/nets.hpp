@@ -1,0 +1,55 @@
+#pragma once
+/// Which places of a sheet are one node, and what the nodes are called.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "netlist/schematic/sheet.hpp"
+
+namespace pwlsim::netlist {
+
+/// Wires, pins and labels meet at their ends and wherever such an end lies on a wire; wires that only cross do not. Labels of one name are one net.
+/// A net is called after its first label, or `0` where one of its labels is; nets without a label are N001, N002, … from the top left.
+class Nets {
+ public:
+  /// `pins` of all symbols; `joined` are pairs of pins that a jumper joins.
+  Nets(const Sheet& sheet, const std::vector<GridPoint>& pins, const std::vector<Wire>& joined);
+
+  /// The node at a pin.
+  [[nodiscard]] const std::string& name_at(GridPoint pin) const;
+  /// Nothing but this one pin is there.
+  [[nodiscard]] bool is_open(GridPoint pin) const;
+
+  /// Further labels of a net, each with the name of the net.
+  struct Alias {
+    std::string label, net;
+  };
+  [[nodiscard]] const std::vector<Alias>& aliases() const { return aliases_; }
+
+ private:
+  using Index = std::size_t;
+  void add_point(GridPoint point);
+  Index root(Index at) const;
+  void join(Index a, Index b);
+  void join(GridPoint a, GridPoint b) { join(points_.at(a), points_.at(b)); }
+  void join_along(const Wire& wire);
+  void join_labels(const std::vector<Flag>& flags);
+  void name_labelled(const std::vector<Flag>& flags);
+  void name_others();
+
+  std::map<GridPoint, Index> points_;   ///< by columns
+  std::map<GridPoint, Index> by_rows_;  ///< the same with x and y exchanged
+  mutable std::vector<Index> above_;    ///< towards the root
+  std::map<Index, std::string> names_;  ///< of roots
+  std::map<GridPoint, int> uses_;       ///< of places, by pins, wires and labels
+  std::vector<Alias> aliases_;
+};
+
+/// `0` and `gnd`.
+[[nodiscard]] bool is_ground(std::string_view label);
+
+/// A label as a node of a netlist: characters that would part it are replaced.
+[[nodiscard]] std::string node_name(std::string_view label);
+
+}  // namespace pwlsim::netlist

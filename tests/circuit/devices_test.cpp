@@ -1,0 +1,107 @@
+// Models at hand.
+
+#include <catch2/catch.hpp>
+
+#include <fmt/format.h>
+
+#include "circuit/deck.hpp"
+#include "circuit/devices.hpp"
+
+using namespace pwlsim;
+using circuit::find_device;
+using test::compile_deck;
+using test::CompiledDeck;
+
+namespace {
+
+std::string parameters_of(std::string_view name) {
+  const auto device = find_device(name);
+  return device ? std::string(device->type) + ' ' + device->parameters : "none";
+}
+
+std::string card_of(std::string_view type, std::string_view name) {
+  if (type == "OPAMP") return fmt::format("X1 0 b c d b {}\nV2 c 0 5\nV3 0 d 5\nR1 b 0 1", name);
+  if (type == "D") return fmt::format("D1 a 0 {}", name);
+  const char letter = type == "VDMOS" ? 'M' : type == "NPN" || type == "PNP" ? 'Q' : 'J';
+  return fmt::format("{}1 a b 0 {}\nR2 b 0 1", letter, name);
+}
+
+}  // namespace
+
+TEST_CASE("a name stands for itself and for itself with letters behind it", "[unit]") {
+  CHECK(parameters_of("1n4148") == "D Vfwd=0.7 Ron=2 Vrev=100");
+  CHECK(parameters_of("1N4148WS") == parameters_of("1N4148"));
+  CHECK(parameters_of("1N41480") == "none");
+  CHECK(parameters_of("1N414") == "none");
+  CHECK(parameters_of("MBRS140T3G") == parameters_of("MBRS140"));
+  CHECK(parameters_of("IRF540NPBF") == parameters_of("IRF540N"));
+  CHECK(parameters_of("IRF540") != parameters_of("IRF540N"));
+  CHECK(parameters_of("J201") == "NJF Vto=-2 Beta=1m");
+  CHECK(parameters_of("J201X") == "none");  // too short for anything but itself
+  CHECK(parameters_of("1N4148_with_a_long_name") == "none");
+  CHECK(parameters_of("") == "none");
+}
+
+TEST_CASE("the voltage of a Zener diode stands in its name", "[unit]") {
+  CHECK(parameters_of("BZX84C5V1") == "D Vfwd=0.75 Ron=1.5 Vrev=5.1 Rrev=20");
+  CHECK(parameters_of("bzx84c24vly") == "D Vfwd=0.75 Ron=1.5 Vrev=24 Rrev=20");
+  CHECK(parameters_of("BZX79-C12") == "D Vfwd=0.75 Ron=1.5 Vrev=12 Rrev=20");
+  CHECK(parameters_of("P6KE6.8A") == "D Vfwd=0.8 Ron=20m Vrev=6.8 Rrev=0.5");
+  CHECK(parameters_of("BZX84C") == "none");
+  CHECK(parameters_of("BZX84C5231") == "none");
+}
+
+TEST_CASE("resistance and voltage stand in the names of Infineon's MOSFETs", "[unit]") {
+  CHECK(parameters_of("BSC900N20NS3") == "VDMOS Vto=3 Ron=0.09 Vfwd=0.75 Rfwd=0.045 BV=200");
+  CHECK(parameters_of("BSZ100N03MS") == "VDMOS Vto=1.7 Ron=0.01 Vfwd=0.75 Rfwd=0.005 BV=30");
+  CHECK(parameters_of("IPP052N8N5") == "VDMOS Vto=3 Ron=0.0052 Vfwd=0.75 Rfwd=0.0026 BV=80");
+  CHECK(parameters_of("BSC009NE2LS5") == "VDMOS Vto=1.7 Ron=0.0009 Vfwd=0.75 Rfwd=0.00045 BV=25");
+  CHECK(parameters_of("IPB180N04S4") == "none");  // 180 A
+  CHECK(parameters_of("BSC9N") == "none");
+  CHECK(parameters_of("IPPabcN10") == "none");
+}
+
+TEST_CASE("every model at hand can be used", "[unit]") {
+  for (const std::string& name : circuit::device_names()) {
+    INFO(name);
+    const auto device = find_device(name);
+    REQUIRE(device);
+    CHECK_FALSE(device->source.empty());
+    const CompiledDeck deck = compile_deck(fmt::format("V1 a 0 SIN(0 1 50)\n{}\n.tran 1m\n", card_of(device->type, name)));
+    INFO(deck.messages());
+    CHECK(deck.compiled.has_value());
+    CHECK(deck.diagnostics.all().size() == 1);
+    CHECK(deck.count("N-model-at-hand") == 1);
+  }
+}
+
+TEST_CASE("a model at hand is told of where it is used, once", "[unit]") {
+  const CompiledDeck deck = compile_deck("V1 a 0 1\nD1 a b 1N4148\nD2 b 0 1N4148\n.subckt unused x y\nD1 x y 1N4007\n.ends\n.tran 1m\n");
+  INFO(deck.messages());
+  CHECK(deck.count("N-model-at-hand") == 1);
+  CHECK(deck.diagnostics.all().size() == 1);
+}
+
+TEST_CASE("a model of the deck rules over one at hand", "[unit]") {
+  const CompiledDeck deck = compile_deck("V1 a 0 1\nD1 a b 1N4148\nR1 b 0 1\n.model 1n4148 D(Vfwd=0.5)\n.tran 1m\n");
+  CHECK(deck.messages().empty());
+  const CompiledDeck inner =
+      compile_deck("V1 a 0 1\nX1 a s\n.subckt s p\nD1 p 0 1N4148\n.model 1N4148 D(Vfwd=0.5 Ron=1)\n.ends\n.tran 1m\n");
+  CHECK(inner.messages().empty());
+}
+
+TEST_CASE("a model at hand is of the kind that the element takes", "[unit]") {
+  CHECK(compile_deck("V1 a 0 1\nD1 a 0 IRF540\n.tran 1m\n").count("E-unknown-model") == 1);
+  CHECK(compile_deck("V1 a 0 1\nD1 a 0 notathand\n.tran 1m\n").count("E-unknown-model") == 1);
+}
+
+TEST_CASE("the levels of LTspice's universal amplifier", "[unit]") {
+  for (const char* name : {"level.1", "level1", "level.2", "level2", "level.3a", "level3b"}) {
+    INFO(name);
+    const CompiledDeck deck = compile_deck(fmt::format(
+        "V1 in 0 1\nV2 p 0 15\nV3 n 0 -15\nXU1 in out p n out {} Avol=1Meg GBW=10Meg en=0 ink=0\nR1 out 0 1k\n.tran 1m\n", name));
+    INFO(deck.messages());
+    CHECK(deck.compiled.has_value());
+  }
+  CHECK(compile_deck("X1 a b c d e level.9\n.tran 1m\n").count("E-unknown-subckt") == 1);
+}
