@@ -10,10 +10,12 @@
 
 namespace pwlsim::circuit {
 
-Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run) {
+Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
+                  const std::string& ground) {
   Flattened result;
   Circuit& circuit = result.circuit;
   circuit.title = deck.title;
+  circuit.stands_for_ground = ground;
   circuit.has_gaps = reporter.failed();  // a card that could not be read may be missing
   Definitions definitions = read_definitions(deck, reporter);
   replace_logic_devices(definitions, reporter);

@@ -349,10 +349,13 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   if (builtin == nullptr) {
     static constexpr std::string_view with_memory[] = {"ddt", "d", "idt", "sdt", "idtmod", "delay", "absdelay"};
     const bool known = std::any_of(std::begin(with_memory), std::end(with_memory), [&](std::string_view name) { return key == name; });
-    reporter().error(
-        known ? "E-not-supported" : "E-unknown-function", expression.span,
-        known ? fmt::format("{}: {} in an expression is not supported; try an A element of type int or d_dt", instance_.name, key)
-              : fmt::format("unknown function '{}'", expression.text));
+    const bool is_integral = key == "idt" || key == "sdt" || key == "idtmod", is_delay = key == "delay" || key == "absdelay";
+    reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
+                     known ? fmt::format("{}: {} in an expression is not supported; try an A element of type {}", instance_.name, key,
+                                         is_integral ? "int"
+                                         : is_delay  ? "s_xfer, as a low pass of that time constant"
+                                                     : "d_dt")
+                           : fmt::format("unknown function '{}'", expression.text));
     return std::nullopt;
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;
@@ -365,6 +368,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
                      fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
     return std::nullopt;
   }
+  // As LTspice has them: a threshold of one half.
+  if (key == "buf") return piecewise(builder_.step(values[0] - constant_sum(0.5)));
+  if (key == "inv") return piecewise(constant_sum(1.0) - builder_.step(values[0] - constant_sum(0.5)));
   if (key == "abs") return piecewise(builder_.absolute(values[0]));
   if (key == "sgn") return piecewise(builder_.sign(values[0]));
   if (key == "limit") return piecewise(builder_.limit(values[0], values[1], values[2]));
