@@ -106,3 +106,20 @@ TEST_CASE("a switch of level 2 with a limit of its current runs, and both are na
   CHECK_THAT(finished.err, Contains("warning[W-ignored-parameter]: level, Ilimit of model SX are ignored"));
   CHECK(value_of(finished.out, "m") == Approx(0.5));
 }
+
+TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
+  const Scratch scratch;
+  // A trapezoid of 4 V from 0 to 4 ms, whose flanks take 1 ms each: 12 V ms over 4 ms.
+  scratch.write("points.txt", "* time value\n0 0\n1m, 4\n+2m\t4\r\n\n4e-3 0\n");
+  for (const char* source : {"PWL file=points.txt", "PWL(file=points.txt)", "PWL file=\"points.txt\""}) {
+    INFO(source);
+    const Finished finished =
+        run_deck(scratch, std::string("file\nV1 a 0 ") + source + "\nR1 a 0 1\n.tran 0.1m 4m\n.meas m AVG v(a)\n.meas p MAX v(a)\n");
+    REQUIRE(finished.status == 0);
+    CHECK(value_of(finished.out, "m") == Approx(3.0).epsilon(1e-12));
+    CHECK(value_of(finished.out, "p") == Approx(4.0));
+  }
+  scratch.write("bad.txt", "0 0\n1m\n");
+  const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
+  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
+}
