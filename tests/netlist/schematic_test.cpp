@@ -208,11 +208,11 @@ TEST_CASE("messages about a schematic's netlist name its lines", "[unit]") {
   SourceStore sources;
   Diagnostics diagnostics;
   static_cast<void>(netlist::parse(
-      "x.asc", "Version 4\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\nSYMATTR Value {1+}\nTEXT 0 0 Left 2 !.tran 1m\\n.param a=)\n", sources,
-      diagnostics));
+      "x.asc", "Version 4\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\nSYMATTR Value {1+}\nTEXT 0 0 Left 2 !.tran 1m\\n.param a={2*}\n",
+      sources, diagnostics));
   REQUIRE(diagnostics.all().size() == 2);
   CHECK(render(diagnostics.all()[0], sources).starts_with("x.asc:2:8: error[E-syntax-expression]"));
-  CHECK(render(diagnostics.all()[1], sources).starts_with("x.asc:5:37: error[E-syntax-"));
+  CHECK(render(diagnostics.all()[1], sources).starts_with("x.asc:5:40: error[E-syntax-expression]"));
 }
 
 TEST_CASE("damaged schematics end in messages", "[property]") {
