@@ -215,6 +215,20 @@ TEST_CASE("messages about a schematic's netlist name its lines", "[unit]") {
   CHECK(render(diagnostics.all()[1], sources).starts_with("x.asc:5:40: error[E-syntax-expression]"));
 }
 
+TEST_CASE("a schematic in UTF-16, as LTspice writes some", "[unit]") {
+  const std::string plain = "Version 4\r\nFLAG 16 16 a\r\nFLAG 16 96 0\r\nSYMBOL res 0 0 R0\r\nSYMATTR InstName R1\r\nSYMATTR Value 5\r\n";
+  std::string wide;
+  for (const char c : plain) wide += std::string{c, '\0'};
+  for (const std::string& bytes : {wide, "\xFF\xFE" + wide}) {
+    SourceStore sources;
+    Diagnostics diagnostics;
+    const netlist::Deck deck = netlist::parse("x.asc", bytes, sources, diagnostics);
+    CHECK(diagnostics.all().empty());
+    REQUIRE_FALSE(deck.cards.empty());
+    CHECK(deck.cards.front().name == "R1");
+  }
+}
+
 TEST_CASE("damaged schematics end in messages", "[property]") {
   for (unsigned seed = 1; seed <= 400; ++seed) {
     INFO("seed " << seed);
