@@ -80,7 +80,7 @@ SYMBOL cap 464 160 R0
 SYMATTR InstName C1
 SYMATTR Value 47µ
 SYMATTR SpiceLine2 Cpar=1n
-TEXT 0 400 Left 2 !.tran 1m\n.save V(out)
+TEXT 0 400 Left 2 !.tran 1m\n.save V(out) Id(M§Q1)
 TEXT 0 440 Left 2 ;.tran 2m
 RECTANGLE Normal 1 2 3 4 2
 )";
@@ -104,7 +104,7 @@ TEST_CASE("a schematic becomes the netlist that LTspice makes of it", "[unit]") 
         ".model PMOS PMOS\n"
         ".lib standard.mos\n"
         ".tran 1m\n"
-        ".save V(out)\n"
+        ".save V(out) Id(MQ1)\n"
         ".backanno\n"
         ".end\n");
 }
