@@ -6,6 +6,7 @@
 
 #include "base/names.hpp"
 #include "circuit/floating.hpp"
+#include "circuit/gate_drives.hpp"
 #include "circuit/names.hpp"
 #include "circuit/signals.hpp"
 #include "elements/emission.hpp"
@@ -149,6 +150,7 @@ class Assembler {
   }
 
   void emit() {
+    mark_gate_drives(circuit_);
     for (const model::Label& node : circuit_.nodes()) (void)builder_.inner_node(node);
     emitted_.resize(circuit_.instances.size());
     Diagnostics scratch;

@@ -133,6 +133,8 @@ struct Instance {
   std::optional<model::SourceFunction> waveform;
   int model = -1;            ///< index within the circuit's models
   std::optional<bool> flag;  ///< on / off as written
+  bool drive_is_apart =
+      false;  ///< of a MOSFET: its gate is driven against another node than its source, whose potential its own current moves
 };
 
 }  // namespace pwlsim::elements

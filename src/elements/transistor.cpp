@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "elements/complementarity.hpp"
+
 namespace pwlsim::elements {
 namespace {
 
@@ -44,6 +46,23 @@ void add_channel(Emission& emission, const Channel& channel) {
   item.written = model::WrittenControl{channel.p_type ? -1.0 : 1.0, 0.0, "V"};
   emission.result().item = emission.builder().add(std::move(item));
   emission.result().current.push_back({Quantity::switch_current, emission.result().item, 1.0});
+}
+
+void add_following_channel(Emission& emission, const Channel& channel) {
+  constexpr double least_resistance = 1e-4;  // ohm
+  const std::vector<model::NodeIndex>& nodes = emission.instance().nodes;
+  const double sign = channel.p_type ? -1.0 : 1.0;
+  const double conductance = 1.0 / std::max(channel.resistance, least_resistance);
+  const auto excess_over = [&](std::size_t terminal) {
+    model::LinearForm excess = model::voltage_between(nodes[gate], nodes[terminal], sign);
+    excess.push_back(model::constant(-sign * channel.threshold));
+    return add_positive_part(emission, excess);
+  };
+  model::LinearForm current;
+  model::accumulate(current, excess_over(source), sign * conductance);
+  model::accumulate(current, excess_over(0), -sign * conductance);
+  emission.result().current = current;
+  emission.builder().add(model::Injection{emission.label(), nodes[0], nodes[source], std::move(current)});
 }
 
 void twin_of_channel(Twin& twin, const Channel& channel) {

@@ -29,6 +29,13 @@ struct Channel {
 
 /// Between the nodes drain, gate, source of the instance. Its current is that of the element.
 void add_channel(Emission& emission, const Channel& channel);
+/// The same where the current moves v(gate, source), so that a switch could find no position at its threshold: a source follower, a resistance in the
+/// source. With g = 1/Ron
+///
+///     i = g max(0, v(gate, source) - threshold) - g max(0, v(gate, drain) - threshold)
+///
+/// which is v(drain, source)/Ron when on, no current when off, and between them the current that the gate allows.
+void add_following_channel(Emission& emission, const Channel& channel);
 void twin_of_channel(Twin& twin, const Channel& channel);
 [[nodiscard]] TwinEvent event_of_channel(const Twin& twin, const Channel& channel);
 

@@ -64,6 +64,18 @@ CodePoint read_utf8(std::string_view bytes) {
   return value < smallest[size] || surrogate || value > 0x10FFFF ? CodePoint{} : CodePoint{value, size};
 }
 
+/// Four characters of ASCII in little-endian UTF-16, printable or ends of lines.
+bool begins_as_utf16(std::string_view bytes) {
+  constexpr std::size_t looked_at = 8;
+  if (bytes.size() < looked_at || bytes.size() % 2 != 0) return false;
+  for (std::size_t at = 0; at < looked_at; at += 2) {
+    const auto low = static_cast<unsigned char>(bytes[at]);
+    const bool is_text = (low >= 0x20 && low < 0x7F) || low == '\n' || low == '\r' || low == '\t';
+    if (!is_text || bytes[at + 1] != 0) return false;
+  }
+  return true;
+}
+
 class Decoder {
  public:
   DecodedText take() { return std::move(result_); }
@@ -166,6 +178,8 @@ DecodedText decode(std::string bytes) {
     decoder.utf16(std::string_view(bytes).substr(2), false);
   } else if (bytes.starts_with("\xFE\xFF")) {
     decoder.utf16(std::string_view(bytes).substr(2), true);
+  } else if (begins_as_utf16(bytes)) {
+    decoder.utf16(bytes, false);
   } else {
     if (bytes.starts_with("\xEF\xBB\xBF")) {
       bytes.erase(0, 3);

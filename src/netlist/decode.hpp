@@ -25,7 +25,7 @@ struct DecodedText {
   std::vector<TextProblem> problems;  ///< by offset; after a thousand no more are listed
 };
 
-/// UTF-16 is recognised by its byte order mark. A byte that is not UTF-8 is read as Windows-1252, which agrees with Latin-1 on µ.
+/// UTF-16 is recognised by its byte order mark, or, little-endian without one (some of LTspice's files), by four letters of ASCII at the front. A byte that is not UTF-8 is read as Windows-1252, which agrees with Latin-1 on µ.
 /// A no-break space becomes a blank, half a UTF-16 pair U+FFFD. Linear in the size; a text that needs no change is moved, not copied.
 [[nodiscard]] DecodedText decode(std::string bytes);
 

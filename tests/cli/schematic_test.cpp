@@ -40,6 +40,16 @@ TEST_CASE("a schematic runs", "[unit]") {
   CHECK(read_file(scratch / "low.csv").starts_with("time,v(N001),v(out),i(V1)\n"));
 }
 
+TEST_CASE("the example of netlists/ runs with models at hand", "[unit]") {
+  const Scratch scratch;
+  const Finished finished = run_in(scratch, {PWLSIM_SOURCE_DIR "/netlists/boost_schematic.asc"});
+  CHECK(finished.status == 0);
+  CHECK(finished.err.find("IRF540N") != std::string::npos);
+  // 12 V/(1 - D) at a duty cycle of a half, less 0.3 V + 0.1 V of the diode and the drops of 2 A in 20 mohm of the inductor and in half of the time 44 mohm.
+  const double mean = std::stod(finished.out.substr(finished.out.find('=') + 1));
+  CHECK(mean == Approx(24.0 - 0.37 - 2.0 * (0.04 + 0.044)).margin(0.1));
+}
+
 TEST_CASE("export of a schematic under a name .net writes its netlist", "[unit]") {
   const Scratch scratch;
   scratch.write("low.asc", low_pass);

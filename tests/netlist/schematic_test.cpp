@@ -80,7 +80,7 @@ SYMBOL cap 464 160 R0
 SYMATTR InstName C1
 SYMATTR Value 47µ
 SYMATTR SpiceLine2 Cpar=1n
-TEXT 0 400 Left 2 !.tran 1m\n.save V(out)
+TEXT 0 400 Left 2 !.tran 1m\n.save V(out) Id(M§Q1)
 TEXT 0 440 Left 2 ;.tran 2m
 RECTANGLE Normal 1 2 3 4 2
 )";
@@ -104,7 +104,7 @@ TEST_CASE("a schematic becomes the netlist that LTspice makes of it", "[unit]") 
         ".model PMOS PMOS\n"
         ".lib standard.mos\n"
         ".tran 1m\n"
-        ".save V(out)\n"
+        ".save V(out) Id(MQ1)\n"
         ".backanno\n"
         ".end\n");
 }
@@ -208,11 +208,25 @@ TEST_CASE("messages about a schematic's netlist name its lines", "[unit]") {
   SourceStore sources;
   Diagnostics diagnostics;
   static_cast<void>(netlist::parse(
-      "x.asc", "Version 4\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\nSYMATTR Value {1+}\nTEXT 0 0 Left 2 !.tran 1m\\n.param a=]\n", sources,
-      diagnostics));
+      "x.asc", "Version 4\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\nSYMATTR Value {1+}\nTEXT 0 0 Left 2 !.tran 1m\\n.param a={2*}\n",
+      sources, diagnostics));
   REQUIRE(diagnostics.all().size() == 2);
   CHECK(render(diagnostics.all()[0], sources).starts_with("x.asc:2:8: error[E-syntax-expression]"));
-  CHECK(render(diagnostics.all()[1], sources).starts_with("x.asc:5:37: error[E-syntax-"));
+  CHECK(render(diagnostics.all()[1], sources).starts_with("x.asc:5:40: error[E-syntax-expression]"));
+}
+
+TEST_CASE("a schematic in UTF-16, as LTspice writes some", "[unit]") {
+  const std::string plain = "Version 4\r\nFLAG 16 16 a\r\nFLAG 16 96 0\r\nSYMBOL res 0 0 R0\r\nSYMATTR InstName R1\r\nSYMATTR Value 5\r\n";
+  std::string wide;
+  for (const char c : plain) wide += std::string{c, '\0'};
+  for (const std::string& bytes : {wide, "\xFF\xFE" + wide}) {
+    SourceStore sources;
+    Diagnostics diagnostics;
+    const netlist::Deck deck = netlist::parse("x.asc", bytes, sources, diagnostics);
+    CHECK(diagnostics.all().empty());
+    REQUIRE_FALSE(deck.cards.empty());
+    CHECK(deck.cards.front().name == "R1");
+  }
 }
 
 TEST_CASE("damaged schematics end in messages", "[property]") {

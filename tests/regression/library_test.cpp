@@ -219,3 +219,21 @@ TEST_CASE("a deck's own subcircuit of a shipped name rules", "[regression]") {
   const DeckRun run = run_cards("V1 a 0 1\nX1 a b xfmr\nR1 b 0 1\n.subckt xfmr a b\nR1 a b 3\n.ends\n.save v(b)\n.tran 1 1\n");
   check_signal(run, 1, 1.0, [](double) { return 0.25; });
 }
+
+// From a third of the supply to two thirds through R1 + R2: ln(2) time constants; back through R2 towards what the switch of 10 ohm leaves of the supply.
+TEST_CASE("ne555: an astable circuit", "[regression]") {
+  const double supply = 10.0, r1 = 2e3, r2 = 4e3, c = 100e-9, r_switch = 10.0;
+  const DeckRun run = run_cards(
+      "V1 vcc 0 10\nX1 0 cap out vcc cv cap dis vcc NE555\nR1 vcc dis 2k\nR2 dis cap 4k\nC1 cap 0 100n\nRL out 0 1k\n.save v(out)\n.tran "
+      "5m uic\n",
+      true);
+  const std::vector<double> times = event_times(run);
+  const double rest = supply * r_switch / (r1 + r_switch), through = r2 + r1 * r_switch / (r1 + r_switch);
+  const double high = std::log(2.0) * (r1 + r2) * c;
+  const double low = through * c * std::log((supply * 2.0 / 3.0 - rest) / (supply / 3.0 - rest));
+  const double first_fall = (r1 + r2) * c * std::log(3.0);
+  CHECK(holds(times, first_fall));
+  CHECK(holds(times, first_fall + low));
+  CHECK(holds(times, first_fall + low + high));
+  CHECK(holds(times, first_fall + 2.0 * (low + high)));
+}

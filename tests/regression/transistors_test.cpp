@@ -52,8 +52,8 @@ TEST_CASE("a MOSFET whose gate rests at the threshold is open", "[regression]") 
   };
   const Form form = GENERATE(Form{"NMOS(Ron=1)", "PULSE(0 10 0 0 0 2 4)"}, Form{"NMOS(Ron=1)", "PULSE(0 10 0 0.1 0.1 1.8 4)"},
                              Form{"NMOS(Vto=2 Ron=1)", "PULSE(2 10 0 0 0 2 4)"});
-  const DeckRun run =
-      run_cards("V1 a 0 10\nR1 a d 9\nM1 d g 0 MX\n.model MX " + form.model + "\nVG g 0 " + form.drive + "\n.save v(d)\n.tran 0.75 7.5 0.75\n");
+  const DeckRun run = run_cards("V1 a 0 10\nR1 a d 9\nM1 d g 0 MX\n.model MX " + form.model + "\nVG g 0 " + form.drive +
+                                "\n.save v(d)\n.tran 0.75 7.5 0.75\n");
   check_signal(run, 1, 10.0, [&](double t) { return std::fmod(t, 4.0) < 2.0 ? 1.0 : 10.0; });
 }
 
@@ -155,4 +155,32 @@ TEST_CASE("a junction FET is closed without a gate voltage", "[regression]") {
                 ")\n.model JX " + (p_type ? "PJF" : "NJF") + "(VTO=-2 BETA=1m RD=50)\n.save v(d)\n.tran 0.0625 1\n");
   const double resistance = 50.0 + 1.0 / (2.0 * 1e-3 * 2.0);
   check_signal(run, 1, 10.0, [&](double t) { return sign * (5.0 * t < 2.0 ? 10.0 * resistance / (1e3 + resistance) : 10.0); });
+}
+
+// The gate against ground, the source elsewhere: i = (v(g,s) - Vto)/Ron - (v(g,d) - Vto)/Ron, each part where it is positive, solved by hand.
+TEST_CASE("a source follows the gate", "[regression]") {
+  const std::string type = GENERATE("N", "P");
+  const double sign = type == "N" ? 1.0 : -1.0;
+  const std::string minus = type == "N" ? "" : "-";
+  const DeckRun run =
+      run_cards("V1 d 0 " + minus + "24\nVG g1 0 PWL(0 0 1 " + minus + "40)\nRG g1 g 100\nM1 d g s s MX\nR1 s 0 10\n.model MX " + type +
+                "MOS(Vto=" + minus + "2 Ron=0.5)\n.save v(s)\n.tran 0.03125 1\n");
+  check_signal(run, 1, 24.0, [&](double t) {
+    const double follows = (40.0 * t - 2.0) * 10.0 / 10.5, closed = 24.0 * 10.0 / 10.5;
+    return sign * std::clamp(follows, 0.0, closed);
+  });
+}
+
+TEST_CASE("a resistance in the source of a MOSFET", "[regression]") {
+  const DeckRun run = run_cards(
+      "V1 a 0 10\nRD a d 10\nVG g 0 PWL(0 0 1 10 2 0)\nM1 d g s MX\nRS s 0 1\n.model MX VDMOS(Vto=3 Ron=0.1)\n.save i(M1)\n.tran 0.03125 "
+      "2\n");
+  check_signal(run, 1, 1.0, [](double t) { return std::clamp((10.0 * (1.0 - std::abs(1.0 - t)) - 3.0) / 1.1, 0.0, 10.0 / 11.1); });
+}
+
+TEST_CASE("a MOSFET whose driver stands between gate and source is a switch", "[regression]") {
+  const DeckRun run = run_cards(
+      "V1 d 0 24\nVG g1 s PWL(0 0 1 10)\nRG g1 g 100\nRGS g s 100k\nM1 d g s MX\nR1 s 0 10\n.model MX VDMOS(Vto=3 Ron=0.5)\n.save "
+      "v(s)\n.tran 0.0625 1\n");
+  check_signal(run, 1, 24.0, [](double t) { return 10.0 * t * 100.0 / 100.1 > 3.0 ? 24.0 * 10.0 / 10.5 : 0.0; });
 }

@@ -276,7 +276,10 @@ void note(Emission& emission, const Channel& channel) {
                                   : is_vertical(model) ? "Rd + Rs + 1/(Kp (Vdrive - Vto))"
                                                        : "Rd + Rs + 1/(Kp W/L (Vdrive - Vto))";
   const std::string at = v.has("Ron") ? "" : fmt::format(" at Vdrive = {} V", v.get("Vdrive"));
-  note_idealised(emission, fmt::format("a switch closed while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}), and a body diode, {}",
+  const char* const what = emission.instance().drive_is_apart
+                               ? "a straight channel (its gate is not driven against its source) that conducts"
+                               : "a switch closed";
+  note_idealised(emission, fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}), and a body diode, {}", what,
                                        channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"), origin, at,
                                        words_of({v.get("Rfwd"), v.get("Vfwd")})));
 }
@@ -284,7 +287,7 @@ void note(Emission& emission, const Channel& channel) {
 void emit(Emission& emission) {
   const Instance& instance = emission.instance();
   const Channel channel = channel_of(instance, emission.model());
-  add_channel(emission, channel);
+  instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, body_diode(instance, emission.model(), "body diode", 0), -1.0);
   add_junction(emission, body_diode(instance, emission.model(), "bulk diode", 2), 0.0);
   note(emission, channel);

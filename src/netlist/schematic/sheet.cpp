@@ -144,7 +144,7 @@ class SheetReader {
     return true;
   }
 
-  /// Its lines are parted by `\n`, and a backslash is written twice.
+  /// Its lines are parted by `\n`, and a backslash is written twice. LTspice writes `M§Q1` for the MQ1 of element_name.
   void add_directive(std::string_view written) {
     const auto start = [&](std::size_t at) { sheet_.directives.push_back({{}, span(written.substr(at)).begin}); };
     start(0);
@@ -153,6 +153,10 @@ class SheetReader {
       if (pair == "\\n") {
         start(at += 2);
         --at;
+        continue;
+      }
+      if (pair == "\xC2\xA7") {
+        ++at;
         continue;
       }
       sheet_.directives.back().text.push_back(written[at]);
