@@ -92,8 +92,9 @@ void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& dia
   const double reverse = values.get("BV");
   diagnostics.note(
       "N-diode-tangent", model.span,
-      fmt::format("the exponential diode {} is replaced by its tangent at {} A: Ron = {:.6g} ohm, Vfwd = {:.6g} V, Vrev = {:.6g} V",
-                  model.name, i0, law.resistance, law.drop, reverse));
+      fmt::format("the exponential diode {} is replaced by its tangent at {} A{}: Ron = {:.6g} ohm, Vfwd = {:.6g} V, Vrev = {:.6g} V",
+                  model.name, i0, settings.finds_currents ? ", unless a first run finds another current" : "", law.resistance, law.drop,
+                  reverse));
   values.set("Ron", law.resistance);
   values.set("Vfwd", law.drop);
   values.set("Vrev", reverse);
