@@ -53,9 +53,9 @@ Cause cause_of(const Measurement& power, const circuit::Compiled& compiled) {
   const std::string changes = "the energy that capacitors and inductors hold changes within its window";
   if (!from || !to || source == sources.end() || !(circuit::period_of(source->function) < model::forever))
     return {changes, "a later window, at steady state"};
-  constexpr double rounding = 1e-6;
+  constexpr double whole_within = 1e-6;
   const double periods = (*to - *from) / circuit::period_of(source->function);
-  if (std::abs(periods - std::round(periods)) <= rounding * std::max(periods, 1.0)) return {changes, "a later window, at steady state"};
+  if (std::abs(periods - std::round(periods)) <= whole_within * std::max(periods, 1.0)) return {changes, "a later window, at steady state"};
   return {fmt::format("its window of {} holds {:.6g} periods of {}", quantity(*to - *from, "s"), periods, source->label.name),
           fmt::format("LAST={:.0f} PERIODS OF {}", std::max(1.0, std::floor(periods)), source->label.name)};
 }

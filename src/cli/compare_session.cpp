@@ -85,7 +85,7 @@ double largest_of(const std::vector<double>& values) {
   return largest;
 }
 
-/// Signals that are rounding beside the largest of their unit have no relative difference worth a line.
+/// Signals that are rounding beside the largest of their unit, or below ngspice's absolute tolerance, have no relative difference worth a line.
 void leave_out_noise(spice::Comparison& comparison) {
   constexpr double rounding = 1e-9;
   const auto unit = [](const spice::ComparedSignal& signal) { return analysis::unit_of_signal(signal.name); };
@@ -93,7 +93,8 @@ void leave_out_noise(spice::Comparison& comparison) {
     double largest = 0.0;
     for (const spice::ComparedSignal& other : comparison.signals)
       if (unit(other) == unit(signal)) largest = std::max(largest, other.scale);
-    return signal.scale < rounding * largest;
+    const double known = unit(signal) == "A" ? spice::current_tolerance : unit(signal) == "V" ? spice::voltage_tolerance : 0.0;
+    return signal.scale < std::max(rounding * largest, known);
   };
   std::vector<spice::ComparedSignal> kept;
   std::remove_copy_if(comparison.signals.begin(), comparison.signals.end(), std::back_inserter(kept), is_noise);

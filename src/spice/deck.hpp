@@ -22,6 +22,9 @@ struct Snubber {
   double time = 0.0;       ///< T, s
 };
 
+/// The absolute tolerances of the deck (abstol, vntol): what is smaller ngspice does not know.
+inline constexpr double current_tolerance = 1e-9, voltage_tolerance = 1e-6;
+
 struct DeckSettings {
   double sharpness = default_sharpness;  ///< elements/twin.hpp
   double reltol = 1e-4;

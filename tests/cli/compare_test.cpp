@@ -209,3 +209,15 @@ TEST_CASE(
   const auto& levels = report["levels"].array;
   CHECK(std::any_of(levels.begin(), levels.end(), [](const Json& level) { return level["method"].string == "trap+rc"; }));
 }
+
+TEST_CASE("compare leaves out what is below ngspice's own tolerance", "[unit]") {
+  if (!has_ngspice()) return;
+  const Scratch scratch;
+  // A picoampere is what 1 V drives through 1 TΩ; ngspice's shunts from each node to ground are of that size.
+  scratch.write("c.net", "divider\nV1 a 0 SIN(0 1 50)\nR1 a b 1k\nR2 b 0 1k\nV2 c 0 1\nR3 c 0 1t\n.tran 1m 20m\n.save v(b) i(R1) i(V2)\n");
+  const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net", "--json", "--quiet"});
+  REQUIRE(finished.status == 0);
+  const Json report = JsonReader(finished.out).read();
+  CHECK(report["signals"].array.size() == 2);
+  CHECK_THAT(report["verdict"].string, Contains("agrees to "));
+}
