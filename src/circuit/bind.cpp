@@ -56,6 +56,17 @@ class CardBinding {
     }
   }
 
+  /// A resistor whose resistance is an expression of time or of signals: the current v/R.
+  void bind_resistance(const netlist::Expression& resistance) {
+    if (!terminals()) return;
+    const auto name_of = [&](std::size_t k) {
+      return netlist::Expression{netlist::Expression::Kind::name, 0.0, card_.items[k].text, {}, card_.items[k].span};
+    };
+    const netlist::Expression voltage{netlist::Expression::Kind::call, 0.0, "v", {name_of(0), name_of(1)}, resistance.span};
+    const netlist::Expression current{netlist::Expression::Kind::binary, 0.0, "/", {voltage, resistance}, resistance.span};
+    (void)FormulaReader(binder_, place_, instance_).read(current, true);
+  }
+
   /// Of a card with a syntax error: its nodes as far as they go, so that they are known.
   void bind_damaged() {
     for (int k = 0; k < kind_.terminals && cursor_.at(ItemKind::word); ++k)
@@ -378,11 +389,31 @@ class CardBinding {
   CardCursor cursor_;
 };
 
+/// Time, a voltage or a current.
+bool reads_signals(const netlist::Expression& expression) {
+  using Kind = netlist::Expression::Kind;
+  const bool is_signal = expression.kind == Kind::call && (same_name(expression.text, "v") || same_name(expression.text, "i"));
+  return is_signal || (expression.kind == Kind::name && same_name(expression.text, "time")) ||
+         std::any_of(expression.arguments.begin(), expression.arguments.end(), reads_signals);
+}
+
+/// Of a resistor's card whose resistance changes; null: it is a number.
+const netlist::Expression* changing_resistance(const Card& card) {
+  if (card.damaged || lower_letter(card.name.front()) != 'r') return nullptr;
+  for (const Item& item : card.items) {
+    const bool is_assigned = item.kind == ItemKind::assignment && same_name(item.text, "r") && !item.items.empty();
+    const Item& value = is_assigned ? item.items[0] : item;
+    if (value.kind == ItemKind::expression && reads_signals(*value.expression)) return value.expression.get();
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 void Binder::element(Place& place, const Card& card) {
   Instance instance;
-  instance.kind = elements::find_kind(card.name.front());
+  const netlist::Expression* resistance = changing_resistance(card);
+  instance.kind = elements::find_kind(resistance != nullptr ? 'B' : card.name.front());
   instance.name = place.prefix + card.name;
   instance.span = card.name_span;
   if (instance.kind == nullptr) {
@@ -390,7 +421,10 @@ void Binder::element(Place& place, const Card& card) {
   } else {
     instance.values = elements::Values(instance.kind->parameters);
     CardBinding binding(*this, place, card, instance);
-    card.damaged ? binding.bind_damaged() : binding.bind();
+    if (resistance != nullptr)
+      binding.bind_resistance(*resistance);
+    else
+      card.damaged ? binding.bind_damaged() : binding.bind();
   }
   const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
   if (card.damaged || instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;

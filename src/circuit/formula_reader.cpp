@@ -191,7 +191,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expressi
   if (op == "^" || op == "**") return of_power(operation, a, b);
   if (op == "*") return of_product(operation, left, right);
   if (op != "/") return refuse(operation, fmt::format("'{}' between signals", op));
-  if (!b.is_constant()) return refuse(operation, "a division by a signal");
+  if (!b.is_constant()) return of_quotient(operation, a, b);
   if (b.constant != 0.0) return Meaning{1.0 / b.constant * a, std::nullopt};
   reporter().error("E-not-finite", operation.span, "division by zero");
   return std::nullopt;
@@ -234,6 +234,14 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_product(const Expression
   if (left.condition) return Meaning{builder_.choose(*left.condition, right.value, {}), std::nullopt};
   if (right.condition) return Meaning{builder_.choose(*right.condition, left.value, {}), std::nullopt};
   std::optional<Sum> product = builder_.product(left.value, right.value);
+  if (!product) return refuse(operation, "a product of signals");
+  return Meaning{std::move(*product), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_quotient(const Expression& operation, const Sum& a, const Sum& b) {
+  const std::optional<Sum> reciprocal = builder_.reciprocal(b);
+  if (!reciprocal) return refuse(operation, "a division by a signal");
+  std::optional<Sum> product = builder_.product(a, *reciprocal);
   if (!product) return refuse(operation, "a product of signals");
   return Meaning{std::move(*product), std::nullopt};
 }

@@ -52,6 +52,7 @@ class FormulaReader {
   std::optional<Meaning> of_logic(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_numbers(const Expression& operation, double left, double right);
   std::optional<Meaning> of_product(const Expression& operation, const Meaning& left, const Meaning& right);
+  std::optional<Meaning> of_quotient(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Meaning> of_power(const Expression& operation, const Sum& base, const Sum& exponent);
   std::optional<Meaning> of_comparison(const Expression& operation, const Sum& left, const Sum& right);
   std::optional<Meaning> of_choice(const Expression& yes, const Expression& no, const Expression& asked, const Context& context);

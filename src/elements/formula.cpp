@@ -196,22 +196,52 @@ AffineSum FormulaBuilder::hysteresis(const AffineSum& control, double on_level, 
   return part({.kind = Kind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
 }
 
-/// A part that takes two values, times x.
-std::optional<AffineSum> FormulaBuilder::switched(int index, const AffineSum& x) {
+std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
+  TwoValued result;
   if (part.kind == Kind::step) {
-    Condition above;
-    above.value.terms.emplace_back(index, 1.0);
-    above.margin = part.argument;
-    return choose(above, x, {});
+    result.condition.value.terms.emplace_back(index, 1.0);
+    result.condition.margin = part.argument;
+    result.above = 1.0;
+    return result;
   }
-  if (part.kind == Kind::choice && part.above.is_constant() && part.below.is_constant())
-    return hysteresis(part.argument, part.on_level, part.off_level, part.above.constant * x, part.below.constant * x);
-  if (part.kind != Kind::time) return std::nullopt;
-  const auto* pwl = std::get_if<model::Pwl>(&part.function);
+  const auto* pwl = part.kind == Kind::time ? std::get_if<model::Pwl>(&part.function) : nullptr;
   if (pwl == nullptr || pwl->repeats > 0.0 || pwl->points.size() != 2 || pwl->points[0].time != pwl->points[1].time) return std::nullopt;
-  const AffineSum after = time() - constant_sum(pwl->points[0].time);
-  return hysteresis(-1.0 * after, 0.0, 0.0, pwl->points[0].value * x, pwl->points[1].value * x);
+  result.below = pwl->points[0].value;
+  result.above = pwl->points[1].value;
+  result.condition.value.constant = -result.below / (result.above - result.below);
+  result.condition.value.terms.emplace_back(index, 1.0 / (result.above - result.below));
+  result.condition.margin = time() - constant_sum(pwl->points[0].time);
+  return result;
+}
+
+/// A part that takes two values, or is a choice, times x.
+std::optional<AffineSum> FormulaBuilder::switched(int index, const AffineSum& x) {
+  if (const std::optional<TwoValued> values = two_valued(index)) return choose(values->condition, values->above * x, values->below * x);
+  const FormulaPart part = parts_[static_cast<std::size_t>(index)];
+  if (part.kind != Kind::choice) return std::nullopt;
+  const std::optional<AffineSum> above = product(part.above, x), below = product(part.below, x);
+  if (!above || !below) return std::nullopt;
+  return hysteresis(part.argument, part.on_level, part.off_level, *above, *below);
+}
+
+std::optional<AffineSum> FormulaBuilder::reciprocal(const AffineSum& x) {
+  if (x.is_constant()) return x.constant == 0.0 ? std::nullopt : std::optional(constant_sum(1.0 / x.constant));
+  if (x.terms.size() != 1) return std::nullopt;
+  const auto [index, coefficient] = x.terms[0];
+  std::optional<AffineSum> above, below;
+  if (const std::optional<TwoValued> values = two_valued(index)) {
+    above = reciprocal(constant_sum(x.constant + coefficient * values->above));
+    below = reciprocal(constant_sum(x.constant + coefficient * values->below));
+    if (!above || !below) return std::nullopt;
+    return choose(values->condition, *above, *below);
+  }
+  const FormulaPart part = parts_[static_cast<std::size_t>(index)];
+  if (part.kind != Kind::choice) return std::nullopt;
+  above = reciprocal(constant_sum(x.constant) + coefficient * part.above);
+  below = reciprocal(constant_sum(x.constant) + coefficient * part.below);
+  if (!above || !below) return std::nullopt;
+  return hysteresis(part.argument, part.on_level, part.off_level, *above, *below);
 }
 
 std::optional<AffineSum> FormulaBuilder::switched_sum(const AffineSum& a, const AffineSum& x) {

@@ -99,6 +99,8 @@ class FormulaBuilder {
   /// Of two sums of which one is constant, both are of time, or one is a sum of parts that take two values each (comparisons, choices between numbers): switched
   /// forms of the other. Empty where the product leaves that class.
   [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
+  /// 1/x of a sum with one part, which is a comparison or a choice: a choice of reciprocals. Empty otherwise, and where a value is zero.
+  [[nodiscard]] std::optional<AffineSum> reciprocal(const AffineSum& x);
   /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
   [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
@@ -113,6 +115,12 @@ class FormulaBuilder {
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
   [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] std::optional<AffineSum> switched(int part, const AffineSum& x);
+  /// Where a part steps from one value to another: in time, or with the sign of its argument. Then the part is below + (above − below)·condition.
+  struct TwoValued {
+    Condition condition;
+    double below = 0.0, above = 0.0;
+  };
+  [[nodiscard]] std::optional<TwoValued> two_valued(int part);
   [[nodiscard]] std::optional<AffineSum> switched_sum(const AffineSum& a, const AffineSum& x);
   /// c and t0 where x = c·(t − t0), c ≠ 0.
   struct Line {

@@ -14,6 +14,7 @@ CardStyle::CardStyle(std::string_view name) {
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
   parameters_ = takes_params_ || same_name(name, ".param") || same_name(name, ".params");
   source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
+  is_resistor_ = letter == 'r';
 }
 
 bool is_measurement_keyword(std::string_view word) {
@@ -30,7 +31,7 @@ bool is_analysis_name(std::string_view word) {
 
 bool CardStyle::open_expression(std::string_view left) const {
   static constexpr std::array<std::string_view, 5> source_values{"v", "i", "value", "vol", "cur"};
-  return parameters_ || (source_values_ && is_one_of(source_values, left));
+  return parameters_ || (source_values_ && is_one_of(source_values, left)) || (is_resistor_ && same_name(left, "r"));
 }
 
 bool CardStyle::joins_parenthesis(std::string_view word) const {

@@ -27,6 +27,7 @@ class CardStyle {
   bool takes_params_ = false;
   bool parameters_ = false;
   bool source_values_ = false;
+  bool is_resistor_ = false;
 };
 
 /// A word of a card that measures, where an expression might stand too: AVG, FROM, WHEN, …
