@@ -239,8 +239,13 @@ class CardBinding {
     const Item& item = *cursor_.next();
     if (same_name(item.text, "table")) return table(&item);
     if (is_one_of(foreign_forms, item.text)) {
-      reporter().error("E-not-supported", item.span,
-                       fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
+      reporter().error(
+          "E-not-supported", item.span,
+          same_name(item.text, "laplace")
+              ? fmt::format("{} with {} is not supported; try an A element with a model of type s_xfer, whose num_coeff and den_coeff are "
+                            "the coefficients of the fraction",
+                            card_.name, item.text)
+              : fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
       return false;
     }
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/pwl_file.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -37,10 +38,7 @@ class PwlBinding {
 
   bool option(const Item& item) {
     if (is_pwl_option(item)) return read_pwl_option(item, card_, scope_, reporter_);
-    if (item.kind == ItemKind::assignment && same_name(item.text, "file")) {
-      reporter_.error("E-not-supported", item.span, "PWL with file= is not supported");
-      return false;
-    }
+    if (is_pwl_file(item)) return read_pwl_file(item, card_, scope_, reporter_);
     return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
   }
 

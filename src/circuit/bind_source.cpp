@@ -4,6 +4,7 @@
 
 #include "base/names.hpp"
 #include "circuit/bind_pwl.hpp"
+#include "circuit/pwl_file.hpp"
 #include "circuit/values.hpp"
 #include "elements/waveform.hpp"
 
@@ -103,9 +104,9 @@ class SourceBinding {
     const bool empty = item.items.empty();
     if (same_name(item.text, "dc") && !empty) return named_constant(item);
     if (same_name(item.text, "ac")) return true;
-    if (pwl_ && same_name(item.text, "file")) {
+    if (pwl_ && is_pwl_file(item)) {
+      if (read_pwl_file(item, *pwl_, scope_, reporter_)) return true;
       pwl_.reset();
-      reporter_.error("E-not-supported", item.span, "PWL with file= is not supported");
       return false;
     }
     if (pwl_ && is_pwl_option(item)) {

@@ -1,5 +1,6 @@
 #include "circuit/circuit.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "base/names.hpp"
@@ -14,8 +15,23 @@ bool HiddenParts::hold(std::string_view name) const {
 
 bool is_ground_name(std::string_view name) { return name == "0" || same_name(name, "gnd"); }
 
+bool Circuit::is_ground(std::string_view name) const {
+  return is_ground_name(name) || (!stands_for_ground.empty() && same_name(name, stands_for_ground));
+}
+
+std::string missing_ground(const Circuit& circuit) {
+  const elements::Instance* chosen = nullptr;
+  for (const elements::Instance& instance : circuit.instances) {
+    const auto touches = [](model::NodeIndex node) { return node == model::ground; };
+    if (std::any_of(instance.nodes.begin(), instance.nodes.end(), touches)) return "";
+    const bool is_source = instance.kind != nullptr && instance.kind->letter == 'V';
+    if (instance.nodes.size() >= 2 && (chosen == nullptr || (is_source && chosen->kind->letter != 'V'))) chosen = &instance;
+  }
+  return chosen == nullptr || chosen->kind == nullptr ? "" : circuit.nodes()[static_cast<std::size_t>(chosen->nodes[1])].name;
+}
+
 model::NodeIndex Circuit::node(std::string_view name, SourceSpan where) {
-  if (is_ground_name(name)) return model::ground;
+  if (is_ground(name)) return model::ground;
   const auto [entry, is_new] = node_by_name_.try_emplace(without_case(name), static_cast<model::NodeIndex>(nodes_.size()));
   if (is_new) nodes_.push_back({std::string(name), where});
   return entry->second;
@@ -29,7 +45,7 @@ bool Circuit::add_node(std::string name, SourceSpan where, model::NodeIndex& ind
 }
 
 std::optional<model::NodeIndex> Circuit::find_node(std::string_view name) const {
-  if (is_ground_name(name)) return model::ground;
+  if (is_ground(name)) return model::ground;
   const auto entry = node_by_name_.find(without_case(name));
   if (entry == node_by_name_.end()) return std::nullopt;
   return entry->second;

@@ -65,6 +65,7 @@ class Circuit {
   std::vector<InitialCondition> conditions;
   Analyses analyses;
   bool written_by_ltspice = false;  ///< by its own cards
+  std::string stands_for_ground;    ///< a node that is ground, in a circuit that has none; "" in others
   bool has_gaps = false;            ///< some element could not be read: what it connects is not known
 
   /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.
@@ -81,10 +82,16 @@ class Circuit {
   int add_model(std::string_view type, std::string name);
 
  private:
+  [[nodiscard]] bool is_ground(std::string_view name) const;
+
   std::vector<model::Label> nodes_;
   std::unordered_map<std::string, model::NodeIndex> node_by_name_;
 };
 
 [[nodiscard]] bool is_ground_name(std::string_view name);
+
+/// The node that may stand for ground where no element is connected to it: the negative one of the first V, else the second of the first element. "" where
+/// there is a ground, or no such node.
+[[nodiscard]] std::string missing_ground(const Circuit& circuit);
 
 }  // namespace pwlsim::circuit

@@ -14,6 +14,13 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Reporter reporter(diagnostics, sources);
   Flattened flattened = flatten(deck, sources, reporter, options.analysis_required, options.run);
   if (!flattened.expanded) return std::nullopt;
+  if (const std::string ground = reporter.failed() ? "" : missing_ground(flattened.circuit); !ground.empty()) {
+    Diagnostics said;  // the first time
+    Reporter known(said, sources);
+    flattened = flatten(deck, sources, known, options.analysis_required, options.run, ground);
+    reporter.note("N-no-ground", deck.title_span,
+                  fmt::format("no element is connected to ground: the node {} is taken for it; try 0 as its name", ground));
+  }
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;

@@ -12,10 +12,12 @@
 
 namespace pwlsim::circuit {
 
-Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run) {
+Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
+                  const std::string& ground) {
   Flattened result;
   Circuit& circuit = result.circuit;
   circuit.title = deck.title;
+  circuit.stands_for_ground = ground;
   const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing

@@ -357,10 +357,13 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   if (builtin == nullptr) {
     static constexpr std::string_view with_memory[] = {"ddt", "d", "idt", "sdt", "idtmod", "delay", "absdelay"};
     const bool known = std::any_of(std::begin(with_memory), std::end(with_memory), [&](std::string_view name) { return key == name; });
-    reporter().error(
-        known ? "E-not-supported" : "E-unknown-function", expression.span,
-        known ? fmt::format("{}: {} in an expression is not supported; try an A element of type int or d_dt", instance_.name, key)
-              : fmt::format("unknown function '{}'", expression.text));
+    const bool is_integral = key == "idt" || key == "sdt" || key == "idtmod", is_delay = key == "delay" || key == "absdelay";
+    reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
+                     known ? fmt::format("{}: {} in an expression is not supported; try an A element of type {}", instance_.name, key,
+                                         is_integral ? "int"
+                                         : is_delay  ? "s_xfer, as a low pass of that time constant"
+                                                     : "d_dt")
+                           : fmt::format("unknown function '{}'", expression.text));
     return std::nullopt;
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;

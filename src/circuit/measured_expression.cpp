@@ -131,7 +131,7 @@ bool MeasuredExpressionReader::add_name(const Expression& expression, Scope& sco
 bool MeasuredExpressionReader::add_call(const Expression& expression, Scope& scope, const Arguments* arguments, int depth, Steps& steps) {
   const std::string key = without_case(expression.text);
   Scope* home = nullptr;
-  if (key == "v" || key == "i") return add_signal(expression, steps);
+  if (key == "v" || key == "i" || is_transistor_current(expression)) return add_signal(expression, steps);
   if (const FunctionText* function = find_function(scope, key, home))
     return add_function(expression, *function, *home, scope, arguments, depth, steps);
   if (key == "x" || key == "y" || (key == "u" && expression.arguments.size() == 2)) return add_signal(expression, steps);

@@ -102,7 +102,10 @@ class OptionReader {
     }
     if (same_name(item.text, "reltol")) analyses_.relative_tolerance = value;
     if (is_seed) options.seed = static_cast<std::uint64_t>(value);
-    if (same_name(item.text, "i0")) options.settings.tangent_current = value;
+    if (same_name(item.text, "i0")) {
+      options.settings.tangent_current = value;
+      options.settings.finds_currents = false;
+    }
     if (same_name(item.text, "vdrive")) options.settings.gate_drive = value;
     if (same_name(item.text, "max_rows")) analyses_.row_limit = static_cast<std::uint64_t>(value);
     if (same_name(item.text, "max_elements")) options.limits.elements = value;

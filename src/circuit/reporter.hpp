@@ -46,6 +46,10 @@ class Reporter {
   [[nodiscard]] bool failed() const { return diagnostics_.has_errors(); }
   /// What stands at `span`; "" for an unknown place.
   [[nodiscard]] std::string_view text(const SourceSpan& span) const { return sources_ != nullptr ? sources_->text(span) : ""; }
+  /// The name of the file that holds `span`; "" for an unknown place.
+  [[nodiscard]] std::string file_of(const SourceSpan& span) const {
+    return sources_ != nullptr && span.known() ? sources_->name(span.file) : "";
+  }
   /// "buck.net:7", or "" for an unknown place.
   [[nodiscard]] std::string where(const SourceSpan& span) const;
 

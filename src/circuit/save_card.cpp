@@ -55,10 +55,13 @@ bool holds_star(const Item& item) {
 bool is_everything(const Item& item) { return is_word(item, "all") || is_word(item, "alli") || holds_star(item); }
 
 /// Id(M1), Id(J1), Ic(Q1): the currents into first nodes, as LTspice names them.
-bool is_transistor_current(const Item& item) {
-  if (item.kind != ItemKind::group || !holds_words(item, 1, 1)) return false;
-  const char letter = lower_letter(item.items[0].text.front());
-  return same_name(item.text, "id") ? letter == 'm' || letter == 'j' : same_name(item.text, "ic") && letter == 'q';
+bool names_transistor_current(std::string_view quantity, char letter) {
+  return same_name(quantity, "id") ? letter == 'm' || letter == 'j' : same_name(quantity, "ic") && letter == 'q';
+}
+
+bool is_transistor_item(const Item& item) {
+  return item.kind == ItemKind::group && holds_words(item, 1, 1) &&
+         names_transistor_current(item.text, lower_letter(item.items[0].text.front()));
 }
 
 /// Powers, expressions and options of columns, which other simulators print: a word may be a slip instead.
@@ -95,7 +98,7 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     request.kind = SaveRequest::Kind::voltage;
   } else if (item.kind == ItemKind::group && same_name(item.text, "i") && holds_words(item, 1, 1)) {
     request.kind = SaveRequest::Kind::current;
-  } else if (is_transistor_current(item)) {
+  } else if (is_transistor_item(item)) {
     request.kind = SaveRequest::Kind::current;
   } else if (is_raw_signal(item)) {
     request.kind = SaveRequest::Kind::raw;
@@ -120,11 +123,16 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
   return request;
 }
 
+bool is_transistor_current(const netlist::Expression& call) {
+  if (call.arguments.size() != 1 || call.arguments[0].text.empty()) return false;
+  return names_transistor_current(call.text, lower_letter(call.arguments[0].text.front()));
+}
+
 std::optional<SaveRequest> signal_request(const netlist::Expression& call, Reporter& reporter) {
   SaveRequest request;
   const std::size_t count = call.arguments.size();
   const bool is_voltage = same_name(call.text, "v");
-  const bool is_current = same_name(call.text, "i");
+  const bool is_current = same_name(call.text, "i") || is_transistor_current(call);
   const bool is_raw = !is_voltage && !is_current;
   const bool fits = is_voltage ? count == 1 || count == 2 : is_current ? count == 1 : count == 2 && is_whole_number(call.arguments[1].text);
   if (!fits) {

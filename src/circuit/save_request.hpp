@@ -13,5 +13,7 @@ namespace pwlsim::circuit {
 [[nodiscard]] std::optional<SaveRequest> save_request(const netlist::Item& item, Reporter& reporter);
 /// Of a call in an expression.
 [[nodiscard]] std::optional<SaveRequest> signal_request(const netlist::Expression& call, Reporter& reporter);
+/// Id(M1), Id(J1) or Ic(Q1).
+[[nodiscard]] bool is_transistor_current(const netlist::Expression& call);
 
 }  // namespace pwlsim::circuit

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "analysis/fitted_diodes.hpp"
 #include "analysis/ordered_rows.hpp"
 #include "analysis/prepared_engine.hpp"
 #include "analysis/quantity.hpp"
@@ -123,8 +124,13 @@ class Sweep {
   bool simulate(std::size_t run, SweptRun& record) {
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
-    const auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
+    auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
     analysis::PreparedEngine engine;
+    const auto prepare = [&](const model::Network& network) {
+      Diagnostics unheard;
+      return analysis::prepare_engine(network, task_.options.engine, task_.reltol, unheard, caught_signal());
+    };
+    if (compiled) (void)analysis::fit_diodes(*compiled, prepare, &caught_signal());
     if (compiled) engine = analysis::prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics, caught_signal());
     if (!engine.simulate || diagnostics.has_errors()) {
       if (compiled && caught_signal() != 0)

@@ -28,6 +28,7 @@ struct Model;
 /// Deck-wide numbers that elements depend on.
 struct Settings {
   double tangent_current = 1.0;     ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
+  bool finds_currents = true;       ///< `.options i0=` is not given: runs find each diode's current
   double gate_drive = 10.0;         ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
   bool written_by_ltspice = false;  ///< the deck has cards that LTspice adds by itself
 };
@@ -49,6 +50,7 @@ struct Model {
   std::string name;
   SourceSpan span;  ///< of the name, in its .model card
   Values values;
+  std::optional<model::ExponentialLaw> law{};  ///< of a diode whose tangent is at a current to be found
 };
 
 /// What stands between the terminals and the rest of a card.

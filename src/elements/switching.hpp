@@ -9,8 +9,8 @@ inline constexpr Parameter switch_on_resistance{"Ron", "ohm", 0.0, Range::not_ne
 inline constexpr Parameter switch_off_resistance{"Roff", "ohm", infinite, Range::not_negative, true, "Resistance when off."};
 inline constexpr Parameter switch_inductance{"Lser", "H", 0.0, Range::any, false, "Inductance in series."};
 inline constexpr Parameter switch_drop{"Vser", "V", 0.0, Range::any, false, "Voltage source in series."};
-inline constexpr Parameter switch_limit{"Ilimit", "A", infinite, Range::positive, true, "Limit of the current.", Use::refused};
-inline constexpr Parameter switch_level{"level", "", 1.0, Range::any, false, "Variant with a smooth transition.", Use::refused};
+inline constexpr Parameter switch_limit{"Ilimit", "A", infinite, Range::positive, true, "Limit of the current.", Use::ignored};
+inline constexpr Parameter switch_level{"level", "", 1.0, Range::any, false, "Variant with a smooth transition.", Use::ignored};
 inline constexpr Parameter switch_one_way{"oneway", "", 0.0, Range::any, false, "Conduction in one direction.", Use::refused};
 inline constexpr Parameter switch_corner{"epsilon", "V", 0.0, Range::any, false, "Width of a rounded corner.", Use::refused};
 

@@ -1,7 +1,5 @@
 #include "elements/tangent.hpp"
 
-#include <cmath>
-
 namespace pwlsim::elements {
 namespace {
 
@@ -10,9 +8,12 @@ constexpr double thermal_voltage = 1.380649e-23 / 1.602176634e-19 * 300.15;
 
 }  // namespace
 
-Tangent tangent(double saturation, double emission, double series, double current) {
-  const double slope = emission * thermal_voltage;
-  return {series + slope / current, slope * (std::log(current / saturation) - 1.0)};
+model::ExponentialLaw exponential_law(double saturation, double emission, double series) {
+  return {saturation, emission * thermal_voltage, series};
+}
+
+model::Tangent tangent(double saturation, double emission, double series, double current) {
+  return exponential_law(saturation, emission, series).tangent(current);
 }
 
 std::string written(const Model& model, std::span<const std::string_view> names) {

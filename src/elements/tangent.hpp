@@ -6,16 +6,16 @@
 #include <string_view>
 
 #include "elements/kind.hpp"
+#include "model/exponential_law.hpp"
 
 namespace pwlsim::elements {
 
-struct Tangent {
-  double resistance = 0.0;  ///< ohm
-  double drop = 0.0;        ///< V
-};
+using model::Tangent;
 
-/// Of v = series·i + emission·Vt·ln(i/saturation) at i = `current`, Vt = kT/q at 27 °C.
-[[nodiscard]] Tangent tangent(double saturation, double emission, double series, double current);
+/// v = series·i + emission·Vt·ln(i/saturation), Vt = kT/q at 27 °C.
+[[nodiscard]] model::ExponentialLaw exponential_law(double saturation, double emission, double series);
+/// Its tangent at i = `current`.
+[[nodiscard]] model::Tangent tangent(double saturation, double emission, double series, double current);
 
 /// Those of `names` that the model was given, "IS, N"; "" for none.
 [[nodiscard]] std::string written(const Model& model, std::span<const std::string_view> names);

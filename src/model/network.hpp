@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/source.hpp"
+#include "model/exponential_law.hpp"
 #include "model/source_function.hpp"
 
 namespace pwlsim::model {
@@ -101,6 +102,7 @@ struct Diode {
   double drop = 0.0;
   std::vector<int> enabled_by{};
   bool blocks = false;  ///< i = 0 for good
+  std::optional<ExponentialLaw> law{};  ///< of which this is a tangent, where its current is to be found
 };
 /// How the deck writes the control of a switch, for messages: the control in Switch is `sense` times it, and its levels lie `reach` inside of those
 /// written.

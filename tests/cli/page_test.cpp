@@ -289,3 +289,18 @@ TEST_CASE("a Monte Carlo sweep shows histograms", "[unit]") {
   CHECK(sum == 200.0);
   CHECK_THAT(seen["hint"].string, Contains("mean") && Contains("standard deviation"));
 }
+
+TEST_CASE("switches within gates show when asked for, and slopes are drawn as slopes", "[unit]") {
+  const Json seen = used(
+      "gates\nV1 a 0 PULSE(0 1 0 1u 1u 3u 10u)\nV2 b 0 PULSE(0 1 5u 1u 1u 3u 20u)\nA1 a b 0 0 0 0 q 0 SRFLOP\nR1 q 0 1k\nS1 q c a 0 SX\nR2 "
+      "c 0 1\n"
+      ".model SX SW(Vt=0.5)\n.tran 1u 100u\n",
+      "const root = document.documentElement.dataset; seen.folded = root.lanes; seen.offered = !byId('internals-line').hidden;"
+      "byId('internals').click(); await wait(50); seen.open = root.lanes;"
+      "seen.spare = plotArea(0).clientWidth - Number(root.columns);");
+  if (seen.object.empty()) return;
+  CHECK(seen["folded"].string == "1");
+  CHECK(seen["offered"].truth);
+  CHECK(std::stod(seen["open"].string) > 1.0);
+  CHECK(seen["spare"].number > 0.0);
+}

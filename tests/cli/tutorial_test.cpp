@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <sstream>
 
 #include "cli/run_in.hpp"
@@ -100,4 +101,26 @@ TEST_CASE("the sweep of the reference prints what the page shows, near to what t
     const auto row = numbers(table[k]);
     CHECK(row[1] == Approx(12.0 / (1.0 - row[0])).epsilon(ripple));
   }
+}
+
+TEST_CASE("the first table of the README has the numbers of docs/validation/report.md", "[golden]") {
+  const std::string root = PWLSIM_SOURCE_DIR;
+  const auto readme = lines(read_file(root + "/README.md")), report = lines(read_file(root + "/docs/validation/report.md"));
+  static const std::regex row(R"(\| \[[^\]]*\]\(validation/cases/([a-z_]+)\) \| ([^ ]+) ms \| ([^ ]+) ms \| ([^ ]+) ms \| ([^ ]+) \|)");
+  std::size_t count = 0;
+  for (const std::string& line : readme) {
+    std::smatch found;
+    if (!std::regex_match(line, found, row)) continue;
+    ++count;
+    INFO(line);
+    const std::string head =
+        "| [" + found[1].str() + "](work-precision/" + found[1].str() + ".svg) | " + found[4].str() + " (" + found[5].str() + ") |";
+    const auto measured = std::find_if(report.begin(), report.end(), [&](const std::string& each) { return each.rfind(head, 0) == 0; });
+    REQUIRE(measured != report.end());
+    CHECK(measured->find(" | " + found[2].str() + " (") != std::string::npos);
+    CHECK(measured->find(" | " + found[3].str() + " (") != std::string::npos);
+  }
+  CHECK(count == 5);
+  const std::string mean = "of ngspice 244 at 0.001 (8 circuits), 435 at 0.0001";
+  CHECK(std::any_of(report.begin(), report.end(), [&](const std::string& line) { return line.find(mean) != std::string::npos; }));
 }

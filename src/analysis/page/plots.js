@@ -3,7 +3,8 @@ const plots = [];
 const plotHeight = 240;
 let drawn = 0;
 
-const columns = () => Math.max(100, Math.min(1600, Math.round(element("panels").clientWidth - axisWidth())));
+// Fewer than pixels: from four points a pixel on uPlot draws one upright line for each pixel, and slopes become stairs.
+const columns = () => Math.max(100, Math.min(1600, Math.floor(0.97 * (element("panels").clientWidth - axisWidth() - rightMargin()))));
 
 // The curves for what is visible, with four points a column.
 function drawPlot(plot) {
@@ -96,4 +97,5 @@ function rebuildPlots() {
   for (const members of panels) plots.push(makePlot(isSweep ? members : [...members].sort((a, b) => swing(b) - swing(a))));
   for (const plot of plots) drawPlot(plot);
   document.documentElement.dataset.plots = plots.length;
+  document.documentElement.dataset.columns = columns();
 }

@@ -35,6 +35,8 @@ function fillWaveforms() {
   fillTraces();
   fillHints();
   listenToTraces();
+  element("internals-line").hidden = !data.lanes.some(isInternal);
+  element("internals").onchange = drawTimeline;
   listenToTimeline(element("timeline"));
   listenToOverview();
   listenToButtons();

@@ -1,6 +1,10 @@
 // The time line of events and modes below the plots.
 const rowHeight = 16;
 
+// Switches within LTspice's gates, "A1.Sb1", show only when asked for.
+const isInternal = lane => /(^|[.:])A[^.:]*\.[^.:]+$/i.test(lane.name);
+const shownLanes = () => element("internals").checked ? data.lanes : data.lanes.filter(lane => !isInternal(lane));
+
 function timelineX(canvas) {
   const width = canvas.clientWidth - axisWidth() - rightMargin();
   return time => axisWidth() + width * (time - visible.min) / (visible.max - visible.min);
@@ -28,7 +32,7 @@ function drawTicks(context, places, y) {
 
 function drawTimeline() {
   const canvas = element("timeline");
-  const rows = data.marks.length + data.lanes.length;
+  const lanes = shownLanes(), rows = data.marks.length + lanes.length;
   canvas.style.display = rows === 0 ? "none" : "block";
   if (rows === 0) return;
   const width = canvas.clientWidth, height = rows * rowHeight + 4;
@@ -52,7 +56,7 @@ function drawTimeline() {
     drawTicks(context, marks.x.filter(time => time >= visible.min && time <= visible.max).map(time => Math.round(xOf(time))), y + 2);
     y += rowHeight;
   }
-  for (const lane of data.lanes) {
+  for (const lane of lanes) {
     label(lane.name);
     context.fillStyle = colours[0];
     for (let k = 0; k < lane.times.length; ++k) {
@@ -68,6 +72,6 @@ function drawTimeline() {
   context.strokeStyle = styled("--grid");
   context.strokeRect(axisWidth(), 0.5, right - axisWidth(), height - 1);
   drawCursors(context, xOf, 0, height, 1);
-  document.documentElement.dataset.lanes = data.lanes.length;
+  document.documentElement.dataset.lanes = lanes.length;
   document.documentElement.dataset.marks = data.marks.length;
 }

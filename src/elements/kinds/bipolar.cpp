@@ -194,6 +194,7 @@ Kind bipolar() {
   kind.tail = Tail::model;
   kind.parameters = parameters;
   kind.models = models;
+  kind.saved_by_default = true;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;
   return kind;

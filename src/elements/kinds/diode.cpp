@@ -86,7 +86,9 @@ constexpr std::string_view exponential_names[] = {"IS", "N", "RS", "BV"};
 void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& diagnostics) {
   Values& values = model.values;
   const double i0 = settings.tangent_current;
-  const Tangent law = tangent(values.get("IS"), values.get("N"), values.get("RS"), i0);
+  const model::ExponentialLaw exponential = exponential_law(values.get("IS"), values.get("N"), values.get("RS"));
+  const model::Tangent law = exponential.tangent(i0);
+  if (settings.finds_currents) model.law = exponential;
   const double reverse = values.get("BV");
   diagnostics.note(
       "N-diode-tangent", model.span,
@@ -225,6 +227,14 @@ void report_gate(Emission& emission, bool has_gate) {
   }
 }
 
+/// The diodes from `first` on are the forward branch.
+void follow_law(Emission& emission, std::size_t first) {
+  auto& diodes = emission.builder().network().diodes;
+  if (!emission.model().law || diodes.size() != first + 1) return;
+  diodes[first].law = emission.model().law;
+  diodes[first].law->parallel = emission.value("m");
+}
+
 void emit(Emission& emission) {
   const bool has_gate = emission.instance().nodes.size() > 2;
   if (has_gate != is_thyristor(emission.model())) return report_gate(emission, has_gate);
@@ -233,7 +243,9 @@ void emit(Emission& emission) {
   const double m = emission.value("m");
   const NodePair ends{emission.p(), emission.n()};
   const auto [forward, reverse] = branches(v, m);
+  const std::size_t first = emission.builder().network().diodes.size();
   add_branch(emission, forward, ends, 1.0);
+  follow_law(emission, first);
   add_branch(emission, reverse, {ends.n, ends.p}, -1.0);
   add_leakage(emission, v.get("Roff") / m, ends);
 }

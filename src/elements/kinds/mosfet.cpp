@@ -317,6 +317,7 @@ Kind mosfet() {
   kind.tail = Tail::model;
   kind.parameters = parameters;
   kind.models = models;
+  kind.saved_by_default = true;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;
   kind.twin_event = [](const Twin& twin) { return std::optional(event_of_channel(twin, channel_of(twin.instance(), twin.model()))); };

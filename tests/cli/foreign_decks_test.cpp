@@ -1,0 +1,125 @@
+// What decks of LTspice and its like have: currents of transistors by their names, buf and inv, universal operational amplifiers, no ground.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "cli/run_in.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+double value_of(const std::string& text, const std::string& name) {
+  const std::size_t at = text.find(name + " = ");
+  REQUIRE(at != std::string::npos);
+  return std::stod(text.substr(at + name.size() + 3));
+}
+
+Finished run_deck(const Scratch& scratch, const std::string& deck) {
+  scratch.write("d.net", deck);
+  return run_in(scratch, {"d.net", "-o", "d.csv"});
+}
+
+}  // namespace
+
+TEST_CASE("Id(M1) and Ic(Q1) are measured, and i(M1) is among the columns", "[unit]") {
+  const Scratch scratch;
+  // On for half of the time: 10 V over 10 Ω and Ron.
+  const Finished finished =
+      run_deck(scratch,
+               "currents\nV1 d 0 10\nVg g 0 PULSE(0 10 0 0 0 5u 10u)\nM1 x g 0 0 NM\nR1 d x 9.5\n.model NM VDMOS(Ron=0.5 "
+               "Vto=3)\n.tran 1u 100u\n.meas a AVG Id(M1)\n.meas b AVG i(M1)\n");
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "a") == Approx(0.5).epsilon(1e-9));
+  CHECK(value_of(finished.out, "b") == Approx(0.5).epsilon(1e-9));
+  CHECK_THAT(read_file(scratch / "d.csv"), Contains(",i(M1)\n"));
+  const std::string transistor = "bipolar\nV1 d 0 10\nI1 0 b 1m\nQ1 x b 0 QN\nR1 d x 10\n.model QN NPN(BF=100)\n.tran 1u 100u\n";
+  CHECK(value_of(run_deck(scratch, transistor + ".meas a AVG Ic(Q1)\n").out, "a") == Approx(0.1).epsilon(1e-6));
+  CHECK_THAT(run_deck(scratch, transistor + ".meas a AVG Id(Q1)\n").err, Contains("unknown function 'Id'"));
+}
+
+TEST_CASE("buf and inv of an expression switch at one half", "[unit]") {
+  const Scratch scratch;
+  // A ramp from 0 to 1 V in 1 ms, less 0.2 V: above one half for the last 0.3 ms.
+  const Finished finished =
+      run_deck(scratch,
+               "buf\nV1 a 0 PWL(0 0 1m 1)\nB1 b 0 V=buf(v(a)-0.2)\nB2 c 0 V=2*inv(v(a))\nR1 b 0 1\nR2 c 0 1\n.tran 10u 1m\n"
+               ".meas x AVG v(b)\n.meas y AVG v(c)\n");
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "x") == Approx(0.3).epsilon(1e-9));
+  CHECK(value_of(finished.out, "y") == Approx(1.0).epsilon(1e-9));
+}
+
+TEST_CASE("LTspice's universal operational amplifier: gain, slew rate, rails", "[unit]") {
+  const Scratch scratch;
+  const auto follower = [&](const std::string& level, const std::string& step, const std::string& parameters) {
+    return run_deck(scratch,
+                    "opamp\nV1 a 0 " + step + "\nV2 vp 0 15\nV3 vn 0 -15\nXU1 a b vp vn out " + level + " " + parameters +
+                        "\nR1 out b 1k\nR2 b 0 1k\n.tran 1u 100u\n.meas last FIND v(out) AT=99u\n.meas slope DERIV v(out) AT=2u\n");
+  };
+  // Twice the input, less what the loop gain of Avol/2 leaves.
+  const Finished small = follower("level.1", "1", "Avol=1k GBW=10Meg Slew=10Meg");
+  REQUIRE(small.status == 0);
+  CHECK_THAT(small.err, Contains("note[N-universal-opamp]"));
+  CHECK(value_of(small.out, "last") == Approx(2.0 / (1.0 + 2.0 / 1000.0)).epsilon(1e-6));
+  // 10 V/µs would be there after 0.4 µs; 1 V/µs is not.
+  const Finished slow = follower("level.2", "PULSE(0 2 1u 1n 1n 1 2)", "Avol=1Meg GBW=100Meg Slew=1Meg Vos=0 Rin=500Meg phimargin=45");
+  CHECK(value_of(slow.out, "slope") == Approx(1e6).epsilon(1e-3));
+  CHECK(value_of(slow.out, "last") == Approx(4.0).epsilon(1e-4));
+  CHECK(value_of(follower("level2", "10", "Rail=1").out, "last") == Approx(14.0).epsilon(1e-3));
+  CHECK(value_of(follower("UniversalOpamp2", "1", "").out, "last") == Approx(2.0).epsilon(1e-4));
+}
+
+TEST_CASE("in a circuit without ground a node is taken for it, with a note", "[unit]") {
+  const Scratch scratch;
+  const Finished finished =
+      run_deck(scratch, "no ground\nR1 p m 3\nR2 m q 1\nV1 p q 8\n.tran 1u 10u\n.meas a AVG v(m)\n.meas b AVG v(p,q)\n.meas c AVG v(q)\n");
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("note[N-no-ground]: no element is connected to ground: the node q is taken for it"));
+  CHECK(value_of(finished.out, "a") == Approx(2.0));
+  CHECK(value_of(finished.out, "b") == Approx(8.0));
+  CHECK(value_of(finished.out, "c") == 0.0);
+  const std::string once = finished.err.substr(finished.err.find("N-no-ground") + 1);
+  CHECK_THAT(once, !Contains("N-no-ground"));
+  CHECK_THAT(run_deck(scratch, "floating part\nR1 p q 3\nV1 p q 8\nR2 a 0 1\nV2 a 0 1\n.tran 1u 10u\n").err, Contains("error[E-floating]"));
+}
+
+TEST_CASE("what a function with memory, and LAPLACE, are told to try is what does it", "[unit]") {
+  const Scratch scratch;
+  const auto said = [&](const std::string& card) {
+    return run_deck(scratch, "cures\nV1 a 0 SIN(0 1 50)\n" + card + "\nR1 b 0 1\n.tran 1m 20m\n").err;
+  };
+  CHECK_THAT(said("B1 b 0 V=sdt(v(a))"), Contains("type int"));
+  CHECK_THAT(said("B1 b 0 V=ddt(v(a))"), Contains("type d_dt"));
+  CHECK_THAT(said("B1 b 0 V=delay(v(a),1m)"), Contains("type s_xfer") && !Contains("type int"));
+  CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {1/(1+s*1m)}"), Contains("type s_xfer"));
+}
+
+TEST_CASE("a switch of level 2 with a limit of its current runs, and both are named as ignored", "[unit]") {
+  const Scratch scratch;
+  const Finished finished =
+      run_deck(scratch,
+               "level\nV1 a 0 PULSE(0 1 0 1m 1m 3m 8m)\nS1 a b a 0 SX\nR1 b 0 1\n.model SX SW(level=2 Ron=1 Roff=1g Vt=0.5 Ilimit=10)\n"
+               ".tran 1m 8m\n.meas m MAX v(b)\n");
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("warning[W-ignored-parameter]: level, Ilimit of model SX are ignored"));
+  CHECK(value_of(finished.out, "m") == Approx(0.5));
+}
+
+TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
+  const Scratch scratch;
+  // A trapezoid of 4 V from 0 to 4 ms, whose flanks take 1 ms each: 12 V ms over 4 ms.
+  scratch.write("points.txt", "* time value\n0 0\n1m, 4\n+2m\t4\r\n\n4e-3 0\n");
+  for (const char* source : {"PWL file=points.txt", "PWL(file=points.txt)", "PWL file=\"points.txt\""}) {
+    INFO(source);
+    const Finished finished =
+        run_deck(scratch, std::string("file\nV1 a 0 ") + source + "\nR1 a 0 1\n.tran 0.1m 4m\n.meas m AVG v(a)\n.meas p MAX v(a)\n");
+    REQUIRE(finished.status == 0);
+    CHECK(value_of(finished.out, "m") == Approx(3.0).epsilon(1e-12));
+    CHECK(value_of(finished.out, "p") == Approx(4.0));
+  }
+  scratch.write("bad.txt", "0 0\n1m\n");
+  const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
+  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
+}
