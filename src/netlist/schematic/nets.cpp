@@ -65,7 +65,7 @@ void Nets::join_along(const Wire& wire) {
   const bool is_level = wire.to.y == wire.from.y;
   const auto& order = is_level ? by_rows_ : points_;
   const auto key = [&](GridPoint point) { return is_level ? exchanged(point) : point; };
-  const auto [low, high] = std::minmax(key(wire.from), key(wire.to));
+  const auto [low, high] = std::minmax({key(wire.from), key(wire.to)});  // of values, as they are temporary
   const Index here = points_.at(wire.from);
   for (auto at = order.lower_bound(low); at != order.end() && at->first <= high; ++at)
     if (lies_on(key(at->first), wire)) {
