@@ -24,14 +24,22 @@ function(pwlsim_page output)
     file(READ ${PROJECT_SOURCE_DIR}/${file} text)
     string(APPEND definitions "const std::string_view ${name} = R\"page_text(${text})page_text\";\n")
   endwhile()
+  # A compiler need not take a longer literal than 64 KiB: a piece for each file, joined when the page is made.
   set(script "")
   foreach(name ${PWLSIM_PAGE_SCRIPTS})
     set(file ${PROJECT_SOURCE_DIR}/src/analysis/page/${name}.js)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
     file(READ ${file} text)
-    string(APPEND script "${text}\n")
+    string(APPEND script "      R\"page_text(${text}\n)page_text\",\n")
   endforeach()
-  string(APPEND definitions "const std::string_view page_script = R\"page_text(${script})page_text\";\n")
+  string(APPEND definitions "\nstd::string page_script() {
+  constexpr std::string_view files[] = {
+${script}  };
+  std::string script;
+  for (std::string_view file : files) script += file;
+  return script;
+}
+")
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT "// Made by cmake/page.cmake.
 #include \"analysis/page_parts.hpp\"
 

@@ -18,17 +18,12 @@ constexpr double least_current = 1e-9;        ///< A; a diode that carries less,
 constexpr double least_of_saturation = 10.0;  ///< likewise: below, the exponential is no straight line anywhere
 constexpr double most_current = 1e6;          ///< A, that a voltage may ask for
 constexpr std::size_t most_named = 8;         ///< diodes in the note
-constexpr double digits = 10.0;               ///< two of them: what lies between changes a drop by less than a thousandth of kT/q
+constexpr double two_digits = 10.0;           ///< two of them: what lies between changes a drop by less than a thousandth of kT/q
 
 double rounded(double current) {
-  const double unit = std::pow(10.0, std::floor(std::log10(current))) / digits;
+  const double unit = std::pow(10.0, std::floor(std::log10(current))) / two_digits;
   return std::round(current / unit) * unit;
 }
-
-class NoRows : public engine::RowSink {
- public:
-  bool write(std::span<const double>, std::size_t) override { return true; }
-};
 
 class Fit {
  public:

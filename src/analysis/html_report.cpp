@@ -232,7 +232,7 @@ std::string html_report(const RunOutcome& outcome, const RunReport& run, const R
        {"@data@",
         for_script(is_sweep ? sweep_data_text(outcome, run) : data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
        {"@plot_script@", std::string(page_plot_script)},
-       {"@script@", std::string(page_script)}}};
+       {"@script@", page_script()}}};
   std::string page;
   std::string_view rest = page_frame;
   for (const auto& [mark, text] : parts) {  // in the order of the frame

@@ -118,11 +118,6 @@ void complete(TransientRun& run, waveform::OutputFile& file) {
   if (!file.partial_name().empty()) run.message += fmt::format("; the rows written are in {}", file.partial_name());
 }
 
-class NoRows : public engine::RowSink {
- public:
-  bool write(std::span<const double>, std::size_t) override { return true; }
-};
-
 /// Pieces of the run for its measurements and for its pictures.
 class PieceFork : public engine::PieceSink {
  public:

@@ -22,6 +22,12 @@ class RunRecorder;
 /// The engine, prepared for one network.
 using Simulate = std::function<engine::Answer(const engine::Request&, engine::RowSink&)>;
 
+/// For a run whose rows nobody wants.
+class NoRows : public engine::RowSink {
+ public:
+  bool write(std::span<const double>, std::size_t) override { return true; }
+};
+
 struct RunControl {
   bool events = false;                          ///< a row before and after every event
   bool jumps = false;                           ///< keep what jumped

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "engine/exact/guard_watch.hpp"
 
 namespace pwlsim::engine {
-
-namespace {
-
-/// Of the level of rounding: what changes of coordinates and projections leave of it.
-constexpr double rounding_levels = 30.0;
-/// From here on a change without an impulse ends the run; below, it counts in the certificate.
-constexpr double broken_share = 1e-2, broken_levels = 1e4;
-
-}  // namespace
 
 ContinuityWatch::ContinuityWatch(const model::System& system) : system_(system) {
   const auto n = static_cast<std::size_t>(system.n);

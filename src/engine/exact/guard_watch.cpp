@@ -17,8 +17,6 @@ constexpr std::uint64_t first_segments = 256, selection = 32;
 constexpr double most_points = 8.0;
 constexpr double pi = 3.14159265358979323846;
 constexpr int few_ports = 4;  ///< whose rows by themselves cost less than all rows together
-/// From here on a violation ends the run; below, it counts in the certificate.
-constexpr double broken_share = 1e-2, broken_levels = 1e4;
 
 }  // namespace
 
