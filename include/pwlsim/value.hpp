@@ -46,7 +46,7 @@ class Waveform {
   Value value_;
 };
 
-/// offset + amplitude·e^(−damping (t − delay))·sin(2π·frequency (t − delay) + phase); before `delay` it stands still.
+/// offset + amplitude·e^(−damping (t − delay))·sin(2π·frequency (t − delay) + phase); before `delay` it keeps the value it has there.
 struct Sine {
   Value offset = 0, amplitude = 1, frequency = 50;  ///< V or A, V or A, Hz
   Value delay = 0, damping = 0, phase = 0;          ///< s, 1/s, degrees

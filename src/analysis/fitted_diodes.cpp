@@ -27,7 +27,8 @@ double rounded(double current) {
 
 class Fit {
  public:
-  Fit(const circuit::Compiled& compiled, const std::atomic<int>* interrupt) : network_(compiled.network), interrupt_(interrupt) {
+  Fit(const circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt)
+      : network_(compiled.network), choice_(choice), reltol_(reltol), interrupt_(interrupt) {
     network_.signals.clear();
     for (std::size_t k = 0; k < network_.diodes.size(); ++k) {
       const model::Diode& diode = network_.diodes[k];
@@ -42,10 +43,10 @@ class Fit {
   [[nodiscard]] bool is_needed() const { return !diodes_.empty(); }
 
   /// False where a run does not come to its end.
-  bool run(const circuit::Analyses& analyses, const std::function<PreparedEngine(const model::Network&)>& prepare) {
+  bool run(const circuit::Analyses& analyses) {
     for (int k = 0; k < most_runs; ++k) {
       measure::DiodeCurrents found(diodes_.size());
-      if (!measure(analyses, prepare, found)) return false;
+      if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
     }
     return true;
@@ -78,9 +79,10 @@ class Fit {
   }
 
  private:
-  bool measure(const circuit::Analyses& analyses, const std::function<PreparedEngine(const model::Network&)>& prepare,
-               measure::DiodeCurrents& found) const {
-    const PreparedEngine engine = prepare(network_);
+  bool measure(const circuit::Analyses& analyses, measure::DiodeCurrents& found) const {
+    Diagnostics unheard;
+    const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network_, choice_, reltol_, unheard, *interrupt_)
+                                                        : prepare_engine(network_, choice_, reltol_, unheard);
     if (!engine.simulate) return false;
     engine::Request request = request_of(analyses, {});
     request.grid = {};
@@ -113,6 +115,8 @@ class Fit {
   }
 
   model::Network network_;
+  EngineChoice choice_;
+  double reltol_;
   const std::atomic<int>* interrupt_;
   std::vector<std::size_t> diodes_;  ///< those that have a law
   std::vector<double> currents_;     ///< A, of one of those in parallel
@@ -120,11 +124,10 @@ class Fit {
 
 }  // namespace
 
-std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, const std::function<PreparedEngine(const model::Network&)>& prepare,
-                                     const std::atomic<int>* interrupt) {
+std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt) {
   if (!compiled.analyses.transient) return std::nullopt;
-  Fit fit(compiled, interrupt);
-  if (!fit.is_needed() || !fit.run(compiled.analyses, prepare)) return std::nullopt;
+  Fit fit(compiled, choice, reltol, interrupt);
+  if (!fit.is_needed() || !fit.run(compiled.analyses)) return std::nullopt;
   fit.give(compiled.network);
   return fit.note();
 }

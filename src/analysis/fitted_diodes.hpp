@@ -1,7 +1,6 @@
 #pragma once
 /// Exponential diodes are tangents; where a deck does not say at which current (`.options i0=`), runs find it.
 
-#include <functional>
 #include <optional>
 
 #include "analysis/prepared_engine.hpp"
@@ -9,10 +8,9 @@
 namespace pwlsim::analysis {
 
 /// Runs the transient analysis that `compiled` asks for, with tangents at 1 A, and then again with each exponential diode's tangent at the current found: its mean weighted by charge,
-/// ∫i² dt / ∫i dt, to two digits. A diode that carries nothing is taken at the current that it would carry at its highest voltage. The runs end when no current changes (six at most). `prepare`: an engine for a network. Returns a
+/// ∫i² dt / ∫i dt, to two digits. A diode that carries nothing is taken at the current that it would carry at its highest voltage. The runs end when no current changes (six at most). Returns a
 /// note on what was found; none where there is nothing to fit, or a run does not come to its end: the network is then as it was.
-[[nodiscard]] std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled,
-                                                   const std::function<PreparedEngine(const model::Network&)>& prepare,
+[[nodiscard]] std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol,
                                                    const std::atomic<int>* interrupt);
 
 }  // namespace pwlsim::analysis

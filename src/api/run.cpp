@@ -34,11 +34,7 @@ class Compilation {
                         : options.engine == Engine::sparse ? analysis::EngineChoice::sparse
                                                            : analysis::EngineChoice::automatic;
     const double reltol = analysis::relative_tolerance(options.reltol, compiled_->analyses);
-    const auto prepare = [&](const model::Network& network) {
-      Diagnostics unheard;
-      return analysis::prepare_engine(network, choice, reltol, unheard);
-    };
-    if (const auto note = analysis::fit_diodes(*compiled_, prepare, nullptr)) diagnostics_.note(note->id, note->span, note->text);
+    if (const auto note = analysis::fit_diodes(*compiled_, choice, reltol, nullptr)) diagnostics_.note(note->id, note->span, note->text);
     analysis::PreparedEngine engine = analysis::prepare_engine(compiled_->network, choice, reltol, diagnostics_);
     check();
     return engine;

@@ -13,8 +13,6 @@ bool HiddenParts::hold(std::string_view name) const {
   return end != std::string_view::npos && !names.empty() && names.contains(without_case(name.substr(0, end)));
 }
 
-bool is_ground_name(std::string_view name) { return name == "0" || same_name(name, "gnd"); }
-
 bool Circuit::is_ground(std::string_view name) const {
   return is_ground_name(name) || (!stands_for_ground.empty() && same_name(name, stands_for_ground));
 }

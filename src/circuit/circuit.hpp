@@ -88,8 +88,6 @@ class Circuit {
   std::unordered_map<std::string, model::NodeIndex> node_by_name_;
 };
 
-[[nodiscard]] bool is_ground_name(std::string_view name);
-
 /// The node that may stand for ground where no element is connected to it: the negative one of the first V, else the second of the first element. "" where
 /// there is a ground, or no such node.
 [[nodiscard]] std::string missing_ground(const Circuit& circuit);

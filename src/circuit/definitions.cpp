@@ -205,7 +205,7 @@ class Reader {
       here().formals.push_back({item.text, item.text_span, value_of(item)});
     } else if (item.kind != ItemKind::word) {
       reporter_.error("E-unexpected", item.span, fmt::format("a port is a name; usage: {}", subckt_usage));
-    } else if (item.text == ground_port || same_name(item.text, "gnd")) {
+    } else if (is_ground_name(item.text)) {
       here().ports.emplace_back(ground_port);
     } else if (!same_name(item.text, "params:")) {
       read_port(item);

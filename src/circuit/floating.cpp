@@ -6,46 +6,33 @@
 
 #include <fmt/format.h>
 
-#include "model/disjoint_sets.hpp"
+#include "circuit/node_groups.hpp"
 
 namespace pwlsim::circuit {
 namespace {
 
-using model::NodeIndex;
-
-/// Node k stands at k+1, ground at 0; the root of ground's group is 0.
-class Groups {
- public:
-  explicit Groups(std::size_t nodes) : sets_(static_cast<int>(nodes) + 1) {}
-
-  int root(NodeIndex node) { return sets_.find(node + 1); }
-  void join(NodeIndex a, NodeIndex b) { sets_.join(a + 1, b + 1); }
-
- private:
-  model::DisjointSets sets_;
-};
-
 using elements::Instance;
+using model::NodeIndex;
 
 bool ties(const Instance& instance) { return instance.kind->joins_terminals == nullptr || instance.kind->joins_terminals(instance); }
 
 /// A controlled current whose control spans two groups feels their difference of potential, so it may fix it; the rank of the model
 /// decides in the end.
-bool feels_difference(const Instance& instance, Groups& groups) {
+bool feels_difference(const Instance& instance, NodeGroups& groups) {
   for (const elements::NodePair& pair : instance.control_nodes) {
     if (groups.root(pair.p) != groups.root(pair.n)) return true;
   }
   return false;
 }
 
-void join_many(const Instance& instance, Groups& groups) {
+void join_many(const Instance& instance, NodeGroups& groups) {
   for (const int terminal : instance.kind->tied_terminals) {
     const auto k = static_cast<std::size_t>(terminal);
     if (k < instance.nodes.size()) groups.join(instance.nodes[0], instance.nodes[k]);
   }
 }
 
-void join(const Circuit& circuit, Groups& groups) {
+void join(const Circuit& circuit, NodeGroups& groups) {
   for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() == 2 && ties(instance)) groups.join(instance.nodes[0], instance.nodes[1]);
     if (instance.nodes.size() > 2 && instance.kind != nullptr) join_many(instance, groups);
@@ -69,7 +56,7 @@ std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& g
 }
 
 /// A current that an element does not tie enters or leaves the group.
-bool is_fed(const Circuit& circuit, Groups& groups, int root) {
+bool is_fed(const Circuit& circuit, NodeGroups& groups, int root) {
   for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() != 2 || ties(instance)) continue;
     const int a = groups.root(instance.nodes[0]), b = groups.root(instance.nodes[1]);
@@ -82,7 +69,7 @@ bool is_fed(const Circuit& circuit, Groups& groups, int root) {
 
 std::vector<NodeIndex> report_floating(const Circuit& circuit, Reporter& reporter) {
   std::vector<NodeIndex> to_tie;
-  Groups groups(circuit.nodes().size());
+  NodeGroups groups(circuit.nodes().size());
   join(circuit, groups);
   std::map<int, std::vector<std::size_t>> floating;
   for (std::size_t k = 0; k < circuit.nodes().size(); ++k) {

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "model/disjoint_sets.hpp"
+#include "circuit/node_groups.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -21,17 +21,17 @@ bool is_voltage(const Instance& instance) {
          (is_letter(instance, 'B') && !instance.formula_is_current);
 }
 
-/// Nodes that voltage sources tie together, and the resistors between such groups. Node k stands at k + 1, ground at 0.
+/// Nodes that voltage sources tie together, and the resistors between such groups.
 class Drives {
  public:
-  explicit Drives(const Circuit& circuit) : sets_(static_cast<int>(circuit.nodes().size()) + 1) {
+  explicit Drives(const Circuit& circuit) : groups_(circuit.nodes().size()) {
     for (const Instance& instance : circuit.instances)
-      if (is_voltage(instance)) sets_.join(instance.nodes[0] + 1, instance.nodes[1] + 1);
+      if (is_voltage(instance)) groups_.join(instance.nodes[0], instance.nodes[1]);
     for (const Instance& instance : circuit.instances)
       if (is_letter(instance, 'R')) link(group(instance.nodes[0]), group(instance.nodes[1]));
   }
 
-  int group(NodeIndex node) { return sets_.find(node + 1); }
+  int group(NodeIndex node) { return groups_.root(node); }
 
   /// Whether resistors lead from one group to the other, and none to ground.
   bool leads_only_to(int to, int from) const {
@@ -58,7 +58,7 @@ class Drives {
     links_[b].push_back(a);
   }
 
-  model::DisjointSets sets_;
+  NodeGroups groups_;
   std::map<int, std::vector<int>> links_;
 };
 

@@ -21,6 +21,10 @@ struct Time {
   SourceSpan span;
 };
 
+void report_no_times(const Card& card, Reporter& reporter) {
+  reporter.error("E-missing-value", card.span, fmt::format(".tran has no times; usage: {}", usage));
+}
+
 class TransientReader {
  public:
   TransientReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {}
@@ -28,7 +32,10 @@ class TransientReader {
   std::optional<Transient> read(std::uint64_t row_limit) {
     for (const Item& item : card_.items) read_item(item);
     if (!ok_) return std::nullopt;
-    if (times_.empty()) return fail("E-missing-value", card_.span, ".tran has no times");
+    if (times_.empty()) {
+      report_no_times(card_, reporter_);
+      return std::nullopt;
+    }
     if (times_.size() > 4) return fail("E-unexpected", times_[4].span, ".tran takes four times at most");
     Transient transient = arrange();
     if (!check(transient, row_limit)) return std::nullopt;
@@ -113,8 +120,7 @@ const Card* card_that_counts(const Definitions& definitions, Reporter& reporter)
   const auto& cards = definitions.transients;
   if (cards.empty()) return nullptr;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k) {
-    if (cards[k]->items.empty() && !cards[k]->damaged)
-      reporter.error("E-missing-value", cards[k]->span, fmt::format(".tran has no times; usage: {}", usage));
+    if (cards[k]->items.empty() && !cards[k]->damaged) report_no_times(*cards[k], reporter);
     reporter.warning("W-second-tran", cards[k]->name_span,
                      fmt::format("this .tran is not run: the last one counts, at {}", reporter.where(cards.back()->span)));
   }

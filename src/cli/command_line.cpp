@@ -131,7 +131,7 @@ void add_export_options(CLI::App& app, Raw& raw) {
 void add_compare_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "compare", compare_usage,
                      "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-                     "that stands still; then says how far apart the two are and what both took. --verbose: per\n"
+                     "the answer no longer changes; then says how far apart the two are and what both took. --verbose: per\n"
                      "signal, how much of it ngspice's own errors explain, and how far its switching times are off.",
                      "The deck");
   app.add_option("--budget", raw.budget,

@@ -135,12 +135,8 @@ int Session::prepare() {
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
   reltol_ = analysis::relative_tolerance(options_.reltol, compiled_->analyses);
-  const auto prepare = [&](const model::Network& network) {
-    Diagnostics unheard;
-    return analysis::prepare_engine(network, options_.engine, reltol_, unheard, caught_signal());
-  };
   if (compiled_->analyses.sweeps.runs() == 0)
-    if (auto note = analysis::fit_diodes(*compiled_, prepare, &caught_signal())) messages_.report(*note, sources_);
+    if (auto note = analysis::fit_diodes(*compiled_, options_.engine, reltol_, &caught_signal())) messages_.report(*note, sources_);
   engine_ = analysis::prepare_engine(compiled_->network, options_.engine, reltol_, diagnostics, caught_signal());
   report_.engine = engine_.name;
   report_.seconds.model = since(model_start);

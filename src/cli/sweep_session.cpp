@@ -126,11 +126,7 @@ class Sweep {
     SourceStore sources = task_.sources;  // shipped subcircuits are added
     auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
     analysis::PreparedEngine engine;
-    const auto prepare = [&](const model::Network& network) {
-      Diagnostics unheard;
-      return analysis::prepare_engine(network, task_.options.engine, task_.reltol, unheard, caught_signal());
-    };
-    if (compiled) (void)analysis::fit_diodes(*compiled, prepare, &caught_signal());
+    if (compiled) (void)analysis::fit_diodes(*compiled, task_.options.engine, task_.reltol, &caught_signal());
     if (compiled) engine = analysis::prepare_engine(compiled->network, task_.options.engine, task_.reltol, diagnostics, caught_signal());
     if (!engine.simulate || diagnostics.has_errors()) {
       if (compiled && caught_signal() != 0)

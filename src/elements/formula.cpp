@@ -215,12 +215,15 @@ std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   return result;
 }
 
-/// A part that takes two values, or is a choice, times x.
-std::optional<AffineSum> FormulaBuilder::switched(int index, const AffineSum& x) {
-  if (const std::optional<TwoValued> values = two_valued(index)) return choose(values->condition, values->above * x, values->below * x);
+std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_value) {
+  if (const std::optional<TwoValued> values = two_valued(index)) {
+    const std::optional<AffineSum> above = of_value(constant_sum(values->above)), below = of_value(constant_sum(values->below));
+    if (!above || !below) return std::nullopt;
+    return choose(values->condition, *above, *below);
+  }
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
   if (part.kind != Kind::choice) return std::nullopt;
-  const std::optional<AffineSum> above = product(part.above, x), below = product(part.below, x);
+  const std::optional<AffineSum> above = of_value(part.above), below = of_value(part.below);
   if (!above || !below) return std::nullopt;
   return hysteresis(part.argument, part.on_level, part.off_level, *above, *below);
 }
@@ -228,26 +231,14 @@ std::optional<AffineSum> FormulaBuilder::switched(int index, const AffineSum& x)
 std::optional<AffineSum> FormulaBuilder::reciprocal(const AffineSum& x) {
   if (x.is_constant()) return x.constant == 0.0 ? std::nullopt : std::optional(constant_sum(1.0 / x.constant));
   if (x.terms.size() != 1) return std::nullopt;
-  const auto [index, coefficient] = x.terms[0];
-  std::optional<AffineSum> above, below;
-  if (const std::optional<TwoValued> values = two_valued(index)) {
-    above = reciprocal(constant_sum(x.constant + coefficient * values->above));
-    below = reciprocal(constant_sum(x.constant + coefficient * values->below));
-    if (!above || !below) return std::nullopt;
-    return choose(values->condition, *above, *below);
-  }
-  const FormulaPart part = parts_[static_cast<std::size_t>(index)];
-  if (part.kind != Kind::choice) return std::nullopt;
-  above = reciprocal(constant_sum(x.constant) + coefficient * part.above);
-  below = reciprocal(constant_sum(x.constant) + coefficient * part.below);
-  if (!above || !below) return std::nullopt;
-  return hysteresis(part.argument, part.on_level, part.off_level, *above, *below);
+  const auto& term = x.terms[0];
+  return switched(term.first, [&](const AffineSum& value) { return reciprocal(constant_sum(x.constant) + term.second * value); });
 }
 
 std::optional<AffineSum> FormulaBuilder::switched_sum(const AffineSum& a, const AffineSum& x) {
   AffineSum sum = a.constant * x;
   for (const auto& [part, coefficient] : a.terms) {
-    const std::optional<AffineSum> product = switched(part, x);
+    const std::optional<AffineSum> product = switched(part, [&](const AffineSum& value) { return this->product(value, x); });
     if (!product) return std::nullopt;
     sum = sum + coefficient * *product;
   }

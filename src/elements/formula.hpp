@@ -10,6 +10,7 @@
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -114,7 +115,9 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum oscillation(double amplitude, double omega, double damping, double phase);
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
   [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);
-  [[nodiscard]] std::optional<AffineSum> switched(int part, const AffineSum& x);
+  using Values = std::function<std::optional<AffineSum>(const AffineSum&)>;
+  /// A part that takes two values, or is a choice, with `of_value` of what it takes in place of that.
+  [[nodiscard]] std::optional<AffineSum> switched(int part, const Values& of_value);
   /// Where a part steps from one value to another: in time, or with the sign of its argument. Then the part is below + (above − below)·condition.
   struct TwoValued {
     Condition condition;

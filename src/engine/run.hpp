@@ -46,7 +46,9 @@ struct Piece {
   double from = 0.0, to = 0.0;       ///< what it stands for, s
   double begin = 0.0, length = 0.0;  ///< where its points lie, s: [begin, begin + length] holds [from, to] and may reach beyond
   std::span<const double> values;    ///< probe by probe, at the sixteen Gauss–Legendre points (linalg/legendre.hpp)
-  std::span<const double> noise{};   ///< of each probe: what is smaller may be rounding; empty where the values themselves tell
+  /// Where in −1 … 1 of its points a time lies.
+  [[nodiscard]] double place(double time) const { return 2.0 * (time - begin) / length - 1.0; }
+  std::span<const double> noise{};  ///< of each probe: what is smaller may be rounding; empty where the values themselves tell
 };
 
 /// Receives what lies between events, in order and without gaps.

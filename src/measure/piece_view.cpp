@@ -34,8 +34,8 @@ const double* PieceView::signal_on(int probe, double from, double to) {
   Signal& signal = signals_[index];
   if (!signal.has_series) signal.series = linalg::LegendreSeries(values);
   signal.has_series = true;
-  const double lower = 2.0 * (from - piece_.begin) / piece_.length - 1.0;
-  const double upper = 2.0 * (to - piece_.begin) / piece_.length - 1.0;
+  const double lower = piece_.place(from);
+  const double upper = piece_.place(to);
   const auto& point = linalg::gauss_legendre().point;
   for (std::size_t i = 0; i < points; ++i) signal.values[i] = signal.series(lower + 0.5 * (point[i] + 1.0) * (upper - lower));
   return signal.values.data();
@@ -51,7 +51,7 @@ void PieceView::values(const Program& program, const std::vector<double>& result
 }
 
 double PieceView::value(const Program& program, const std::vector<double>& results, double time) {
-  const double x = std::clamp(2.0 * (time - piece_.begin) / piece_.length - 1.0, -1.0, 1.0);
+  const double x = std::clamp(piece_.place(time), -1.0, 1.0);
   for (const int probe : program.probes()) {
     const auto index = static_cast<std::size_t>(probe);
     Signal& signal = signals_[index];
@@ -67,7 +67,7 @@ double PieceView::value(const Program& program, const std::vector<double>& resul
 
 std::vector<double> PieceView::signals(const Program& program, double time) const {
   std::vector<double> found(signals_.size(), 0.0);
-  const double x = std::clamp(2.0 * (time - piece_.begin) / piece_.length - 1.0, -1.0, 1.0);
+  const double x = std::clamp(piece_.place(time), -1.0, 1.0);
   for (const int probe : program.probes()) {
     const auto index = static_cast<std::size_t>(probe);
     found[index] = linalg::LegendreSeries(piece_.values.data() + index * points)(x);

@@ -35,7 +35,7 @@ SolutionRecord::SolutionRecord(double from, double to, std::size_t signals, std:
 void SolutionRecord::take(const engine::Piece& piece) {
   constexpr std::size_t points = linalg::legendre_points;
   Piece kept{piece.from, piece.to, {}, {}};
-  const double lower = 2.0 * (piece.from - piece.begin) / piece.length - 1.0, upper = 2.0 * (piece.to - piece.begin) / piece.length - 1.0;
+  const double lower = piece.place(piece.from), upper = piece.place(piece.to);
   const bool is_whole = piece.from == piece.begin && piece.to == piece.begin + piece.length;
   for (std::size_t k = 0; k < signals_; ++k) {
     const double* values = &piece.values[k * points];

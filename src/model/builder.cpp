@@ -3,11 +3,6 @@
 #include "base/names.hpp"
 
 namespace pwlsim::model {
-namespace {
-
-bool is_ground(std::string_view key) { return key == "0" || key == "gnd"; }
-
-}  // namespace
 
 LinearForm voltage_between(NodeIndex p, NodeIndex n, double coefficient) {
   LinearForm form;
@@ -28,7 +23,7 @@ void accumulate(LinearForm& sum, const LinearForm& form, double factor) {
 
 NodeIndex Builder::node(std::string_view name, SourceSpan where) {
   std::string key = without_case(name);
-  if (is_ground(key)) return ground;
+  if (is_ground_name(key)) return ground;
   const auto next = static_cast<NodeIndex>(network_.nodes.size());
   const auto [entry, is_new] = node_by_name_.try_emplace(std::move(key), next);
   if (is_new) network_.nodes.push_back({std::string(name), where});
@@ -37,7 +32,7 @@ NodeIndex Builder::node(std::string_view name, SourceSpan where) {
 
 std::optional<NodeIndex> Builder::find_node(std::string_view name) const {
   const std::string key = without_case(name);
-  if (is_ground(key)) return ground;
+  if (is_ground_name(key)) return ground;
   const auto entry = node_by_name_.find(key);
   if (entry == node_by_name_.end()) return std::nullopt;
   return entry->second;

@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "model/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 #include "model/forms.hpp"
 #include "model/things.hpp"
 

@@ -330,7 +330,7 @@ void Builder::reduce_coordinates() {
   m.lift = embedding_.topRightCorner(s_.n, s_.n_zeta).cast<double>();
 }
 
-/// False where its rates are beyond reckoning.
+/// False where its rates are beyond computing.
 bool Builder::build_flow() {
   Mode& m = *mode_;
   WideMatrix rate = manifold_ ? manifold_->rate : wide_clean_sum(w_->a.topRows(s_.n), r_.b.topRows(s_.n), kj_);

@@ -84,7 +84,7 @@ class Selector {
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
-  /// Coordinates in that mode of x as `select` left it, where the selection has reckoned them; null elsewhere.
+  /// Coordinates in that mode of x as `select` left it, where the selection has computed them; null elsewhere.
   [[nodiscard]] const double* coordinates(const Mode& mode) const { return coordinates_of_ == &mode ? y_.data() : nullptr; }
   /// Whether two modes, both consistent at x, go on as one solution.
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "model/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 #include "model/forms.hpp"
 #include "model/things.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// How far ngspice's answer to a smoothed deck is from its own limit: refinement of its step and of the smoothing until the answer stands still.
+/// How far ngspice's answer to a smoothed deck is from its own limit: refinement of its step and of the smoothing until the answer no longer changes.
 ///
 /// Both ladders divide what makes the error by a constant: level k of the first has the largest step h/2^k and reltol/4^k at a fixed sharpness X,
 /// level k of the second X/4^k at the finest of these steps: both divide the error by 4 (the trapezoidal rule is of second order in h, smoothing of first in X). What is left at
@@ -20,7 +20,7 @@ namespace pwlsim::spice {
 
 struct StudySettings {
   double sharpness = default_sharpness;  ///< of the first ladder
-  double target = 1e-4;                  ///< change between levels, relative to a signal's maximum, that counts as standing still
+  double target = 1e-4;                  ///< change between levels, relative to a signal's maximum, that counts as none
   double seconds = 30.0;                 ///< of wall time, in all
   std::vector<double> sample_times;      ///< s, ascending, within (0, Tstop]
   Snubber snubber;                       ///< what a deck is given that ngspice does not run without; impedance 0: nothing

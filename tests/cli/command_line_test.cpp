@@ -134,7 +134,7 @@ TEST_CASE("the help of export and compare, to the letter", "[unit]") {
         "  --quiet             No notes and warnings; errors stay\n"
         "\n"
         "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-        "that stands still; then says how far apart the two are and what both took. --verbose: per\n"
+        "the answer no longer changes; then says how far apart the two are and what both took. --verbose: per\n"
         "signal, how much of it ngspice's own errors explain, and how far its switching times are off.\n");
 }
 

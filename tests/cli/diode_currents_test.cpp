@@ -36,7 +36,7 @@ Finished run_diode(double source, double resistance, int m, const std::string& m
   return run_in(scratch, {"d.net"});
 }
 
-double measured(const Finished& finished) { return std::stod(finished.out.substr(finished.out.find("i = ") + 4)); }
+double measured(const Finished& finished) { return value_of(finished.out, "i"); }
 
 }  // namespace
 

@@ -10,12 +10,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-double value_of(const std::string& text, const std::string& name) {
-  const std::size_t at = text.find(name + " = ");
-  REQUIRE(at != std::string::npos);
-  return std::stod(text.substr(at + name.size() + 3));
-}
-
 Finished run_deck(const Scratch& scratch, const std::string& deck) {
   scratch.write("d.net", deck);
   return run_in(scratch, {"d.net", "-o", "d.csv"});

@@ -15,12 +15,6 @@ namespace {
 /// Diodes in parallel: how the current divides is open.
 const std::string parallel_diodes = "parallel\nV1 a 0 SIN(0 1 50)\nR1 a b 1k\nD1 b 0 DI\nD2 b 0 DI\n.model DI D\n.tran 1m 20m\n";
 
-double value_of(const std::string& text, const std::string& name) {
-  const std::size_t at = text.find(name + " = ");
-  REQUIRE(at != std::string::npos);
-  return std::stod(text.substr(at + name.size() + 3));
-}
-
 }  // namespace
 
 TEST_CASE("a note on signals that nobody named, measured or draws is kept for --verbose", "[unit]") {

@@ -16,4 +16,11 @@ inline Finished run_in(const Scratch& scratch, const std::vector<std::string>& a
   return finished;
 }
 
+/// Of a line `name = value` on standard output.
+inline double value_of(const std::string& text, const std::string& name) {
+  const std::size_t at = text.find(name + " = ");
+  REQUIRE(at != std::string::npos);
+  return std::stod(text.substr(at + name.size() + 3));
+}
+
 }  // namespace pwlsim::test

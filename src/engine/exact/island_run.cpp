@@ -99,8 +99,8 @@ double IslandRun::certify(double end) {
 
 void IslandRun::locate(double length) {
   locator_.locate(segment_, length, event_);
-  if (dropped_event_ == 0) return;
-  if (!event_.found || event_.row < 0 || event_.row >= system_.diodes || ++port_events_ != dropped_event_) return;
+  if (faults_.dropped_event == 0) return;
+  if (!event_.found || event_.row < 0 || event_.row >= system_.diodes || ++port_events_ != faults_.dropped_event) return;
   const auto place = std::find(segment_.rows.begin(), segment_.rows.end(), event_.row) - segment_.rows.begin();
   segment_.rows.erase(segment_.rows.begin() + place);
   segment_.departures.erase(segment_.departures.begin() + place);
@@ -407,8 +407,8 @@ void IslandRun::begin_segment(double time, double late) {
     linalg::copy(y, mode->ny, segment_.y0.data());
   else
     model::to_mode(system_, *mode, x.data(), segment_.y0.data());
-  if (segment_number_ + 1 == disturbed_segment_)
-    for (int i = 0; i < mode->n1; ++i) segment_.y0[static_cast<std::size_t>(i)] *= 1.0 + disturbance_;
+  if (segment_number_ + 1 == faults_.disturbed_segment)
+    for (int i = 0; i < mode->n1; ++i) segment_.y0[static_cast<std::size_t>(i)] *= 1.0 + faults_.disturbance;
   // Decays that are not followed have no impulse: the state lies where they end.
   if (mode->decays) continuity_watch_.excuse();
   continuity_watch_.end({segment_.mode, segment_.y.data()}, {mode, segment_.y0.data()}, time);

@@ -9,6 +9,7 @@
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/guard_watch.hpp"
 #include "engine/exact/locator.hpp"
+#include "engine/run.hpp"
 #include "model/selection.hpp"
 #include "model/source_departure.hpp"
 
@@ -26,13 +27,8 @@ class IslandRun {
   [[nodiscard]] const ContinuityWatch& continuity() const { return continuity_watch_; }
   /// The run ends at `time`, within the segment.
   void look_at_end(double time);
-  /// For tests: the n-th event (from 1) at which a port's guard falls is passed over, as if the search had missed it.
-  void drop_event(std::uint64_t number) { dropped_event_ = number; }
-  /// Likewise: the n-th segment (from 1) begins with this share of its state more than it should, as if a projection were wrong.
-  void disturb_segment(std::uint64_t number, double share) {
-    disturbed_segment_ = number;
-    disturbance_ = share;
-  }
+  /// For tests: what goes wrong on purpose.
+  void inject(const Request::Faults& faults) { faults_ = faults; }
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
   [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
@@ -127,8 +123,8 @@ class IslandRun {
   Locator locator_;
   GuardWatch guard_watch_;
   ContinuityWatch continuity_watch_;
-  std::uint64_t dropped_event_ = 0, port_events_ = 0, disturbed_segment_ = 0;
-  double disturbance_ = 0.0;
+  Request::Faults faults_;
+  std::uint64_t port_events_ = 0;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
   double time_to_settle_ = model::forever;  ///< s from the anchor, after which the mode at hand is its slow motion
@@ -147,7 +143,7 @@ class IslandRun {
   std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
   bool is_set_ = false;        ///< a switch of it, since the instant began
   bool undecided_ = false;     ///< the event at hand is only where the locator could not tell
-  bool all_rest_ = false;      ///< and nothing came of it: guards at zero count from where they are visibly negative
+  bool all_rest_ = false;      ///< and nothing came of it: guards at zero are looked at again once they are visibly negative
   int rests_ = -1;             ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;

@@ -55,8 +55,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
   for (auto& island : islands_) {
     island.set_tolerance(tolerance_);
-    island.drop_event(request.faults.dropped_event);
-    island.disturb_segment(request.faults.disturbed_segment, request.faults.disturbance);
+    island.inject(request.faults);
   }
   is_slow_ = std::any_of(islands_.begin(), islands_.end(),
                          [](const auto& island) { return island.system().size() + island.system().ports > slow_size; });

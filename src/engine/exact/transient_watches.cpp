@@ -206,7 +206,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   const std::vector<std::string> names = all_names(island.system());
   if (names.empty())
     return fail(Outcome::no_solution, "E-no-solution",
-                fmt::format("no solution can be reckoned at t = {} s in the part with {}: its time constants are too short for double "
+                fmt::format("no solution can be computed at t = {} s in the part with {}: its time constants are too short for double "
                             "precision; try larger capacitors and inductors there, or leave them out",
                             time, island.system().name),
                 {});

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "engine/sparse/descriptor.hpp"
-#include "model/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -42,7 +42,7 @@ class Clusters {
     if (resistance == 0.0) return;
     for (const NodeIndex node : {p, n}) conductance_[static_cast<std::size_t>(sets_.find(node + 1))] += 1.0 / std::abs(resistance);
   }
-  model::DisjointSets held_, sets_;
+  DisjointSets held_, sets_;
   std::vector<double> conductance_;
 };
 

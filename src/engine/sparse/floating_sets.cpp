@@ -1,6 +1,6 @@
 #include "engine/sparse/floating_sets.hpp"
 
-#include "model/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -10,7 +10,7 @@ using model::NodeIndex;
 FloatingSets::FloatingSets(const model::Network& network) {
   const auto nodes = static_cast<int>(network.nodes.size());
   static_assert(ground == -1);  // the least of all, so that its set is named by it
-  model::DisjointSets sets(nodes + 1);
+  DisjointSets sets(nodes + 1);
   for (const auto& c : network.capacitors) sets.join(c.p + 1, c.n + 1);
   for (int node = 0; node < nodes; ++node) set_.push_back(sets.find(node + 1) - 1);
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "model/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -17,7 +17,7 @@ class NodeSets {
 
  private:
   static_assert(model::ground == -1);
-  model::DisjointSets sets_;
+  DisjointSets sets_;
 };
 
 }  // namespace

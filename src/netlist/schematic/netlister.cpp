@@ -155,7 +155,7 @@ class Netlister {
     if (blocks_.insert(without_case(element.block)).second) {
       Block block{element.block, file, {}};
       for (const auto& pin : found.symbol->pins)
-        if (pin) block.ports.push_back(is_ground(pin->name) ? "0" : node_name(pin->name));
+        if (pin) block.ports.push_back(is_ground_name(pin->name) ? "0" : node_name(pin->name));
       waiting_.push_back(std::move(block));
     }
     return true;

@@ -22,8 +22,6 @@ bool lies_on(GridPoint point, const Wire& wire) {
 
 }  // namespace
 
-bool is_ground(std::string_view label) { return label == "0" || same_name(label, "gnd"); }
-
 std::string node_name(std::string_view label) {
   std::string name(label);
   for (char& c : name)
@@ -38,6 +36,7 @@ Nets::Nets(const Sheet& sheet, const std::vector<GridPoint>& pins, const std::ve
   }
   for (const Flag& flag : sheet.flags) add_point(flag.at);
   for (const GridPoint pin : pins) add_point(pin);
+  sets_ = DisjointSets(static_cast<int>(points_.size()));
   for (const Wire& wire : sheet.wires) join_along(wire);
   for (const Wire& wire : joined) join(wire.from, wire.to);
   join_labels(sheet.flags);
@@ -47,18 +46,9 @@ Nets::Nets(const Sheet& sheet, const std::vector<GridPoint>& pins, const std::ve
 
 void Nets::add_point(GridPoint point) {
   uses_[point] += 1;
-  if (points_.emplace(point, above_.size()).second) {
-    by_rows_.emplace(exchanged(point), above_.size());
-    above_.push_back(above_.size());
-  }
+  const auto index = static_cast<Index>(points_.size());
+  if (points_.emplace(point, index).second) by_rows_.emplace(exchanged(point), index);
 }
-
-Nets::Index Nets::root(Index at) const {
-  while (above_[at] != at) at = above_[at] = above_[above_[at]];
-  return at;
-}
-
-void Nets::join(Index a, Index b) { above_[root(b)] = root(a); }
 
 /// Only the points between the ends of the wire are looked at: those of its row, or of its columns.
 void Nets::join_along(const Wire& wire) {
@@ -66,10 +56,9 @@ void Nets::join_along(const Wire& wire) {
   const auto& order = is_level ? by_rows_ : points_;
   const auto key = [&](GridPoint point) { return is_level ? exchanged(point) : point; };
   const auto [low, high] = std::minmax({key(wire.from), key(wire.to)});  // of values, as they are temporary
-  const Index here = points_.at(wire.from);
   for (auto at = order.lower_bound(low); at != order.end() && at->first <= high; ++at)
     if (lies_on(key(at->first), wire)) {
-      join(here, at->second);
+      join(wire.from, key(at->first));
       uses_[key(at->first)] += 1;
     }
 }
@@ -77,7 +66,7 @@ void Nets::join_along(const Wire& wire) {
 void Nets::join_labels(const std::vector<Flag>& flags) {
   std::map<std::string, GridPoint> first;
   for (const Flag& flag : flags) {
-    const std::string key = is_ground(flag.name) ? "0" : without_case(node_name(flag.name));
+    const std::string key = is_ground_name(flag.name) ? "0" : without_case(node_name(flag.name));
     const auto [known, is_new] = first.emplace(key, flag.at);
     if (!is_new) join(known->second, flag.at);
   }
@@ -85,12 +74,12 @@ void Nets::join_labels(const std::vector<Flag>& flags) {
 
 void Nets::name_labelled(const std::vector<Flag>& flags) {
   for (const Flag& flag : flags)
-    if (is_ground(flag.name)) names_[root(points_.at(flag.at))] = "0";
+    if (is_ground_name(flag.name)) names_[root(flag.at)] = "0";
   std::set<std::string> told;
   for (const Flag& flag : flags) {
     const std::string label = node_name(flag.name);
-    const auto [named, is_new] = names_.emplace(root(points_.at(flag.at)), label);
-    if (!is_new && !is_ground(label) && !same_name(named->second, label) && told.insert(without_case(label)).second)
+    const auto [named, is_new] = names_.emplace(root(flag.at), label);
+    if (!is_new && !is_ground_name(label) && !same_name(named->second, label) && told.insert(without_case(label)).second)
       aliases_.push_back({label, named->second});
   }
 }
@@ -101,7 +90,7 @@ void Nets::name_others() {
   for (const Alias& alias : aliases_) taken.insert(without_case(alias.label));
   int number = 0;
   for (const auto& [point, index] : by_rows_) {
-    std::string& name = names_[root(index)];
+    std::string& name = names_[sets_.find(index)];
     while (name.empty()) {
       std::string next = fmt::format("N{:03}", ++number);
       if (!taken.contains(without_case(next))) name = std::move(next);
@@ -109,7 +98,7 @@ void Nets::name_others() {
   }
 }
 
-const std::string& Nets::name_at(GridPoint pin) const { return names_.at(root(points_.at(pin))); }
+const std::string& Nets::name_at(GridPoint pin) const { return names_.at(root(pin)); }
 
 bool Nets::is_open(GridPoint pin) const { return uses_.at(pin) == 1; }
 

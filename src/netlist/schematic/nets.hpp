@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "netlist/schematic/sheet.hpp"
 
 namespace pwlsim::netlist {
@@ -28,11 +29,10 @@ class Nets {
   [[nodiscard]] const std::vector<Alias>& aliases() const { return aliases_; }
 
  private:
-  using Index = std::size_t;
+  using Index = int;
   void add_point(GridPoint point);
-  Index root(Index at) const;
-  void join(Index a, Index b);
-  void join(GridPoint a, GridPoint b) { join(points_.at(a), points_.at(b)); }
+  [[nodiscard]] Index root(GridPoint point) const { return sets_.find(points_.at(point)); }
+  void join(GridPoint a, GridPoint b) { sets_.join(points_.at(a), points_.at(b)); }
   void join_along(const Wire& wire);
   void join_labels(const std::vector<Flag>& flags);
   void name_labelled(const std::vector<Flag>& flags);
@@ -40,14 +40,11 @@ class Nets {
 
   std::map<GridPoint, Index> points_;   ///< by columns
   std::map<GridPoint, Index> by_rows_;  ///< the same with x and y exchanged
-  mutable std::vector<Index> above_;    ///< towards the root
+  mutable DisjointSets sets_{0};        ///< of points, once all of them are known
   std::map<Index, std::string> names_;  ///< of roots
   std::map<GridPoint, int> uses_;       ///< of places, by pins, wires and labels
   std::vector<Alias> aliases_;
 };
-
-/// `0` and `gnd`.
-[[nodiscard]] bool is_ground(std::string_view label);
 
 /// A label as a node of a netlist: characters that would part it are replaced.
 [[nodiscard]] std::string node_name(std::string_view label);

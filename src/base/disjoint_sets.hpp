@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-namespace pwlsim::model {
+namespace pwlsim {
 
 class DisjointSets {
  public:
@@ -30,4 +30,4 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
-}  // namespace pwlsim::model
+}  // namespace pwlsim
