@@ -177,6 +177,8 @@ class Assembler {
       if (known == signals.end()) signals.push_back(probe);
     }
     circuit_.measured_signals = signals.size() - saved;
+    circuit_.orbit_measurements.probe_signals = numbers;
+    circuit_.orbit_measurements.probe_quantities = circuit_.measurements.probe_quantities;
     for (const SignalSource& signal : signals) builder_.add(signal_of(signal, emitted_));
   }
 
@@ -218,6 +220,7 @@ class Assembler {
   }
 
   void warn_of_unused_ic() {
+    if (circuit_.analyses.steady_state && circuit_.analyses.steady_state->use_initial_conditions) return;
     if (!circuit_.analyses.transient || circuit_.analyses.transient->use_initial_conditions) return;
     for (const Instance& instance : circuit_.instances) {
       const char letter = instance.kind->letter;

@@ -21,6 +21,8 @@ constexpr CardKind kinds[] = {
     {".option", CardRole::options, "sets options"},
     {".opt", CardRole::options, "sets options"},
     {".tran", CardRole::transient, "asks for a transient analysis"},
+    {".pss", CardRole::steady_state, "asks for the periodic steady state"},
+    {".pop", CardRole::steady_state, "asks for the periodic steady state"},
     {".op", CardRole::operating_point, "asks for the operating point"},
     {".save", CardRole::save, "names the signals of the output"},
     {".probe", CardRole::save, "names the signals of the output"},

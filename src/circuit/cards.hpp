@@ -17,6 +17,7 @@ enum class CardRole {
   options,
   transient,
   operating_point,
+  steady_state,  ///< .pss, .pop
   save,   ///< .save, .probe
   print,  ///< .print tran …
   measurement,

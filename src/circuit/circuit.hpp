@@ -59,7 +59,7 @@ class Circuit {
   std::vector<elements::Model> models;
   std::vector<SaveRequest> saves;  ///< none: all
   HiddenParts hidden;
-  Measurements measurements;
+  Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
   std::vector<SaveRequest> probes;   ///< signals that measurements read
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
   std::vector<InitialCondition> conditions;

@@ -144,6 +144,8 @@ class Reader {
         return read_analysis(card, result_.transients);
       case CardRole::operating_point:
         return read_analysis(card, result_.operating_points);
+      case CardRole::steady_state:
+        return read_analysis(card, result_.steady_states);
       case CardRole::save:
         return read_analysis(card, result_.saves);
       case CardRole::print:

@@ -18,14 +18,14 @@ CardStyle::CardStyle(std::string_view name) {
 }
 
 bool is_measurement_keyword(std::string_view word) {
-  static constexpr std::array<std::string_view, 29> keywords{
+  static constexpr std::array<std::string_view, 30> keywords{
       "avg",  "min", "max",  "pp",   "rms",   "integ", "integral", "find",  "deriv",  "derivative", "when", "at",   "from", "to",  "trig",
-      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3"};
+      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3", "period"};
   return is_one_of(keywords, word);
 }
 
 bool is_analysis_name(std::string_view word) {
-  static constexpr std::array<std::string_view, 8> names{"tran", "ac", "dc", "op", "noise", "tf", "sp", "four"};
+  static constexpr std::array<std::string_view, 9> names{"tran", "pss", "ac", "dc", "op", "noise", "tf", "sp", "four"};
   return is_one_of(names, word);
 }
 

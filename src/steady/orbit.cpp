@@ -16,7 +16,10 @@ constexpr double singular = 1e-11;       ///< a singular value of I − Φ below
 constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
 constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
 constexpr double zero_multiplier = 1e-13;
-constexpr int most_halvings = 5;
+constexpr double lone_drift = 1e-6;  ///< of the residual: what else moves beside a drift
+constexpr double progress_per_phase = 0.1;  ///< of the residual
+constexpr int most_steps_without_progress = 5;
+constexpr int most_halvings = 5, most_drifts = 12;
 
 /// One period from a state.
 struct Lap {
@@ -42,17 +45,18 @@ class Search {
       take_size();
       const Vector f = residual(state_, lap_);
       orbit_.residuals.push_back(f.norm() / orbit_.largest);
-      if (!keeps_switches() ) {
+      if (!keeps_switches()) {
         go_on();
         continue;
       }
       if (is_small(f)) return finish(f);
-      const Progress progress = step(f);
+      const Progress progress = wanders(f) ? Progress::stuck : step(f);
       if (progress == Progress::done) return finish(f);
       if (progress == Progress::failed) return std::move(orbit_);
       if (progress == Progress::stuck) {
         if (!simulate_on(patience)) return std::move(orbit_);
         patience *= 2;
+        steps_ = 0;
       }
     }
     if (!lap_.is_complete) return fail(lap_);
@@ -195,6 +199,15 @@ class Search {
     return Progress::stuck;
   }
 
+  /// Steps that pass the test one by one may still go round in a circle, from one sequence of modes to another.
+  bool wanders(const Vector& f) {
+    if (steps_++ == 0 || f.norm() <= progress_per_phase * phase_residual_) {
+      phase_residual_ = f.norm();
+      steps_ = 1;
+    }
+    return steps_ > most_steps_without_progress;
+  }
+
   Progress accept(RunState state, Lap next) {
     state_ = std::move(state);
     lap_ = std::move(next);
@@ -213,7 +226,8 @@ class Search {
     const Eigen::FullPivLU<Matrix> lu(overlap);
     orbit_.drift = lu.isInvertible() ? Vector(right * lu.solve(left.transpose() * f)) : Vector(left * (left.transpose() * f));
     const bool is_free = !moves_a_guard(stacking_, lap_.trace, orbit_.drift);
-    if (!is_free && drifts_ < 12) {
+    const bool is_alone = (f - orbit_.drift).norm() <= lone_drift * f.norm();  // everything else has settled
+    if (!(is_free && is_alone) && drifts_ < most_drifts) {
       ++drifts_;
       return simulate_on(4 << std::min(drifts_, 6)) ? Progress::stepped : Progress::failed;
     }
@@ -253,10 +267,7 @@ class Search {
       Multiplier m;
       m.value = eigen.eigenvalues()[i];
       if (std::abs(m.value) <= zero_multiplier) continue;
-      const Eigen::VectorXcd direction = eigen.eigenvectors().col(i);
-      const double whole = direction.squaredNorm();
-      for (Eigen::Index k = 0; k < n; ++k) m.shares.emplace_back(static_cast<std::size_t>(k), std::norm(direction[k]) / whole);
-      std::sort(m.shares.begin(), m.shares.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+      m.direction = eigen.eigenvectors().col(i);
       orbit_.multipliers.push_back(std::move(m));
     }
     auto& list = orbit_.multipliers;
@@ -274,6 +285,8 @@ class Search {
   RunState state_;
   Lap lap_;
   double last_residual_ = -1.0;
+  double phase_residual_ = 0.0;  ///< the least that counted as progress
+  int steps_ = 0;                ///< since then
   int drifts_ = 0;
 };
 

@@ -26,7 +26,7 @@ struct OrbitTask {
   int multiple = 1;     ///< k
   Section section;      ///< self-timed
   double longest = 0.0;  ///< s, self-timed: without an event for so long there is none
-  int most_iterations = 30;
+  int most_iterations = 100;
   int most_periods = 4000;  ///< simulated
   int periods_before = 4;   ///< simulated before the first step
   double tolerance = 0.0;   ///< of ‖φ(x) − x‖ against the largest state; 0: rounding
@@ -37,7 +37,7 @@ enum class Verdict { found, no_orbit, drifts, not_converged, no_event, run_faile
 struct Multiplier {
   std::complex<double> value;
   bool trivial = false;
-  std::vector<std::pair<std::size_t, double>> shares;  ///< coordinates of the stacked state with their share of the eigenvector's energy, the largest first
+  Eigen::VectorXcd direction;  ///< its eigenvector, of the stacked state
 };
 
 struct Orbit {
@@ -56,6 +56,7 @@ struct Orbit {
   Vector drift;                         ///< of ξ in a period, where it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
   std::vector<double> residuals;        ///< of the iterations
+  std::string section;                  ///< self-timed: the event that begins the period
   bool has_shorter_period = false;      ///< driven, k > 1: the orbit found repeats sooner
 };
 
