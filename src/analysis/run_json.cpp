@@ -114,6 +114,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   write_operating_point(json, outcome.signals, outcome.operating_point ? &*outcome.operating_point : nullptr);
   write_measurements(json, outcome.measurements);
   write_orbit(json, outcome.steady_state ? &*outcome.steady_state : nullptr);
+  write_small_signals(json, outcome.small_signal ? &*outcome.small_signal : nullptr);
   write_runs(json, outcome.sweep, outcome.signals);
   write_check(json, outcome.check ? &*outcome.check : nullptr);
   json.key("notes");

@@ -29,6 +29,7 @@ struct RunOutcome {
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
   std::optional<SteadyState> steady_state;
+  std::optional<SmallSignalResult> small_signal;
   std::optional<Check> check;  ///< of --check
   SweptRuns sweep;             ///< of a deck with .step
   std::string plot, report;    ///< files written, or empty

@@ -88,6 +88,11 @@ class Finder {
       add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level);
       ++state_.compiled.measured_signals;
     }
+    if (compiled_.analyses.small_signal) {
+      const std::size_t signals = state_.compiled.network.signals.size();
+      state_.inputs = add_small_signal_inputs(*compiled_.analyses.small_signal, state_.compiled.network);
+      state_.compiled.measured_signals += state_.compiled.network.signals.size() - signals;
+    }
     model_ = engine::prepare(state_.compiled.network, diagnostics);
     engine::March::Options options;
     options.interrupt = &interrupt_;
@@ -282,6 +287,11 @@ Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnost
     engine::March march(*model, {request.non_unique, request.interrupt});
     return march.run(from, request, sink);
   };
+}
+
+SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
+  return small_signals(*compiled.analyses.small_signal, *state.inputs, state.compiled.network, *state.model, state.orbit,
+                       !state.common.sources.empty(), compiled.saved_signals());
 }
 
 std::string orbit_summary(const SteadyState& state, const std::string& output) {

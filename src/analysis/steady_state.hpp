@@ -8,6 +8,7 @@
 
 #include "analysis/json.hpp"
 #include "analysis/orbit_names.hpp"
+#include "analysis/small_signal.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/march.hpp"
@@ -31,6 +32,7 @@ struct SteadyState {
   int multiple = 1;
   std::vector<NamedState> states;  ///< right of t = 0
   std::vector<OrbitMode> modes;
+  std::optional<SmallSignalInputs> inputs;  ///< of .ac, in the model
   circuit::Compiled compiled;  ///< of the orbit: settled sources, one period, its own measurements
   Simulate simulate;           ///< runs over the period from the orbit
 };
@@ -40,6 +42,9 @@ struct SteadyState {
 
 /// A run of the deck's own .tran that starts on the orbit.
 [[nodiscard]] Simulate from_orbit(const circuit::Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics);
+
+/// Small signals around the orbit.
+[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
 
 /// "orbit of buck.csv: period 5 µs, …".
 [[nodiscard]] std::string orbit_summary(const SteadyState& state, const std::string& output);

@@ -49,6 +49,18 @@ struct SteadyState {
   SourceSpan span;
 };
 
+/// `.ac`: small signals around the steady state.
+struct SmallSignal {
+  std::vector<double> frequencies;  ///< Hz, in order
+  enum class Input { marked, source, frequency, duty };
+  Input input = Input::marked;       ///< all sources with AC values; one source with amplitude 1; timing of sources
+  std::vector<std::string> sources;  ///< named behind from=
+  std::string loop;                  ///< the source of a loop gain; "" where none is asked for
+  SourceSpan input_span;
+  int harmonic = 0;
+  SourceSpan span;
+};
+
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
@@ -72,6 +84,7 @@ struct Sweeps {
 struct Analyses {
   std::optional<Transient> transient;
   std::optional<SteadyState> steady_state;
+  std::optional<SmallSignal> small_signal;
   Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;

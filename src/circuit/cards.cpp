@@ -34,7 +34,7 @@ constexpr CardKind kinds[] = {
     {".temp", CardRole::ignored, "temperatures have no effect"},
     {".plot", CardRole::ignored, "line-printer plots"},
     {".width", CardRole::ignored, "line-printer width"},
-    {".ac", CardRole::ignored, "small-signal analysis"},
+    {".ac", CardRole::small_signal, "asks for small signals around the steady state"},
     {".dc", CardRole::ignored, "DC sweep"},
     {".noise", CardRole::ignored, "noise analysis"},
     {".tf", CardRole::ignored, "small-signal transfer function"},

@@ -18,6 +18,7 @@ enum class CardRole {
   transient,
   operating_point,
   steady_state,  ///< .pss, .pop
+  small_signal,  ///< .ac
   save,   ///< .save, .probe
   print,  ///< .print tran …
   measurement,

@@ -27,6 +27,9 @@ void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scop
 /// .pss and .pop into `circuit`.
 void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 
+/// .ac into `circuit`.
+void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
+
 void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
 
 /// .step; what its numbers need must not depend on what is stepped.

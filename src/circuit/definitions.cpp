@@ -146,6 +146,8 @@ class Reader {
         return read_analysis(card, result_.operating_points);
       case CardRole::steady_state:
         return read_analysis(card, result_.steady_states);
+      case CardRole::small_signal:
+        return read_analysis(card, result_.small_signals);
       case CardRole::save:
         return read_analysis(card, result_.saves);
       case CardRole::print:

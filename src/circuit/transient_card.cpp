@@ -138,6 +138,7 @@ void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scop
   Analyses& analyses = circuit.analyses;
   const Card* card = card_that_counts(definitions, reporter);
   read_steady_state(definitions, scope, reporter, circuit);
+  read_small_signal(definitions, scope, reporter, circuit);
   if (card != nullptr && !card->damaged) {
     TransientReader reader(*card, scope, reporter);
     analyses.transient = reader.read(analyses.row_limit);
@@ -150,7 +151,7 @@ void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scop
     analyses.operating_point = true;
     for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes nothing behind it");
   }
-  if (required && card == nullptr && definitions.steady_states.empty() && !analyses.operating_point && !definitions.misplaced_analysis) {
+  if (required && card == nullptr && definitions.steady_states.empty() && definitions.small_signals.empty() && !analyses.operating_point && !definitions.misplaced_analysis) {
     reporter.error("E-no-analysis", title, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
   }
 }

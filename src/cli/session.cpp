@@ -65,6 +65,7 @@ class Session {
     } else {
       if (compiled_->analyses.operating_point) status = operating_point();
       if (compiled_->analyses.steady_state) status = std::max(status, steady_state());
+      if (compiled_->analyses.small_signal && status == 0) status = small_signal();
       if (compiled_->analyses.transient && status == 0) status = std::max(status, transient());
     }
     outcome_.status = status;
@@ -92,6 +93,7 @@ class Session {
   int operating_point();
   int steady_state();
   int orbit_rows(const analysis::SteadyState& state);
+  int small_signal();
   int transient();
   int check();
   int conclude(const analysis::TransientRun& run, const OutputFile& file);
@@ -116,7 +118,7 @@ class Session {
   std::optional<circuit::Compiled> compiled_;
   analysis::PreparedEngine engine_;
   double reltol_ = 0.0;
-  std::optional<OutputFile> orbit_file_, rows_file_, statistics_file_, report_file_;
+  std::optional<OutputFile> orbit_file_, small_signal_file_, rows_file_, statistics_file_, report_file_;
   PictureFile plot_file_;
   std::optional<analysis::KeptRows> kept_rows_;  ///< for --check
   std::optional<analysis::RunRecorder> recorder_;
@@ -196,6 +198,8 @@ int Session::open_files() {
   const std::string rows = options_.split ? split_table(options_.output) : options_.output;
   const bool has_orbit = compiled_->analyses.steady_state && compiled_->analyses.sweeps.runs() == 0;
   if (status == 0 && (compiled_->analyses.transient || has_orbit)) status = open_output(rows, files_, messages_, rows_file_);
+  if (status == 0 && compiled_->analyses.small_signal && !options_.no_rows)
+    status = open_output(small_signal_file_name(rows), files_, messages_, small_signal_file_);
   if (status == 0 && compiled_->analyses.transient && has_orbit) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
   if (status == 0 && compiled_->analyses.transient) warn_of_size();
   if (status == 0 && !options_.plot.empty() && !compiled_->analyses.transient && !has_orbit)
@@ -303,6 +307,35 @@ int Session::orbit_rows(const analysis::SteadyState& state) {
   if (state.is_found) messages_.remark(analysis::orbit_summary(state, options_.no_rows ? "nothing" : file.name()));
   if (is_alone) tell_details();
   return measured;
+}
+
+/// Around the orbit, or of a linear circuit as it is. Beside a .tran alone, as in decks of other simulators, it is left out where it cannot be.
+int Session::small_signal() {
+  const bool has_orbit = compiled_->analyses.steady_state.has_value();
+  std::string id, message;
+  if (has_orbit) {
+    id = outcome_.steady_state->inputs->id;
+    message = outcome_.steady_state->inputs->message;
+    if (id.empty() && !outcome_.steady_state->orbit.kink.empty()) {
+      id = "E-ac-no-derivative";
+      message = "the orbit has no derivative: " + outcome_.steady_state->orbit.kink;
+    }
+    if (id.empty()) outcome_.small_signal = analysis::small_signals(*compiled_, *outcome_.steady_state);
+  } else {
+    outcome_.small_signal = analysis::linear_small_signals(*compiled_, id, message);
+  }
+  if (!id.empty()) {
+    outcome_.small_signal.reset();
+    if (has_orbit || !compiled_->analyses.transient) return fail(Status::wrong_input, id, message);
+    messages_.report({Severity::warning, "W-ignored-card", compiled_->analyses.small_signal->span, fmt::format(".ac is ignored: {}", message)}, sources_);
+    return 0;
+  }
+  for (const double f : outcome_.small_signal->singular)
+    messages_.report({Severity::warning, "W-ac-singular", {}, fmt::format("the response is infinite at {}: a free direction of the orbit is in resonance there", analysis::quantity(f, "Hz"))});
+  if (options_.no_rows) return 0;
+  if (const int status = write_whole(*small_signal_file_, analysis::small_signal_csv(*outcome_.small_signal), messages_); status != 0) return status;
+  messages_.remark(analysis::small_signal_summary(*outcome_.small_signal, small_signal_file_->name()));
+  return 0;
 }
 
 int Session::transient() {

@@ -29,6 +29,8 @@ std::string orbit_file_name(const std::string& output) {
   return output == "-" ? output : renamed(output, ".pss", path(output).extension().string());
 }
 
+std::string small_signal_file_name(const std::string& output) { return output == "-" ? output : renamed(output, ".ac", ".csv"); }
+
 std::string split_table(const std::string& output) { return renamed(output, ".runs", ".csv"); }
 
 bool is_split_file(const std::string& output, const std::string& name) {
