@@ -7,6 +7,7 @@
 #include "circuit/census.hpp"
 #include "circuit/evaluator.hpp"
 #include "circuit/logic_device.hpp"
+#include "circuit/logic_subcircuit.hpp"
 #include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
@@ -75,7 +76,7 @@ void Expander::enter(Place& place, const Card& card, const Item& name, const Def
   give_parameters(place, card, name, scope);
   scope.evaluate_all();
   expand(inner);
-  if (card.made_call) note_gate_outputs(inner);
+  if (card.made_call && has_two_levels(name.text)) note_gate_outputs(inner);
 }
 
 /// Those whose common is ground.
