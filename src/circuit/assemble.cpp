@@ -8,6 +8,7 @@
 #include "circuit/floating.hpp"
 #include "circuit/gate_drives.hpp"
 #include "circuit/names.hpp"
+#include "circuit/node_levels.hpp"
 #include "circuit/signals.hpp"
 #include "elements/emission.hpp"
 #include "elements/steps.hpp"
@@ -29,6 +30,7 @@ class Assembler {
     check_names();
     if (circuit_.instances.empty() && !reporter_.failed()) reporter_.error("E-no-elements", {}, "the deck has no element");
     for (Instance& instance : circuit_.instances) resolve_references(instance);
+    resolve_products(circuit_, reporter_);
     const std::vector<SignalSource> signals = resolve_signals(circuit_, names_, reporter_);
     const std::vector<SignalSource> probes = resolve_probes(circuit_, names_, reporter_);
     resolve_conditions();

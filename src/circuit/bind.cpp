@@ -31,7 +31,9 @@ using ItemKind = Item::Kind;
 /// Forms of E, F, G and H that take an expression or a table, and those that are no piecewise-linear circuit elements.
 constexpr std::string_view voltage_forms[] = {"value", "vol", "v"};
 constexpr std::string_view current_forms[] = {"value", "cur", "i"};
-constexpr std::string_view foreign_forms[] = {"laplace", "freq", "chebyshev"};
+constexpr std::string_view foreign_forms[] = {"freq", "chebyshev"};
+/// How LTspice computes what Laplace= says.
+constexpr std::string_view laplace_options[] = {"window", "nfft", "mtol"};
 
 /// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
 class CardBinding {
@@ -221,10 +223,12 @@ class CardBinding {
   }
 
   bool gain() {
+    transfer_ = find_transfer();
     if (at_form()) return form();
     if (cursor_.at(ItemKind::group) && same_name(cursor_.peek()->text, "poly")) return polynomial();
     if (!control()) return false;
     if (at_table()) return table(nullptr);
+    if (transfer_ != nullptr) return transfer(nullptr, gives_current());
     if (!cursor_.at_positional()) return missing("E-missing-value", "a gain");
     const std::optional<Number> number = place_.scope.number(*cursor_.next());
     instance_.coefficients = {0.0, number ? number->value : 0.0};
@@ -234,7 +238,8 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_one_of(foreign_forms, item->text)))
+    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) ||
+                            is_one_of(foreign_forms, item->text)))
       return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
@@ -250,31 +255,61 @@ class CardBinding {
     const Item& item = *cursor_.next();
     if (same_name(item.text, "table")) return table(&item);
     if (is_one_of(foreign_forms, item.text)) {
-      reporter().error(
-          "E-not-supported", item.span,
-          same_name(item.text, "laplace")
-              ? fmt::format("{} with {} is not supported; try an A element with a model of type s_xfer, whose num_coeff and den_coeff are "
-                            "the coefficients of the fraction",
-                            card_.name, item.text)
-              : fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
+      reporter().error("E-not-supported", item.span,
+                       fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
       return false;
     }
+    if (is_laplace(item)) return transfer_of_expression(item);
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
     return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
   }
 
   bool expression(const Item& item, bool is_current) {
-    FormulaReader reader(binder_, place_, instance_);
-    if (item.kind == ItemKind::expression) return reader.read(*item.expression, is_current);
+    const std::optional<netlist::Expression> value = expression_of(item);
+    if (!value) return false;
+    if (transfer_ != nullptr) return transfer(&*value, is_current);
+    return FormulaReader(binder_, place_, instance_).read(*value, is_current);
+  }
+
+  std::optional<netlist::Expression> expression_of(const Item& item) {
+    if (item.kind == ItemKind::expression) return *item.expression;
     const std::optional<Number> number = place_.scope.number(item);
-    if (!number) return false;
-    return reader.read({netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span},
-                       is_current);
+    if (!number) return std::nullopt;
+    return netlist::Expression{netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span};
+  }
+
+  static bool is_laplace(const Item& item) { return same_name(item.text, "laplace"); }
+
+  /// Laplace= anywhere on the card.
+  const Item* find_transfer() const {
+    for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k)
+      if (cursor_.peek(k)->kind == ItemKind::assignment && is_laplace(*cursor_.peek(k))) return cursor_.peek(k);
+    return nullptr;
+  }
+
+  /// Of the value of the card, or of its control.
+  bool transfer(const netlist::Expression* input, bool is_current) {
+    read_transfer_ = transfer_;
+    if (transfer_->items.empty()) return missing("E-missing-value", "a fraction in s");
+    const std::optional<netlist::Expression> fraction = expression_of(transfer_->items[0]);
+    return fraction && FormulaReader(binder_, place_, instance_).read_transfer(input, *fraction, is_current);
+  }
+
+  /// LAPLACE {V(in)} = {1/(1+s)}, with or without the equals sign.
+  bool transfer_of_expression(const Item& head) {
+    const bool is_assigned = head.kind == ItemKind::assignment && !head.items.empty();
+    const Item* input = is_assigned ? &head.items[0] : cursor_.next();
+    if (is_assigned && !cursor_.at(ItemKind::expression)) return missing("E-missing-node", "a pair of controlling nodes before Laplace=");
+    const Item* fraction = cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
+    if (input == nullptr || fraction == nullptr) return missing("E-missing-value", "an expression and a fraction in s, each in braces");
+    const std::optional<netlist::Expression> value = expression_of(*input);
+    return value && FormulaReader(binder_, place_, instance_).read_transfer(&*value, *fraction->expression, gives_current());
   }
 
   /// V={…} or I={…} of B, in any place behind the nodes.
   bool formula() {
     const Item* given = nullptr;
+    transfer_ = find_transfer();
     for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k) {
       const Item& item = *cursor_.peek(k);
       if (!is_b_value(item)) continue;
@@ -360,7 +395,12 @@ class CardBinding {
   void rest() {
     ValueReader reader(place_.scope, reporter(), card_.name);
     while (const Item* item = cursor_.next()) {
-      if (is_b_value(*item)) continue;
+      if (is_b_value(*item) || item == read_transfer_) continue;
+      if (read_transfer_ != nullptr && item->kind == ItemKind::assignment && is_one_of(laplace_options, item->text)) {
+        if (reporter().first_time("ignored:" + without_case(item->text)))
+          reporter().warning("W-ignored-parameter", item->span, fmt::format("{} is ignored: what Laplace= says is exact here", item->text));
+        continue;
+      }
       if (item->kind == ItemKind::assignment) {
         reader.assignment(*item, instance_.values);
         if (same_name(item->text, "tc")) skip_numbers();
@@ -387,6 +427,8 @@ class CardBinding {
   Instance& instance_;
   const elements::Kind& kind_;
   CardCursor cursor_;
+  const Item* transfer_ = nullptr;       ///< Laplace=
+  const Item* read_transfer_ = nullptr;  ///< that same, once it counts
 };
 
 /// Time, a voltage or a current.

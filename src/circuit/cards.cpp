@@ -59,6 +59,11 @@ constexpr CardKind kinds[] = {
     {".endaliases", CardRole::ignored, "names of a schematic"},
     {".stmlib", CardRole::ignored, "libraries of stimuli"},
     {".step", CardRole::sweep, "sweeps a parameter"},
+    {".machine", CardRole::state_machine, "a state machine"},
+    {".state", CardRole::state_machine, "a state machine"},
+    {".rule", CardRole::state_machine, "a state machine"},
+    {".output", CardRole::state_machine, "a state machine"},
+    {".endmachine", CardRole::state_machine, "a state machine"},
     {".lcs", CardRole::raw_system, "a raw linear complementarity system"},
 };
 

@@ -24,7 +24,8 @@ enum class CardRole {
   measurement,
   fourier,
   sweep,
-  raw_system,  ///< .lcs
+  state_machine,  ///< .machine to .endmachine
+  raw_system,     ///< .lcs
   ltspice,     ///< tells who wrote the deck
   silent,      ///< accepted, means nothing here
   ignored      ///< one warning

@@ -30,7 +30,7 @@ void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& r
 /// .ac into `circuit`.
 void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 
-void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
+void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit);
 
 /// .step; what its numbers need must not depend on what is stepped.
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps);

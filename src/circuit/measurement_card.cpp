@@ -78,7 +78,8 @@ class CardReader {
         scope_(scope),
         reporter_(reporter),
         card_(card),
-        next_result_(next_result) {}
+        next_result_(next_result),
+        transient_(circuit.analyses.transient) {}
 
   std::vector<Measurement> parts;
 
@@ -146,8 +147,30 @@ class CardReader {
   bool read_when(Measurement& measurement) {
     std::optional<Crossing> crossing = read_crossing(measurement);
     if (!crossing) return false;
-    measurement.when = std::move(crossing);
+    if (is_instant(*crossing))
+      take_instant(measurement, std::move(crossing->right));
+    else
+      measurement.when = std::move(crossing);
     return true;
+  }
+
+  /// time=2m within the run: it passes there once, also at the run's end, beyond which a crossing would have to lead.
+  bool is_instant(const Crossing& crossing) const {
+    using StepKind = MeasuredExpression::Step::Kind;
+    const auto is_only = [](const MeasuredExpression& x, StepKind kind) { return x.steps.size() == 1 && x.steps[0].kind == kind; };
+    if (!is_only(crossing.left, StepKind::time) || !is_only(crossing.right, StepKind::number)) return false;
+    if (crossing.delay || crossing.edge == Edge::fall || crossing.count != 1 || !transient_) return false;
+    const double time = crossing.right.steps[0].number;
+    return time > 0.0 && time <= transient_->stop.seconds;
+  }
+
+  static void take_instant(Measurement& measurement, MeasuredExpression time) {
+    if (measurement.kind == Kind::time) {
+      measurement.kind = Kind::parameter;
+      measurement.expression = std::move(time);
+    } else {
+      measurement.at = std::move(time);
+    }
   }
 
   /// a [VAL] b, and what of TD, RISE, FALL, CROSS follows; FROM and TO for the measurement.
@@ -298,6 +321,7 @@ class CardReader {
   Reporter& reporter_;
   const Card& card_;
   int next_result_;
+  const std::optional<Transient>& transient_;
   std::string name_;
 };
 

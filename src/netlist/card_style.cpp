@@ -10,6 +10,8 @@ CardStyle::CardStyle(std::string_view name) {
   const char letter = lower_letter(name.front());
   dot_ = letter == '.';
   function_ = same_name(name, ".func");
+  static constexpr std::array<std::string_view, 5> unread{".machine", ".state", ".rule", ".output", ".endmachine"};
+  unread_ = is_one_of(unread, name);
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
   parameters_ = takes_params_ || same_name(name, ".param") || same_name(name, ".params");
@@ -30,7 +32,7 @@ bool is_analysis_name(std::string_view word) {
 }
 
 bool CardStyle::open_expression(std::string_view left) const {
-  static constexpr std::array<std::string_view, 5> source_values{"v", "i", "value", "vol", "cur"};
+  static constexpr std::array<std::string_view, 6> source_values{"v", "i", "value", "vol", "cur", "laplace"};
   return parameters_ || (source_values_ && is_one_of(source_values, left)) || (is_resistor_ && same_name(left, "r"));
 }
 
