@@ -93,6 +93,7 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std:
     json.member("events", std::to_string(run.statistics.events));
     write_operating_point(json, signals, run.operating_point.empty() ? nullptr : &run.operating_point);
     write_measurements(json, run.measurements);
+    write_orbit(json, run.orbit.get());
     write_certificate(json, run.certificate);
     json.end_object();
   }

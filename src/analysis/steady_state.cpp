@@ -289,6 +289,18 @@ Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnost
   };
 }
 
+measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt) {
+  class Nowhere : public waveform::RowWriter {
+   public:
+    bool write(std::span<const double>) override { return true; }
+    bool flush() override { return true; }
+  } nowhere;
+  RunControl control;
+  control.interrupt = &interrupt;
+  control.longest_window = most_periods_measured * state.orbit.period;
+  return run_rows(state.compiled, state.simulate, nowhere, control).measurements;
+}
+
 SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
   return small_signals(*compiled.analyses.small_signal, *state.inputs, state.compiled.network, *state.model, state.orbit,
                        !state.common.sources.empty(), compiled.saved_signals());

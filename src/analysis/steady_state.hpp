@@ -43,6 +43,16 @@ struct SteadyState {
 /// A run of the deck's own .tran that starts on the orbit.
 [[nodiscard]] Simulate from_orbit(const circuit::Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics);
 
+/// The orbit's own measurements.
+[[nodiscard]] measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt);
+
+/// A window of a measurement may hold so many periods.
+inline constexpr double most_periods_measured = 1e4;
+
+/// Why the sparse engine cannot.
+inline constexpr const char* orbit_needs_exact_engine =
+    "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
+
 /// Small signals around the orbit.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "analysis/abandonable.hpp"
+#include "analysis/bode_figure.hpp"
 #include "analysis/check.hpp"
 #include "analysis/efficiency.hpp"
 #include "analysis/fitted_diodes.hpp"
@@ -31,6 +32,7 @@
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
+#include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
 #include "cli/sweep_session.hpp"
 
@@ -65,7 +67,7 @@ class Session {
     } else {
       if (compiled_->analyses.operating_point) status = operating_point();
       if (compiled_->analyses.steady_state) status = std::max(status, steady_state());
-      if (compiled_->analyses.small_signal && status == 0) status = small_signal();
+      if (compiled_->analyses.small_signal && status == 0) status = run_small_signal(*compiled_, sources_, options_.no_rows ? nullptr : &*small_signal_file_, outcome_, messages_);
       if (compiled_->analyses.transient && status == 0) status = std::max(status, transient());
     }
     outcome_.status = status;
@@ -93,7 +95,6 @@ class Session {
   int operating_point();
   int steady_state();
   int orbit_rows(const analysis::SteadyState& state);
-  int small_signal();
   int transient();
   int check();
   int conclude(const analysis::TransientRun& run, const OutputFile& file);
@@ -119,7 +120,7 @@ class Session {
   analysis::PreparedEngine engine_;
   double reltol_ = 0.0;
   std::optional<OutputFile> orbit_file_, small_signal_file_, rows_file_, statistics_file_, report_file_;
-  PictureFile plot_file_;
+  PictureFile plot_file_, bode_file_;
   std::optional<analysis::KeptRows> kept_rows_;  ///< for --check
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
@@ -196,15 +197,19 @@ int Session::open_files() {
   int status = options_.split ? check_split() : 0;
   if (status == 0 && options_.check) status = check_can_be_made();
   const std::string rows = options_.split ? split_table(options_.output) : options_.output;
-  const bool has_orbit = compiled_->analyses.steady_state && compiled_->analyses.sweeps.runs() == 0;
+  const bool has_orbit = compiled_->analyses.steady_state.has_value();
   if (status == 0 && (compiled_->analyses.transient || has_orbit)) status = open_output(rows, files_, messages_, rows_file_);
-  if (status == 0 && compiled_->analyses.small_signal && !options_.no_rows)
+  const bool is_stepped = compiled_->analyses.sweeps.runs() > 0;
+  if (status == 0 && compiled_->analyses.small_signal && !options_.no_rows && !is_stepped)
     status = open_output(small_signal_file_name(rows), files_, messages_, small_signal_file_);
-  if (status == 0 && compiled_->analyses.transient && has_orbit) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
+  if (status == 0 && compiled_->analyses.transient && has_orbit && !is_stepped) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
   if (status == 0 && compiled_->analyses.transient) warn_of_size();
-  if (status == 0 && !options_.plot.empty() && !compiled_->analyses.transient && !has_orbit)
+  const bool has_rows = compiled_->analyses.transient || has_orbit;
+  if (status == 0 && !options_.plot.empty() && !has_rows && !compiled_->analyses.small_signal)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
-  if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, files_, messages_);
+  if (status == 0 && !options_.plot.empty() && has_rows) status = plot_file_.open(options_.plot, files_, messages_);
+  if (status == 0 && !options_.plot.empty() && compiled_->analyses.small_signal)
+    status = bode_file_.open(has_rows ? bode_file_name(options_.plot) : options_.plot, files_, messages_);
   if (status == 0 && !options_.report.empty()) status = open_output(options_.report, files_, messages_, report_file_);
   if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, files_, messages_, statistics_file_);
   return status;
@@ -239,7 +244,10 @@ void Session::take_remarks(const engine::Answer& answer) {
 
 int Session::sweep() {
   outcome_.sweep = analysis::SweptRuns(compiled_->analyses.sweeps, rows_file_ && (plot_file_.is_open() || report_file_));
-  const SweepTask task{options_, deck_, sources_, *compiled_, reltol_, rows_file_ ? &*rows_file_ : nullptr};
+  circuit::Compiled first = *compiled_;
+  auto& measured = first.measurements.list;
+  measured.insert(measured.end(), first.orbit_measurements.list.begin(), first.orbit_measurements.list.end());
+  const SweepTask task{options_, deck_, sources_, first, reltol_, rows_file_ ? &*rows_file_ : nullptr};
   const int status = run_sweep(task, messages_, report_, outcome_.sweep);
   if (engine_.warning) messages_.report(*engine_.warning);
   report_.seconds.total = since(start_);
@@ -269,7 +277,7 @@ int Session::operating_point() {
 /// The orbit; then its rows, beside those of .tran where the deck has both.
 int Session::steady_state() {
   if (engine_.name != "exact")
-    return fail(Status::run_failed, "E-pss-engine", "the steady state is found by the exact engine only; try --engine exact, or fewer stores");
+    return fail(Status::run_failed, "E-pss-engine", analysis::orbit_needs_exact_engine);
   outcome_.steady_state = analysis::find_steady_state(*compiled_, caught_signal());
   const analysis::SteadyState& state = *outcome_.steady_state;
   for (const Diagnostic& message : state.messages) messages_.report(message);
@@ -288,9 +296,8 @@ int Session::steady_state() {
 int Session::orbit_rows(const analysis::SteadyState& state) {
   const bool is_alone = !compiled_->analyses.transient;
   OutputFile& file = is_alone ? *rows_file_ : *orbit_file_;
-  constexpr double longest_window = 1e4;  // periods
   analysis::RunControl control{options_.events, true, {}, &caught_signal()};
-  control.longest_window = longest_window * state.orbit.period;
+  control.longest_window = analysis::most_periods_measured * state.orbit.period;
   if (is_alone && (plot_file_.is_open() || report_file_))
     control.recorder = &recorder_.emplace(0.0, state.orbit.period, compiled_->saved_signals());
   const auto writer = analysis::row_writer(options_.format, *compiled_, file);
@@ -307,35 +314,6 @@ int Session::orbit_rows(const analysis::SteadyState& state) {
   if (state.is_found) messages_.remark(analysis::orbit_summary(state, options_.no_rows ? "nothing" : file.name()));
   if (is_alone) tell_details();
   return measured;
-}
-
-/// Around the orbit, or of a linear circuit as it is. Beside a .tran alone, as in decks of other simulators, it is left out where it cannot be.
-int Session::small_signal() {
-  const bool has_orbit = compiled_->analyses.steady_state.has_value();
-  std::string id, message;
-  if (has_orbit) {
-    id = outcome_.steady_state->inputs->id;
-    message = outcome_.steady_state->inputs->message;
-    if (id.empty() && !outcome_.steady_state->orbit.kink.empty()) {
-      id = "E-ac-no-derivative";
-      message = "the orbit has no derivative: " + outcome_.steady_state->orbit.kink;
-    }
-    if (id.empty()) outcome_.small_signal = analysis::small_signals(*compiled_, *outcome_.steady_state);
-  } else {
-    outcome_.small_signal = analysis::linear_small_signals(*compiled_, id, message);
-  }
-  if (!id.empty()) {
-    outcome_.small_signal.reset();
-    if (has_orbit || !compiled_->analyses.transient) return fail(Status::wrong_input, id, message);
-    messages_.report({Severity::warning, "W-ignored-card", compiled_->analyses.small_signal->span, fmt::format(".ac is ignored: {}", message)}, sources_);
-    return 0;
-  }
-  for (const double f : outcome_.small_signal->singular)
-    messages_.report({Severity::warning, "W-ac-singular", {}, fmt::format("the response is infinite at {}: a free direction of the orbit is in resonance there", analysis::quantity(f, "Hz"))});
-  if (options_.no_rows) return 0;
-  if (const int status = write_whole(*small_signal_file_, analysis::small_signal_csv(*outcome_.small_signal), messages_); status != 0) return status;
-  messages_.remark(analysis::small_signal_summary(*outcome_.small_signal, small_signal_file_->name()));
-  return 0;
 }
 
 int Session::transient() {
@@ -469,6 +447,11 @@ int Session::write_pictures() {
         waveform::svg(outcome_.sweep.list.empty() ? analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)
                                                   : analysis::sweep_figure(outcome_.title, outcome_.signals, outcome_.sweep));
     status = written(plot_file_.write(svg, messages_), plot_file_.name(), outcome_.plot);
+  }
+  if (bode_file_.is_open() && outcome_.small_signal) {
+    std::string name;
+    const std::string svg = waveform::svg(analysis::bode_figure(outcome_.title, *outcome_.small_signal));
+    status = std::max(status, written(bode_file_.write(svg, messages_), bode_file_.name(), outcome_.plot.empty() ? outcome_.plot : name));
   }
   if (!report_file_) return status;
   take_messages();
