@@ -113,6 +113,13 @@ std::string coordinate_name(const ExactModel& model, std::size_t coordinate) {
   return model::StoreValues(model.islands[island].island, model.islands[island].extraction).of_coordinate(number);
 }
 
+std::string guard_name(const ExactModel& model, std::size_t island, int row) {
+  const model::System& system = model.islands[island].extraction.system;
+  if (row < system.diodes) return system.port[static_cast<std::size_t>(row)].name;
+  const model::Control& control = system.controls[static_cast<std::size_t>(row - system.diodes) / 2];
+  return model.switches[static_cast<std::size_t>(control.driven)].name;
+}
+
 NamedState largest_change(const ExactModel& model, const steady::Vector& direction) {
   Eigen::Index most = 0;
   direction.cwiseAbs().maxCoeff(&most);

@@ -31,6 +31,8 @@ struct OrbitMode {
 
 /// The name of a coordinate of the stacked state.
 [[nodiscard]] std::string coordinate_name(const engine::ExactModel& model, std::size_t coordinate);
+/// The diode or switch behind a row of guards.
+[[nodiscard]] std::string guard_name(const engine::ExactModel& model, std::size_t island, int row);
 /// What a change of the stacked state adds to the store that it changes most: a charge in C, a flux in Vs; named after the element.
 [[nodiscard]] NamedState largest_change(const engine::ExactModel& model, const steady::Vector& direction);
 /// The stores that a direction of the stacked state moves, with their shares of its energy, the largest first.

@@ -14,6 +14,7 @@
 #include "engine/exact/exact_model.hpp"
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
+#include "steady/touches.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -217,6 +218,10 @@ class Finder {
     const Orbit& orbit = state_.orbit;
     if (!orbit.kink.empty())
       say(Severity::warning, "W-pss-graze", fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
+    for (const steady::Touch& touch : steady::touches(orbit.trace))
+      say(Severity::warning, "W-pss-graze",
+          fmt::format("the orbit touches, but does not pass, the threshold of {} at t = {}: multipliers are those of one side",
+                      guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
       for (const steady::Vector& direction : orbit.free_directions) names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);

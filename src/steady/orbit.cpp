@@ -13,12 +13,15 @@ using engine::RunState;
 
 constexpr double rounding = 2.220446049250313e-16;
 constexpr double singular = 1e-11;       ///< a singular value of I − Φ below this share of the largest (or of 1) is zero
+constexpr double least_gain = 0.5;       ///< of a residual that is close, or it is rounding
 constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
 constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
 constexpr double zero_multiplier = 1e-13;
 constexpr double lone_drift = 1e-6;  ///< of the residual: what else moves beside a drift
 constexpr double progress_per_phase = 0.1;  ///< of the residual
 constexpr int most_steps_without_progress = 5;
+constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
+constexpr int points_inside = 7;
 constexpr int most_halvings = 5, most_drifts = 12;
 
 /// One period from a state.
@@ -59,7 +62,10 @@ class Search {
         steps_ = 0;
       }
     }
-    if (!lap_.is_complete) return fail(lap_);
+    if (!lap_.is_complete) {
+      fail(lap_);
+      return std::move(orbit_);
+    }
     orbit_.begin = state_;
     orbit_.trace = std::move(lap_.trace);
     orbit_.period = lap_.time;
@@ -94,12 +100,11 @@ class Search {
     return lap;
   }
 
-  Orbit fail(const Lap& lap) {
+  void fail(const Lap& lap) {
     orbit_.answer = lap.answer;
     orbit_.verdict = lap.answer.outcome == engine::Outcome::interrupted ? Verdict::interrupted
                      : lap.answer.outcome == engine::Outcome::completed ? Verdict::no_event
                                                                         : Verdict::run_failed;
-    return std::move(orbit_);
   }
 
   bool simulate(RunState& state, int periods) {
@@ -132,10 +137,16 @@ class Search {
   void take_size() {
     orbit_.largest = std::max({stacking_.stacked(state_.xi).norm(), stacking_.stacked(lap_.end.xi).norm(), 1e-300});
     std::vector<double> square(stacking_.islands(), 0.0);
+    // A few long segments may begin and end near zero.
+    const int inside = lap_.trace.segments() <= few_segments ? points_inside : 1;
     const auto take = [&](const TraceSegment& s) {
+      std::vector<double> y = s.y0, work(2 * y.size());
       Vector x(stacking_.system(s.island).size());
-      model::from_mode(stacking_.system(s.island), *s.mode, s.y1.data(), x.data());
-      square[s.island] = std::max(square[s.island], x.head(stacking_.count(s.island)).squaredNorm());
+      for (int point = 1; point <= inside; ++point) {
+        if (inside > 1) s.mode->flow.apply(s.length / inside, y.data(), work.data());
+        model::from_mode(stacking_.system(s.island), *s.mode, inside > 1 ? y.data() : s.y1.data(), x.data());
+        square[s.island] = std::max(square[s.island], x.head(stacking_.count(s.island)).squaredNorm());
+      }
     };
     for (const TraceStep& step : lap_.trace.steps)
       for (const TraceSegment& segment : step.segments) take(segment);
@@ -190,10 +201,8 @@ class Search {
       }
       if (!next.is_complete || next.end.on != trial.on) continue;
       const Vector f_next = residual(trial, next);
-      if (solve(f_next).norm() > (1.0 - lambda / 4.0) * delta.norm()) {
-        if (f.norm() <= close * orbit_.largest) return f_next.norm() < f.norm() ? accept(std::move(trial), std::move(next)) : Progress::done;
-        continue;
-      }
+      if (f.norm() <= close * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
+      if (solve(f_next).norm() > (1.0 - lambda / 4.0) * delta.norm()) continue;
       return accept(std::move(trial), std::move(next));
     }
     return Progress::stuck;

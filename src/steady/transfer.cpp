@@ -14,7 +14,8 @@ using model::System;
 constexpr Complex j{0.0, 1.0};
 /// Reciprocal condition of (A − jω)τ below which it is not inverted: a lossless mode in resonance.
 constexpr double resonant = 1e-7;
-/// Of I − e^{−jωT}Φ.
+constexpr double brief = 1e-3;  ///< of its norm: then most of what is solved for would cancel
+/// Smallest size of I − e^{−jωT}Φ against the larger of 1 and its norm.
 constexpr double singular = 1e-12;
 
 /// ∫ e^{−jωt} dt from `begin` on.
@@ -113,7 +114,10 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
     const auto& lu = lu_of(pass.inverse, pass.omega);
     const auto& lu_out = pass.omega_out == 0.0 ? lu : lu_of(pass.inverse_out, total);
     const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + s.length));
-    if (lu.rcond() > resonant && lu_out.rcond() > resonant) {
+    const auto can_solve = [&](const auto& factors, double total_omega) {
+      return factors.rcond() > resonant && (mode.flow.rate() + std::abs(total_omega)) * s.length > brief;
+    };
+    if (can_solve(lu, pass.omega) && can_solve(lu_out, total)) {
       c1 += lu.solve(ComplexVector(std::exp(-j * pass.omega * s.length) * (propagator(mode, s.length) * b) - b));
       if (pass.collects)
         mean = lu_out.solve(ComplexVector(turn1 * c1 - turn0 * c0 - phase_integral(pass.omega_out, s.begin, s.length) * b));
@@ -189,7 +193,8 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   closing.diagonal().array() += 1.0;
   const Eigen::PartialPivLU<ComplexMatrix> lu(closing);
   response.signals = ComplexVector::Zero(static_cast<Eigen::Index>(signals_));
-  response.is_singular = n > 0 && !(lu.rcond() > singular);
+  const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
+  response.is_singular = n > 0 && !(lu.rcond() * norm > singular * std::max(1.0, norm));
   if (response.is_singular) {
     response.signals.setConstant(std::numeric_limits<double>::quiet_NaN());
     return response;

@@ -38,7 +38,7 @@ std::string comparable(const std::string& text) {
   std::string messages;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    if (line.rfind("wrote ", 0) != 0) messages += line + '\n';
+    if (!line.starts_with("wrote ") && !line.starts_with("orbit of ") && !line.starts_with("ac response ")) messages += line + '\n';
   return std::regex_replace(messages, std::regex("[0-9]+\\.[0-9]+(e-?[0-9]+)?|[0-9]e-[0-9]+"), "#");
 }
 

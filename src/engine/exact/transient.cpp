@@ -189,7 +189,8 @@ bool Transient::begin(const Start& start) {
   }
   if (!settle(instant, true)) return false;
   port_watch_.begin();
-  if (instant.jumps > 0 && request_.use_initial_conditions) answer_.remarks.push_back(projected_start());
+  const bool is_given = request_.use_initial_conditions && start.active.empty();
+  if (instant.jumps > 0 && is_given) answer_.remarks.push_back(projected_start());
   return true;
 }
 

@@ -1,0 +1,181 @@
+// .ac: transfer functions against formulas and against a simulation of the test's own.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <sstream>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+using Complex = std::complex<double>;
+
+namespace {
+
+constexpr double two_pi = 2.0 * M_PI;
+constexpr Complex j{0.0, 1.0};
+
+Json result_of(const Scratch& scratch, const std::string& deck) {
+  scratch.write("deck.net", deck);
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  REQUIRE(finished.status == 0);
+  return read_json(finished.out);
+}
+
+Complex response(const Json& result, std::size_t frequency, const std::string& signal) {
+  for (const Json& s : result["ac"]["signals"].array)
+    if (s["name"].string == signal) return {s["re"][frequency].number, s["im"][frequency].number};
+  FAIL("no signal " << signal);
+  return {};
+}
+
+void check_equal(Complex value, Complex reference, double tolerance) {
+  INFO(value << " beside " << reference);
+  CHECK(std::abs(value - reference) <= tolerance * std::abs(reference));
+}
+
+/// 1/(1 + sL/R + s²LC)
+Complex filter(double f, double l, double c, double r) {
+  const Complex s = j * two_pi * f;
+  return 1.0 / (1.0 + s * l / r + s * s * l * c);
+}
+
+const std::string synchronous_buck =
+    "buck\nVin in 0 12\nVg g 0 PULSE(0 1 0 0 0 4u 10u)\nS1 in sw g 0 SX\nS2 sw 0 0 g SY\nL1 sw out 10u\nC1 out 0 100u\nR1 out 0 1\n"
+    ".model SX SW(Ron=0 Vt=0.5)\n.model SY SW(Ron=0 Vt=-0.5)\n.save v(out)\n.pss\n";
+const std::vector<double> around{100.0, 1e3, 1e4, 49e3, 120e3};
+const std::string list = ".ac list 100 1k 10k 49k 120k";
+
+}  // namespace
+
+TEST_CASE("a linear circuit needs no orbit: magnitude and phase as rows", "[unit]") {
+  const Scratch scratch;
+  scratch.write("rlc.net", "rlc\nV1 in 0 DC 1 AC 2 90\nR1 in a 10\nL1 a out 1m\nC1 out 0 1u\n.save v(out) i(L1)\n.ac lin 3 1k 3k\n.end\n");
+  CHECK(run_in(scratch, {"rlc.net"}).status == 0);
+  std::istringstream rows(read_file(scratch / "rlc.ac.csv"));
+  std::string line;
+  std::getline(rows, line);
+  CHECK(line == "frequency,vm(out),vp(out),im(L1),ip(L1)");
+  for (const double f : {1e3, 2e3, 3e3}) {
+    std::getline(rows, line);
+    double frequency = 0.0, magnitude = 0.0, phase = 0.0;
+    REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf", &frequency, &magnitude, &phase) == 3);
+    const Complex s = j * two_pi * f;
+    CHECK(frequency == f);
+    check_equal(std::polar(magnitude, phase * M_PI / 180.0), 2.0 * j / (1.0 + s * 1e-5 + s * s * 1e-9), 1e-12);
+  }
+}
+
+TEST_CASE("line and duty to output of an ideal buck are those of its filter, below and beyond half the switching frequency", "[unit]") {
+  // The switch node is V_in·q(t): its component at f is D·v_in for the line, and V_in·d for a falling edge that moves by d·T (natural sampling).
+  const Scratch scratch;
+  const Json line = result_of(scratch, synchronous_buck + list + " from=Vin\n.end\n");
+  const Json duty = result_of(scratch, synchronous_buck + list + " from=duty(Vg)\n.end\n");
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const Complex h = filter(around[k], 10e-6, 100e-6, 1.0);
+    check_equal(response(line, k, "v(out)"), 0.4 * h, 1e-11);
+    check_equal(response(duty, k, "v(out)"), 12.0 * h, 1e-11);
+  }
+}
+
+TEST_CASE("a comparator with a ramp moves edges by what its input is then", "[unit]") {
+  const Scratch scratch;
+  std::string deck = synchronous_buck;
+  deck.replace(deck.find("Vg g 0 PULSE(0 1 0 0 0 4u 10u)"), 30, "Vr r 0 PULSE(0 2 0 10u 0 0 10u)\nVc g 0 0.8 AC 1");
+  deck.replace(deck.find("S1 in sw g 0"), 12, "S1 in sw g r");
+  deck.replace(deck.find("S2 sw 0 0 g"), 11, "S2 sw 0 r g");
+  deck.replace(deck.find("Vt=0.5"), 6, "Vt=0");
+  deck.replace(deck.find("Vt=-0.5"), 7, "Vt=0");
+  const Json result = result_of(scratch, deck + list + "\n.end\n");
+  for (std::size_t k = 0; k < around.size(); ++k)
+    check_equal(response(result, k, "v(out)"), 6.0 * filter(around[k], 10e-6, 100e-6, 1.0), 1e-11);  // V_in over the ramp's 2 V
+}
+
+TEST_CASE("sidebands of a switched voltage", "[unit]") {
+  // v(sw) = V_in·q(t): a line component at f comes back at f + m·f_s with the m-th Fourier coefficient of q, (1 − e^{−j2πmD})/(j2πm), D = 0.4.
+  const Scratch scratch;
+  const Json result = result_of(scratch, synchronous_buck + ".save v(sw)\n.ac list 1k from=Vin harm=2\n.end\n");
+  check_equal(response(result, 0, "v(sw)"), (1.0 - std::exp(-j * two_pi * 2.0 * 0.4)) / (j * two_pi * 2.0), 1e-11);
+}
+
+TEST_CASE("a closed loop with a comparator, beside a simulation of small sines", "[unit]") {
+  // RC filter, R = 1 kΩ, C = 1 µF, switched to 10 V while v_c − 0.05·v + ε·cos ωt lies above a ramp of 0 … 1 V in T = 1 ms. The reference follows the same
+  // circuit by closed forms and bisection, over 40 periods that hold 13 of the sine, after it has settled; ε = ±1e-5, so that its error is of the order ε².
+  const double period = 1e-3, tau = 1e-3, supply = 10.0, control = 0.7, gain = 0.05;
+  const int periods = 40, cycles = 13;
+  const double f = cycles / (periods * period), omega = two_pi * f;
+  const auto mean = [&](double epsilon) {  // (2/N T) ∫ v e^{−jωt} dt over the 40 periods
+    double v = 4.0;
+    Complex sum = 0.0;
+    for (int k = 0; k < 25 * periods; ++k) {
+      const double begin = k * period;
+      const auto rising = [&](double t) { return supply + (v - supply) * std::exp(-t / tau); };
+      const auto margin = [&](double t) { return control - gain * rising(t) + epsilon * std::cos(omega * (begin + t)) - t / period; };
+      double low = 0.0, high = period;
+      for (int step = 0; step < 60; ++step) (margin(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+      const double edge = low, top = rising(edge);
+      const auto integral = [&](double level, double start, double from, double length) {  // of (level + (start − level)e^{−t/τ})·e^{−jω(from + t)}
+        const Complex turn = std::exp(-j * omega * from);
+        return turn * (level * (1.0 - std::exp(-j * omega * length)) / (j * omega) +
+                       (start - level) * (1.0 - std::exp(-(1.0 / tau + j * omega) * length)) / (1.0 / tau + j * omega));
+      };
+      if (k >= 24 * periods) sum += integral(supply, v, begin, edge) + integral(0.0, top, begin + edge, period - edge);
+      v = top * std::exp(-(period - edge) / tau);
+    }
+    return 2.0 * sum / (periods * period);
+  };
+  const double epsilon = 1e-5;
+  const Complex reference = (mean(epsilon) - mean(-epsilon)) / (2.0 * epsilon);
+  const Scratch scratch;
+  std::ostringstream deck;
+  deck.precision(17);
+  deck << "loop\nVs p 0 10\nVr r 0 PULSE(0 1 0 1m 0 0 1m)\nVc c 0 0.7 AC 1\nE1 e 0 VALUE={V(c)-0.05*V(o)}\nS1 p a e r SX\nS2 a 0 r e SX\nR1 a o 1k\nC1 o 0 1u "
+          "ic=4\n.model SX SW(Ron=0 Vt=0)\n.save v(o)\n.pss uic\n.ac list "
+       << f << "\n.end\n";
+  check_equal(response(result_of(scratch, deck.str()), 0, "v(o)"), reference, 1e-7);
+}
+
+TEST_CASE("a loop gain with its crossover and phase margin", "[unit]") {
+  // T = 100/(1 + sRC): |T| = 1 at √(100² − 1)/(2πRC), where its phase is −atan √(100² − 1).
+  const Scratch scratch;
+  const Json result =
+      result_of(scratch, "loop\nE1 o 0 0 fb 100\nR1 o x 1k\nC1 x 0 1u\nVinj fb x 0\n.save v(x)\n.ac dec 5 10 100k loop=Vinj\n.end\n");
+  const Json& loop = result["ac"]["loops"][0];
+  CHECK(loop["source"].string == "Vinj");
+  REQUIRE(loop["crossovers"].array.size() == 1);
+  const double root = std::sqrt(1e4 - 1.0);
+  CHECK(loop["crossovers"][0]["frequency"].number == Approx(root / (two_pi * 1e-3)).epsilon(1e-10));
+  CHECK(loop["crossovers"][0]["phase_margin"].number == Approx(180.0 - std::atan(root) * 180.0 / M_PI).epsilon(1e-10));
+  CHECK(loop["gain_margins"].array.empty());
+  check_equal({loop["re"][5].number, loop["im"][5].number}, 100.0 / (1.0 + j * two_pi * 100.0 * 1e-3), 1e-11);
+}
+
+TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is left out with a warning", "[unit]") {
+  const Scratch scratch;
+  const std::string rectifier = "rectifier\nV1 a 0 SIN(0 1 50) AC 1\nD1 a b DX\nR1 b 0 1k\n.model DX D\n.ac dec 1 1 10\n";
+  scratch.write("switches.net", rectifier + ".end\n");
+  const Finished needs = run_in(scratch, {"switches.net"});
+  CHECK(needs.status == 2);
+  CHECK_THAT(needs.err, Contains("error[E-ac-needs-pss]: D1 switches"));
+  scratch.write("tran.net", rectifier + ".tran 1m 20m\n.end\n");
+  const Finished beside = run_in(scratch, {"tran.net"});
+  CHECK(beside.status == 0);
+  CHECK_THAT(beside.err, Contains("warning[W-ignored-card]: .ac is ignored: D1 switches"));
+  scratch.write("still.net", "still\nV1 a 0 1\nR1 a b 1k\nC1 b 0 1u\n.ac dec 1 1 10\n.end\n");
+  const Finished still = run_in(scratch, {"still.net"});
+  CHECK(still.status == 2);
+  CHECK_THAT(still.err, Contains("error[E-ac-no-input]"));
+}
+
+TEST_CASE("an infinite response is empty, with a warning", "[unit]") {
+  // A capacitor that only a current source charges: multiplier 1, infinite where e^{jωT} = 1.
+  const Scratch scratch;
+  scratch.write("family.net", "family\nI1 0 a SIN(0 1m 1k) AC 1\nC1 a 0 1u\nS1 b 0 c 0 SX\nVc c 0 SIN(0 1 1k)\nR1 b a2 1\nVa a2 0 1\n.model SX SW(Vt=0.5)\n"
+                              ".pss\n.save v(a) v(b)\n.ac list 500 1k\n.end\n");
+  const Finished finished = run_in(scratch, {"family.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("warning[W-ac-singular]") && Contains("1 kHz"));
+  CHECK_THAT(read_file(scratch / "family.ac.csv"), Contains("\n1000,,"));
+}
