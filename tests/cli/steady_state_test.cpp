@@ -174,3 +174,32 @@ TEST_CASE("rows hold one period; beside .tran they have a file of their own, and
   const double a = std::exp(-0.5);
   CHECK(std::stod(rows.substr(rows.find("\n0,") + 3)) == Approx(a / (1.0 + a)).epsilon(1e-12));
 }
+
+TEST_CASE("a sweep of orbits: measurements as a table, multipliers in --json", "[unit]") {
+  // The RC circuit of above: the mean is 0.5 V, the multiplier e^{−T/RC}.
+  const Scratch scratch;
+  const std::string deck = "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b {r}\nC1 b 0 1u\n.step param r 1k 2k 1k\n.pss\n.meas pss mean AVG v(b)\n.end\n";
+  const Json result = steady_state_of(scratch, deck);
+  REQUIRE(result["runs"].array.size() == 2);
+  for (const double r : {1.0, 2.0}) {
+    const Json& run = result["runs"][static_cast<std::size_t>(r) - 1];
+    CHECK(measured(run, "mean") == Approx(0.5).epsilon(1e-13));
+    CHECK(run["pss"]["multipliers"][0]["re"].number == Approx(std::exp(-1.0 / r)).epsilon(1e-12));
+  }
+  const Finished table = run_in(scratch, {"deck.net"});
+  CHECK(table.out.starts_with("r,mean\n1000,0.49999999") );
+}
+
+TEST_CASE("the shipped decks of steady states are what the tutorial says", "[unit]") {
+  const Scratch scratch;
+  scratch.write("buck.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/buck_type3.net"));
+  const Json buck = read_json(run_in(scratch, {"buck.net", "--json"}).out);
+  // The integrator holds the mean at 2·V_ref but for the amplifier's finite gain: v_c/1e5 at its input, twice that at the output.
+  CHECK(measured(buck, "vout") == Approx(5.0).epsilon(1e-5));
+  CHECK(buck["ac"]["loops"][0]["crossovers"].array.size() == 1);
+  scratch.write("peak.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/peak_current_buck.net"));
+  const Json peak = read_json(run_in(scratch, {"peak.net", "--json"}).out);
+  // Peak-current control with ideal elements and no slope: λ ≈ −D/(1 − D) for a stiff output; D = v/12 here.
+  const double d = measured(peak, "vout") / 12.0;
+  CHECK(peak["pss"]["multipliers"][0]["re"].number == Approx(-d / (1.0 - d)).epsilon(0.05));
+}
