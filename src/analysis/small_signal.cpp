@@ -163,9 +163,10 @@ SmallSignalResult small_signals(const SmallSignal& card, const SmallSignalInputs
                                 const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven, std::size_t saved) {
   const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
+  const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
   const auto response = [&](double f) {
     if (card.input != SmallSignal::Input::frequency && card.input != SmallSignal::Input::duty)
-      return transfer.at(f, card.harmonic, inputs.amplitudes).signals;
+      return transfer.at(f, card.harmonic, inputs.amplitudes, {}, sample).signals;
     steady::TimeShifts shifts(linear.instants().size(), 0.0);
     for (const std::string& name : card.sources) {
       const auto& pulse = std::get<model::Pulse>(network.sources[static_cast<std::size_t>(sources_named(network, name).front())].function);
@@ -174,7 +175,7 @@ SmallSignalResult small_signals(const SmallSignal& card, const SmallSignalInputs
       const steady::TimeShifts own = shifts_of(linear, pulse, is_duty, shift);
       for (std::size_t i = 0; i < shifts.size(); ++i) shifts[i] += own[i];
     }
-    return transfer.at(f, card.harmonic, {}, shifts).signals;
+    return transfer.at(f, card.harmonic, {}, shifts, sample).signals;
   };
   return evaluate(card, inputs, network, saved, response);
 }

@@ -58,6 +58,7 @@ struct SmallSignal {
   std::string loop;                  ///< the source of a loop gain; "" where none is asked for
   SourceSpan input_span;
   int harmonic = 0;
+  std::optional<double> sample;  ///< s: the sampled response at that time of the period
   SourceSpan span;
 };
 

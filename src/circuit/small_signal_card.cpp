@@ -12,7 +12,7 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view ac_usage = ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1] [harm=m]";
+constexpr std::string_view ac_usage = ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1] [harm=m] [sample=t]";
 constexpr double most_frequencies = 1e6;
 
 class SmallSignalReader {
@@ -66,7 +66,10 @@ class SmallSignalReader {
       if (number && number->value != std::floor(number->value)) fail("E-range", value.span, "harm= is a whole number");
       if (ok_) signal_.harmonic = static_cast<int>(number->value);
     } else if (is_named(item, "sample")) {
-      fail("E-not-supported", item.span, "sample= is not supported: the response is that of a network analyser");
+      const std::optional<Number> number = scope_.number(value);
+      ok_ &= number.has_value();
+      if (number && !(number->value >= 0.0)) fail("E-range", value.span, "sample= is a time of the period");
+      if (ok_) signal_.sample = number->value;
     } else {
       fail("E-unexpected", item.span, fmt::format("unknown parameter '{}'", item.text));
     }

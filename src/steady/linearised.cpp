@@ -11,14 +11,6 @@ using engine::Change;
 using model::Mode;
 using model::System;
 
-/// (ξ, ζ)′ where the mode is at y.
-Vector speed(const System& system, const Mode& mode, const std::vector<double>& y) {
-  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
-  Vector x(system.size());
-  model::from_mode(system, mode, rate.data(), x.data());
-  return x;
-}
-
 Vector outputs_of(const Mode& mode, const std::vector<double>& y) {
   return mode.outputs * Eigen::Map<const Vector>(y.data(), mode.ny);
 }
@@ -120,10 +112,10 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<Change>
     linear.d = Vector::Zero(n);
     linear.outputs = Vector::Zero(static_cast<Eigen::Index>(system.outputs.size()));
     if (change.before == nullptr || change.y_before.empty()) continue;
-    Vector before = speed(system, *change.before, change.y_before);
+    Vector before = state_speed(system, *change.before, change.y_before);
     for (const Mode* mode : change.by_way_of)
       if (mode->constrained) before = mode->projector * before;
-    linear.d = (before - speed(system, *change.after, change.y_after)).head(n);
+    linear.d = (before - state_speed(system, *change.after, change.y_after)).head(n);
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
 }

@@ -13,6 +13,7 @@ using engine::RunState;
 
 constexpr double rounding = 2.220446049250313e-16;
 constexpr double singular = 1e-11;       ///< a singular value of I − Φ below this share of the largest (or of 1) is zero
+constexpr double rounding_levels = 4.0;  ///< of a state, that a residual may have
 constexpr double least_gain = 0.5;       ///< of a residual that is close, or it is rounding
 constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
 constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
@@ -22,7 +23,8 @@ constexpr double progress_per_phase = 0.1;  ///< of the residual
 constexpr int most_steps_without_progress = 5;
 constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
 constexpr int points_inside = 7;
-constexpr int most_halvings = 5, most_drifts = 12;
+constexpr double damping = 0.25;  ///< of a step, from one try to the next
+constexpr int most_tries = 3, most_drifts = 12;
 
 /// One period from a state.
 struct Lap {
@@ -159,7 +161,7 @@ class Search {
   [[nodiscard]] Vector residual(const RunState& from, const Lap& to) const { return stacking_.stacked(to.end.xi) - stacking_.stacked(from.xi); }
 
   [[nodiscard]] bool is_small(const Vector& f) const {
-    const double floor = rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
+    const double floor = rounding_levels * rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
     return f.norm() <= std::max(floor, task_.tolerance) * orbit_.largest;
   }
 
@@ -192,7 +194,7 @@ class Search {
     ++orbit_.iterations;
     const Vector delta = solve(f);
     double lambda = 1.0;
-    for (int halving = 0; halving < most_halvings; ++halving, lambda *= 0.5) {
+    for (int tries = 0; tries < most_tries; ++tries, lambda *= damping) {
       RunState trial = moved(lambda * delta);
       Lap next = lap(trial);
       if (next.answer.outcome == engine::Outcome::interrupted) {

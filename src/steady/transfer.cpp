@@ -16,7 +16,7 @@ constexpr Complex j{0.0, 1.0};
 constexpr double resonant = 1e-7;
 constexpr double brief = 1e-3;  ///< of its norm: then most of what is solved for would cancel
 /// Smallest size of I − e^{−jωT}Φ against the larger of 1 and its norm.
-constexpr double singular = 1e-12;
+constexpr double singular_response = 1e-12;
 
 /// ∫ e^{−jωt} dt from `begin` on.
 Complex phase_integral(double omega, double begin, double length) {
@@ -68,6 +68,7 @@ struct Transfer::Pass {
   ComplexVector r;       ///< of all islands
   ComplexVector sums;    ///< T·c_m of the signals
   bool collects = false;
+  std::optional<double> sample;  ///< s: the deviation at that time of the period in place of its mean
   std::map<const Mode*, Eigen::PartialPivLU<ComplexMatrix>> inverse, inverse_out;
 };
 
@@ -78,7 +79,7 @@ Transfer::Transfer(const LinearisedOrbit& orbit, std::size_t signals) : orbit_(o
   const std::vector<Complex> none(orbit.inputs(), 0.0);
   const TimeShifts still;
   for (Eigen::Index k = 0; k < n; ++k) {
-    Pass pass{0.0, 0.0, none, still, ComplexVector::Zero(n), {}, false, {}, {}};
+    Pass pass{0.0, 0.0, none, still, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {}};
     pass.r[k] = 1.0;
     run(pass);
     monodromy_.col(k) = pass.r.real();
@@ -94,6 +95,44 @@ const Matrix& Transfer::propagator(const Mode& mode, double length) {
   return known;
 }
 
+/// c at the end of a stretch that begins like the segment, and ∫ e^{−jω_out t} c dt over it.
+Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass) {
+  const Mode& mode = *s.mode;
+  const Complex turn = std::exp(-j * pass.omega * length);
+  Stretch stretch{turn * (propagator(mode, length) * c0), ComplexVector::Zero(mode.n1)};
+  if (mode.n1 == 0 || (b.isZero(0.0) && !pass.collects)) return stretch;
+  const double total = pass.omega + pass.omega_out;
+  const auto inverse_of = [&](auto& known, double omega) -> const Eigen::PartialPivLU<ComplexMatrix>& {
+    auto it = known.find(&mode);
+    if (it == known.end()) it = known.emplace(&mode, Eigen::PartialPivLU<ComplexMatrix>(shifted(mode, omega))).first;
+    return it->second;
+  };
+  const auto& inverse = inverse_of(pass.inverse, pass.omega);
+  const auto& inverse_out = pass.omega_out == 0.0 ? inverse : inverse_of(pass.inverse_out, total);
+  const auto can_solve = [&](const auto& factors, double omega) {
+    return factors.rcond() > resonant && (mode.flow.rate() + std::abs(omega)) * length > brief;
+  };
+  const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
+  if (can_solve(inverse, pass.omega) && can_solve(inverse_out, total)) {
+    stretch.end += inverse.solve(ComplexVector(turn * (propagator(mode, length) * b) - b));
+    if (pass.collects)
+      stretch.integral = inverse_out.solve(ComplexVector(turn1 * stretch.end - turn0 * c0 - phase_integral(pass.omega_out, s.begin, length) * b));
+    return stretch;
+  }
+  // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
+  const Eigen::Index n = mode.n1;
+  ComplexMatrix m = ComplexMatrix::Zero(2 * n + 1, 2 * n + 1);
+  m.topLeftCorner(n, n) = shifted(mode, total);
+  m.block(0, n, n, 1) = b;
+  m(n, n) = -j * pass.omega_out;
+  m.bottomLeftCorner(n, n).setIdentity();
+  ComplexVector start = ComplexVector::Zero(2 * n + 1);
+  start.head(n) = turn0 * c0;
+  start[n] = turn0;
+  const ComplexVector end = exponential(m * length) * start;
+  return {end.head(n) / turn1, end.tail(n)};
+}
+
 void Transfer::segment(const LinearSegment& s, Pass& pass) {
   const Mode& mode = *s.mode;
   const Stacking& stacking = orbit_.stacking();
@@ -101,51 +140,21 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
   auto block = pass.r.segment(stacking.first(s.island), stacking.count(s.island));
   const ComplexVector b = input_columns(orbit_, s.island, mode.flow.a(), mode.n1, pass.omega, pass.amplitudes).head(mode.n1);
   const ComplexVector c0 = mode.constrained ? ComplexVector(mode.basis.transpose() * block) : ComplexVector(block);
-  ComplexVector c1 = std::exp(-j * pass.omega * s.length) * (propagator(mode, s.length) * c0);
-  ComplexVector mean = ComplexVector::Zero(mode.n1);  // ∫ e^{−jω_out t} c dt
-  const bool moves = !b.isZero(0.0) || pass.collects;
-  if (mode.n1 > 0 && moves) {
-    const double total = pass.omega + pass.omega_out;
-    const auto lu_of = [&](auto& known, double omega) -> const Eigen::PartialPivLU<ComplexMatrix>& {
-      auto it = known.find(&mode);
-      if (it == known.end()) it = known.emplace(&mode, Eigen::PartialPivLU<ComplexMatrix>(shifted(mode, omega))).first;
-      return it->second;
-    };
-    const auto& lu = lu_of(pass.inverse, pass.omega);
-    const auto& lu_out = pass.omega_out == 0.0 ? lu : lu_of(pass.inverse_out, total);
-    const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + s.length));
-    const auto can_solve = [&](const auto& factors, double total_omega) {
-      return factors.rcond() > resonant && (mode.flow.rate() + std::abs(total_omega)) * s.length > brief;
-    };
-    if (can_solve(lu, pass.omega) && can_solve(lu_out, total)) {
-      c1 += lu.solve(ComplexVector(std::exp(-j * pass.omega * s.length) * (propagator(mode, s.length) * b) - b));
-      if (pass.collects)
-        mean = lu_out.solve(ComplexVector(turn1 * c1 - turn0 * c0 - phase_integral(pass.omega_out, s.begin, s.length) * b));
-    } else {
-      // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
-      const Eigen::Index n = mode.n1;
-      ComplexMatrix m = ComplexMatrix::Zero(2 * n + 1, 2 * n + 1);
-      m.topLeftCorner(n, n) = shifted(mode, total);
-      m.block(0, n, n, 1) = b;
-      m(n, n) = -j * pass.omega_out;
-      m.bottomLeftCorner(n, n).setIdentity();
-      ComplexVector start = ComplexVector::Zero(2 * n + 1);
-      start.head(n) = turn0 * c0;
-      start[n] = turn0;
-      const ComplexVector end = exponential(m * s.length) * start;
-      c1 = end.head(n) / turn1;
-      mean = end.tail(n);
-    }
-  }
+  const Stretch stretch = travel(s, s.length, c0, b, pass);
   if (pass.collects) {
     const ComplexVector direct = input_columns(orbit_, s.island, mode.outputs, mode.n1, pass.omega, pass.amplitudes);
-    const ComplexVector sum = mode.outputs.leftCols(mode.n1) * mean + phase_integral(pass.omega_out, s.begin, s.length) * direct;
+    ComplexVector sum = mode.outputs.leftCols(mode.n1) * stretch.integral + phase_integral(pass.omega_out, s.begin, s.length) * direct;
+    if (pass.sample) {
+      const bool holds = *pass.sample >= s.begin && *pass.sample < s.begin + s.length;
+      sum.setZero();
+      if (holds) sum = direct + mode.outputs.leftCols(mode.n1) * travel(s, *pass.sample - s.begin, c0, b, pass).end;
+    }
     for (std::size_t k = 0; k < system.outputs.size(); ++k) pass.sums[system.output_signal[k]] += sum[static_cast<Eigen::Index>(k)];
   }
   if (!mode.constrained)
-    block = c1;
+    block = stretch.end;
   else
-    block = mode.basis * c1 + input_columns(orbit_, s.island, mode.lift, 0, pass.omega, pass.amplitudes);
+    block = mode.basis * stretch.end + input_columns(orbit_, s.island, mode.lift, 0, pass.omega, pass.amplitudes);
 }
 
 void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass) {
@@ -167,7 +176,7 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
               input_columns(orbit_, change.island, mode->projector, n, pass.omega, pass.amplitudes).head(n);
     }
     block += change.d * delta;
-    if (!pass.collects) continue;
+    if (!pass.collects || pass.sample) continue;
     for (std::size_t k = 0; k < system.outputs.size(); ++k)
       pass.sums[system.output_signal[k]] += turn * delta * change.outputs[static_cast<Eigen::Index>(k)];
   }
@@ -182,11 +191,12 @@ void Transfer::run(Pass& pass) {
   for (const LinearSegment& s : orbit_.tail()) segment(s, pass);
 }
 
-Transfer::Response Transfer::at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts) {
+Transfer::Response Transfer::at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts,
+                                std::optional<double> sample) {
   const Eigen::Index n = orbit_.stacking().size();
   const double omega = 2.0 * std::numbers::pi * frequency;
   const double period = orbit_.period();
-  Pass pass{omega, 2.0 * std::numbers::pi * harmonic / period, amplitudes, shifts, ComplexVector::Zero(n), {}, false, {}, {}};
+  Pass pass{omega, 2.0 * std::numbers::pi * harmonic / period, amplitudes, shifts, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {}};
   run(pass);
   Response response;
   ComplexMatrix closing = -std::exp(-j * omega * period) * monodromy_.cast<Complex>();
@@ -194,7 +204,7 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   const Eigen::PartialPivLU<ComplexMatrix> lu(closing);
   response.signals = ComplexVector::Zero(static_cast<Eigen::Index>(signals_));
   const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
-  response.is_singular = n > 0 && !(lu.rcond() * norm > singular * std::max(1.0, norm));
+  response.is_singular = n > 0 && !(lu.rcond() * norm > singular_response * std::max(1.0, norm));
   if (response.is_singular) {
     response.signals.setConstant(std::numeric_limits<double>::quiet_NaN());
     return response;
@@ -202,8 +212,9 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   pass.r = n > 0 ? ComplexVector(lu.solve(pass.r)) : pass.r;
   pass.collects = true;
   pass.sums = response.signals;
+  pass.sample = sample;
   run(pass);
-  response.signals = pass.sums / period;
+  response.signals = sample ? pass.sums : ComplexVector(pass.sums / period);
   return response;
 }
 

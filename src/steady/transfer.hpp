@@ -6,6 +6,7 @@
 
 #include <complex>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "steady/linearised.hpp"
@@ -28,16 +29,20 @@ class Transfer {
     ComplexVector signals;     ///< c_m of each; not finite where the response is infinite
     bool is_singular = false;  ///< e^{jωT} is a multiplier, and the input reaches its direction
   };
-  /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes and, where there are any, these shifts.
-  [[nodiscard]] Response at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts = {});
+  /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes and, where there are any, these shifts. With `sample`, s, the sampled response: e^{−jωt}δy at
+  /// that time of the period instead.
+  [[nodiscard]] Response at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts = {},
+                            std::optional<double> sample = std::nullopt);
 
  private:
-  struct Resolvent;
   struct Pass;
+  struct Stretch {
+    ComplexVector end, integral;
+  };
+  Stretch travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass);
   void run(Pass& pass);
   void segment(const LinearSegment& s, Pass& pass);
   void instant(const LinearInstant& at, const Complex& shift, Pass& pass);
-  [[nodiscard]] ComplexVector input_of(const LinearSegment& s, const Pass& pass) const;
   const Matrix& propagator(const model::Mode& mode, double length);
 
   const LinearisedOrbit& orbit_;

@@ -20,14 +20,6 @@ constexpr double still = 1e-9;
 Matrix to_coordinates(const Mode& mode, const Matrix& x) { return mode.constrained ? Matrix(mode.basis.transpose() * x) : x; }
 Matrix from_coordinates(const Mode& mode, const Matrix& c) { return mode.constrained ? Matrix(mode.basis * c) : c; }
 
-/// (ξ, ζ)′ where the mode is at y.
-Vector speed(const System& system, const Mode& mode, const std::vector<double>& y) {
-  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
-  Vector x(system.size());
-  model::from_mode(system, mode, rate.data(), x.data());
-  return x;
-}
-
 /// e^{A₁τ} − I on the mode's own coordinates; segments of one mode and length share it.
 class Propagators {
  public:
@@ -65,7 +57,7 @@ class Walk {
 
   void take_flow(std::size_t island, const Mode& mode, const std::vector<double>& y) {
     result_.flow.segment(stacking_.first(island), stacking_.count(island)) =
-        speed(stacking_.system(island), mode, y).head(stacking_.count(island));
+        state_speed(stacking_.system(island), mode, y).head(stacking_.count(island));
   }
 
   Variation take() { return std::move(result_); }
@@ -111,13 +103,13 @@ class Walk {
     if (n == 0) return;
     auto block = result_.x.middleRows(stacking_.first(change.island), n);
     Vector before = Vector::Zero(system.size());
-    if (change.before && !change.y_before.empty()) before = speed(system, *change.before, change.y_before);
+    if (change.before && !change.y_before.empty()) before = state_speed(system, *change.before, change.y_before);
     for (const Mode* mode : change.by_way_of) {
       if (!mode->constrained) continue;
       block = mode->projector.topLeftCorner(n, n) * block;
       before = mode->projector * before;
     }
-    const Vector after = speed(system, *change.after, change.y_after);
+    const Vector after = state_speed(system, *change.after, change.y_after);
     if (change.before) block += (before - after).head(n) * shift;
     result_.flow.segment(stacking_.first(change.island), n) = after.head(n);
   }
@@ -148,6 +140,13 @@ std::vector<Vector> Stacking::apart(const Vector& x) const {
   std::vector<Vector> xi;
   for (std::size_t i = 0; i < islands(); ++i) xi.emplace_back(x.segment(first(i), count(i)));
   return xi;
+}
+
+Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
+  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
+  Vector x(system.size());
+  model::from_mode(system, mode, rate.data(), x.data());
+  return x;
 }
 
 Variation variation(const Stacking& stacking, const Trace& trace) {

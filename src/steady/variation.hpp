@@ -45,6 +45,9 @@ struct Variation {
   [[nodiscard]] Matrix return_map() const { return x + flow * end_time; }
 };
 
+/// (ξ, ζ)′ where the mode is at y.
+[[nodiscard]] Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
+
 [[nodiscard]] Variation variation(const Stacking& stacking, const Trace& trace);
 
 /// Whether a direction that goes through all of the run unchanged moves a guard of some segment: one of a diode or of a control, by more than rounding.

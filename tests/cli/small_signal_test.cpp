@@ -137,6 +137,18 @@ TEST_CASE("a closed loop with a comparator, beside a simulation of small sines",
   check_equal(response(result_of(scratch, deck.str()), 0, "v(o)"), reference, 1e-7);
 }
 
+TEST_CASE("the sampled response of an RC circuit is that of its difference equation", "[unit]") {
+  // The switch is closed for h = T/2, then the resistor is grounded: v(nT + T) = a·(a·v(nT) + g·e^{jωnT}), a = e^{−h/τ}, where the input e^{jωt} leaves
+  // g = (e^{jωh} − a)/(1 + jωτ) after h. With v(nT) = r·e^{jωnT}: r = a·g/(e^{jωT} − a²).
+  const Scratch scratch;
+  const Json result = result_of(scratch,
+                                "rc\nV1 p 0 5 AC 1\nVg g 0 PULSE(0 1 0 0 0 0.5m 1m)\nS1 p a g 0 SX\nS2 a 0 0 g SY\nR1 a o 1k\nC1 o 0 1u\n"
+                                ".model SX SW(Ron=0 Vt=0.5)\n.model SY SW(Ron=0 Vt=-0.5)\n.save v(o)\n.pss\n.ac list 130 sample=0\n.end\n");
+  const double period = 1e-3, half = 0.5e-3, tau = 1e-3, omega = two_pi * 130.0, a = std::exp(-half / tau);
+  const Complex gained = (std::exp(j * omega * half) - a) / (1.0 + j * omega * tau);
+  check_equal(response(result, 0, "v(o)"), a * gained / (std::exp(j * omega * period) - a * a), 1e-11);
+}
+
 TEST_CASE("a loop gain with its crossover and phase margin", "[unit]") {
   // T = 100/(1 + sRC): |T| = 1 at √(100² − 1)/(2πRC), where its phase is −atan √(100² − 1).
   const Scratch scratch;
