@@ -260,10 +260,10 @@ class Finder {
     run.use_initial_conditions = true;
     run.span = card_.span;
     state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period](engine::Request request, engine::RowSink& sink) {
-      RepeatedPieces pieces(request.probes, period);
-      request.probes = pieces.probes();
+      RepeatedPieces repeated(request.probes, period);
+      request.probes = repeated.probes();
       engine::Answer answer = march->run(begin, request, sink);
-      if (answer.outcome == engine::Outcome::completed) answer.probed = pieces.repeat(answer.probed);
+      if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
       return answer;
     };
   }
