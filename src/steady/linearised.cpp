@@ -65,7 +65,7 @@ void superpose_input(model::Network& network, int source, int input) {
 
 LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
                                  const std::vector<std::string>& inputs)
-    : model_(model), stacking_(model), period_(period), inputs_(inputs.size()) {
+    : stacking_(model), period_(period), inputs_(inputs.size()) {
   for (const engine::IslandModel& island : model.islands) {
     std::vector<InputColumns>& own = columns_.emplace_back(inputs.size());
     const model::Exosystem& sources = *island.extraction.system.exosystem;

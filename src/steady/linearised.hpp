@@ -68,7 +68,6 @@ class LinearisedOrbit {
   void take_guard(const engine::Change& change, LinearInstant& instant);
   void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
 
-  const engine::ExactModel& model_;
   Stacking stacking_;
   double period_;
   std::size_t inputs_;

@@ -20,7 +20,6 @@ constexpr double growth = 16.0;        ///< of the time that is looked at, as lo
 constexpr int most_extensions = 6;
 constexpr double time_constants = 8.0;  ///< the first look
 constexpr double periods_per_hint = 50.0;
-constexpr double at_rest = 1e-7;  ///< of the state's size, per run
 
 /// What an instant changes: the modes and switches right of it, where something changed.
 std::string signature(const InstantView& view, const std::vector<char>& before) {
