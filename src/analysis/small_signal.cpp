@@ -70,26 +70,40 @@ steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const model::
   return shifts;
 }
 
-/// Bisection in log f for a zero of a real function between two frequencies.
+/// A zero of a real function between two frequencies at which it has different signs, by the Illinois method in log f.
 double zero_between(double low, double high, const std::function<double(double)>& f) {
   constexpr int most = 60;
-  const bool rises = f(low) < 0.0;
-  for (int k = 0; k < most; ++k) {
-    const double middle = std::sqrt(low * high);
-    if (middle == low || middle == high) break;
-    ((f(middle) < 0.0) == rises ? low : high) = middle;
+  constexpr double rounding = 1e-14;
+  double a = std::log(low), b = std::log(high), fa = f(low), fb = f(high);
+  double at = b;
+  for (int k = 0; k < most && fa != fb; ++k) {
+    const double next = (a * fb - b * fa) / (fb - fa);
+    if (std::abs(next - at) <= rounding * std::abs(next)) break;
+    at = next;
+    const double value = f(std::exp(at));
+    if (value == 0.0) break;
+    if ((value > 0.0) != (fb > 0.0)) {
+      a = b;
+      fa = fb;
+    } else {
+      fa *= 0.5;
+    }
+    b = at;
+    fb = value;
   }
-  return std::sqrt(low * high);
+  return std::exp(at);
 }
 
-LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, const Response& response, const std::vector<double>& frequencies) {
+/// `values`: T at the frequencies.
+LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, const Response& response, std::vector<Complex> values) {
+  const std::vector<double>& frequencies = card.frequencies;
   LoopGain loop;
   loop.source = card.loop;
   const auto gain = [&](double f) {
     const steady::ComplexVector r = response(f);
     return -r[inputs.negative] / r[inputs.positive];
   };
-  for (const double f : frequencies) loop.values.push_back(gain(f));
+  loop.values = std::move(values);
   const auto margin = [](Complex t) {
     double phase = 180.0 + degrees(t);
     while (phase > 180.0) phase -= 360.0;
@@ -115,12 +129,14 @@ SmallSignalResult evaluate(const SmallSignal& card, const SmallSignalInputs& inp
   SmallSignalResult result;
   for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(network.signals[k].name);
   result.frequencies = card.frequencies;
+  std::vector<Complex> gains;
   for (const double f : card.frequencies) {
     const steady::ComplexVector all = response(f);
+    if (!card.loop.empty()) gains.push_back(-all[inputs.negative] / all[inputs.positive]);
     result.values.emplace_back(all.data(), all.data() + saved);
     if (!all.allFinite()) result.singular.push_back(f);
   }
-  if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, card.frequencies);
+  if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, std::move(gains));
   return result;
 }
 

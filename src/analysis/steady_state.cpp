@@ -12,6 +12,8 @@
 #include "analysis/repeated_pieces.hpp"
 #include "base/names.hpp"
 #include "engine/exact/exact_model.hpp"
+#include "engine/left_out.hpp"
+#include "model/islands.hpp"
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/touches.hpp"
@@ -41,10 +43,11 @@ void add_watch(model::Network& network, const model::LinearForm& signal, double 
   network.signals.push_back({watch_name, {{model::Term::Kind::node_voltage, node, 1.0}}});
 }
 
-std::vector<model::Source> running_sources(const engine::ExactModel& model) {
+/// Those that something saved depends on.
+std::vector<model::Source> needed_sources(const model::Network& network) {
   std::vector<model::Source> sources;
-  for (const engine::IslandModel& island : model.islands)
-    sources.insert(sources.end(), island.island.network.sources.begin(), island.island.network.sources.end());
+  for (const model::Island& island : model::split_islands(network, engine::must_run))
+    if (island.needed) sources.insert(sources.end(), island.network.sources.begin(), island.network.sources.end());
   return sources;
 }
 
@@ -77,9 +80,7 @@ class Finder {
 
   bool prepare() {
     Diagnostics diagnostics;
-    const auto original = engine::prepare(compiled_.network, diagnostics);
-    if (!original) return fail("E-pss-not-converged", "the circuit has no model");
-    state_.common = steady::common_period(running_sources(*original));
+    state_.common = steady::common_period(needed_sources(compiled_.network));
     for (const std::string& name : state_.common.settled)
       say(Severity::note, "N-pss-source-settled", fmt::format("{} is not periodic: the steady state takes it at its last value", name));
     state_.compiled = compiled_;
@@ -281,14 +282,39 @@ class Finder {
 
 SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) { return Finder(compiled, interrupt).run(); }
 
+namespace {
+
+/// The orbit's state in another model of the same circuit: its islands by name. Empty where one is not to be found.
+std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state) {
+  const engine::RunState& begin = state.orbit.begin;
+  engine::RunState there;
+  there.on = begin.on;
+  there.on.resize(model.switches.size());
+  for (const engine::IslandModel& island : model.islands) {
+    const auto& known = state.model->islands;
+    const auto same = std::find_if(known.begin(), known.end(), [&](const engine::IslandModel& other) {
+      return other.island.name == island.island.name && other.extraction.system.n == island.extraction.system.n &&
+             other.extraction.system.ports == island.extraction.system.ports;
+    });
+    if (same == known.end()) return std::nullopt;
+    const auto at = static_cast<std::size_t>(same - known.begin());
+    there.xi.push_back(begin.xi[at]);
+    there.active.push_back(begin.active[at]);
+  }
+  return there;
+}
+
+}  // namespace
+
 Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
   std::shared_ptr<const engine::ExactModel> model = engine::prepare(compiled.network, diagnostics);
   if (!model) return {};
-  return [model, begin = state.orbit.begin](const engine::Request& request, engine::RowSink& sink) {
-    engine::RunState from = begin;
-    from.xi.resize(model->islands.size());
-    from.on.resize(model->switches.size());
-    from.active.resize(model->islands.size());
+  std::optional<engine::RunState> from = state_in(*model, state);
+  if (!from) {
+    diagnostics.error("E-pss-not-converged", {}, "the parts of the circuit are others in the run than on the orbit; try .pss and .tran in decks of their own");
+    return {};
+  }
+  return [model, from = std::move(*from)](const engine::Request& request, engine::RowSink& sink) {
     engine::March march(*model, {request.non_unique, request.interrupt});
     return march.run(from, request, sink);
   };

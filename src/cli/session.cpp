@@ -289,6 +289,9 @@ int Session::steady_state() {
   if (status == 0 && compiled_->analyses.transient) {
     Diagnostics diagnostics;
     engine_.simulate = analysis::from_orbit(*compiled_, state, diagnostics);
+    messages_.report(diagnostics, sources_);
+    if (!engine_.simulate) return static_cast<int>(Status::run_failed);
+    if (options_.no_rows) engine_.simulate = analysis::without_rows(std::move(engine_.simulate));
   }
   return status;
 }

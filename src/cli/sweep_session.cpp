@@ -165,8 +165,12 @@ class Sweep {
     }
     record.orbit = state;
     if (compiled.analyses.transient) {
-      Diagnostics known;
-      engine.simulate = analysis::from_orbit(compiled, *state, known);
+      Diagnostics diagnostics;
+      engine.simulate = analysis::from_orbit(compiled, *state, diagnostics);
+      if (!engine.simulate) {
+        note_error(diagnostics, record);
+        return false;
+      }
     } else {
       compiled = state->compiled;
       engine.simulate = state->simulate;

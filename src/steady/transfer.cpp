@@ -58,6 +58,15 @@ auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows&
   return sum;
 }
 
+/// (A − jω)⁻¹ with its reciprocal condition.
+struct Inverse {
+  Eigen::PartialPivLU<ComplexMatrix> factors;
+  double condition = 0.0;
+
+  explicit Inverse(const ComplexMatrix& m) : factors(m), condition(factors.rcond()) {}
+  [[nodiscard]] ComplexVector solve(const ComplexVector& b) const { return factors.solve(b); }
+};
+
 }  // namespace
 
 /// One period at one frequency.
@@ -69,7 +78,7 @@ struct Transfer::Pass {
   ComplexVector sums;    ///< T·c_m of the signals
   bool collects = false;
   std::optional<double> sample;  ///< s: the deviation at that time of the period in place of its mean
-  std::map<const Mode*, Eigen::PartialPivLU<ComplexMatrix>> inverse, inverse_out;
+  std::map<const Mode*, Inverse> inverse, inverse_out;
 };
 
 Transfer::Transfer(const LinearisedOrbit& orbit, std::size_t signals) : orbit_(orbit), signals_(signals) {
@@ -102,15 +111,15 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
   Stretch stretch{turn * (propagator(mode, length) * c0), ComplexVector::Zero(mode.n1)};
   if (mode.n1 == 0 || (b.isZero(0.0) && !pass.collects)) return stretch;
   const double total = pass.omega + pass.omega_out;
-  const auto inverse_of = [&](auto& known, double omega) -> const Eigen::PartialPivLU<ComplexMatrix>& {
+  const auto inverse_of = [&](auto& known, double omega) -> const Inverse& {
     auto it = known.find(&mode);
-    if (it == known.end()) it = known.emplace(&mode, Eigen::PartialPivLU<ComplexMatrix>(shifted(mode, omega))).first;
+    if (it == known.end()) it = known.emplace(&mode, Inverse(shifted(mode, omega))).first;
     return it->second;
   };
   const auto& inverse = inverse_of(pass.inverse, pass.omega);
   const auto& inverse_out = pass.omega_out == 0.0 ? inverse : inverse_of(pass.inverse_out, total);
   const auto can_solve = [&](const auto& factors, double omega) {
-    return factors.rcond() > resonant && (mode.flow.rate() + std::abs(omega)) * length > brief;
+    return factors.condition > resonant && (mode.flow.rate() + std::abs(omega)) * length > brief;
   };
   const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
   if (can_solve(inverse, pass.omega) && can_solve(inverse_out, total)) {

@@ -44,7 +44,7 @@ Measured measure_deck(const std::string& text, double reltol, const std::atomic<
   measured.messages = errors_of(diagnostics, sources);
   if (!compiled) return measured;
   const circuit::Transient& transient = *compiled->analyses.transient;
-  measure::Measuring measuring(compiled->measurements, transient.start.seconds, transient.stop.seconds);
+  measure::Measuring measuring(compiled->measurements, transient.start.seconds, transient.stop.seconds, transient.stop.seconds);
   while (measuring.begin_pass()) {
     engine::Request request;
     request.stop = transient.stop.seconds;

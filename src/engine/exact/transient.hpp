@@ -22,7 +22,7 @@ namespace pwlsim::engine {
 
 class Transient {
  public:
-  /// For runs within a run: who watches, and whether what happens at `stop` is left to the next one.
+  /// For runs within a run: who watches, and whether what happens at `stop` is left to the next one; then there is no certificate but that of the guards.
   struct Watching {
     Observer* observer = nullptr;
     bool leaves_end_open = false;
