@@ -67,7 +67,7 @@ class Session {
     } else {
       if (compiled_->analyses.operating_point) status = operating_point();
       if (compiled_->analyses.steady_state) status = std::max(status, steady_state());
-      if (compiled_->analyses.small_signal && status == 0) status = run_small_signal(*compiled_, sources_, options_.no_rows ? nullptr : &*small_signal_file_, outcome_, messages_);
+      if (compiled_->analyses.small_signal && status == 0) status = run_small_signal(*compiled_, sources_, small_signal_file_ ? &*small_signal_file_ : nullptr, outcome_, messages_);
       if (compiled_->analyses.transient && status == 0) status = std::max(status, transient());
     }
     outcome_.status = status;
@@ -200,7 +200,15 @@ int Session::open_files() {
   const bool has_orbit = compiled_->analyses.steady_state.has_value();
   if (status == 0 && (compiled_->analyses.transient || has_orbit)) status = open_output(rows, files_, messages_, rows_file_);
   const bool is_stepped = compiled_->analyses.sweeps.runs() > 0;
-  if (status == 0 && compiled_->analyses.small_signal && !options_.no_rows && !is_stepped)
+  const bool has_run = compiled_->analyses.transient.has_value(), goes_to_pipe = options_.output == "-" && !is_stepped && !options_.no_rows;
+  if (status == 0 && goes_to_pipe && has_orbit && (has_run || compiled_->analyses.small_signal))
+    return fail(Status::wrong_input, "E-option-conflict",
+                "the analyses of the deck have rows of their own each, and standard output takes one table; try -o with a file name");
+  const bool has_response_rows = compiled_->analyses.small_signal && !options_.no_rows && !is_stepped && !(goes_to_pipe && has_run);
+  if (compiled_->analyses.small_signal && goes_to_pipe && has_run)
+    messages_.report({Severity::warning, "W-ignored-card", compiled_->analyses.small_signal->span, "the rows of .ac are left out: standard output takes those of .tran"},
+                     sources_);
+  if (status == 0 && has_response_rows)
     status = open_output(small_signal_file_name(rows), files_, messages_, small_signal_file_);
   if (status == 0 && compiled_->analyses.transient && has_orbit && !is_stepped) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
   if (status == 0 && compiled_->analyses.transient) warn_of_size();

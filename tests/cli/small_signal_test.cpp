@@ -181,6 +181,22 @@ TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is 
   CHECK_THAT(still.err, Contains("error[E-ac-no-input]"));
 }
 
+TEST_CASE("standard output takes the rows of one analysis", "[unit]") {
+  const Scratch scratch;
+  const std::string rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
+  scratch.write("two.net", rc + ".pss\n.tran 1m 2m\n.end\n");
+  const Finished two = run_in(scratch, {"two.net", "-o", "-"});
+  CHECK(two.status == 2);
+  CHECK_THAT(two.err, Contains("error[E-option-conflict]"));
+  scratch.write("run.net", rc + ".tran 1m 2m\n.ac lin 1 100 100\n.end\n");
+  const Finished run = run_in(scratch, {"run.net", "-o", "-"});
+  CHECK(run.status == 0);
+  CHECK(run.out.starts_with("time,v(b)\n0,0"));
+  CHECK_THAT(run.err, Contains("the rows of .ac are left out"));
+  scratch.write("alone.net", rc + ".ac lin 1 100 100\n.end\n");
+  CHECK(run_in(scratch, {"alone.net", "-o", "-"}).out.starts_with("frequency,vm(b),vp(b)\n100,"));
+}
+
 TEST_CASE("an infinite response is empty, with a warning", "[unit]") {
   // A capacitor that only a current source charges: multiplier 1, infinite where e^{jωT} = 1.
   const Scratch scratch;
