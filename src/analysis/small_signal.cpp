@@ -124,16 +124,67 @@ LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, con
   return loop;
 }
 
-SmallSignalResult evaluate(const SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network, std::size_t saved,
-                           const Response& response) {
+using Column = SmallSignal::Column;
+
+double part_of(Complex value, Column::Part part) {
+  switch (part) {
+    case Column::Part::magnitude:
+      return std::abs(value);
+    case Column::Part::phase:
+      return degrees(value);
+    case Column::Part::real:
+      return value.real();
+    case Column::Part::imaginary:
+      return value.imag();
+    case Column::Part::decibels:
+      break;
+  }
+  return 20.0 * std::log10(std::abs(value));
+}
+
+/// "vm(out)" of "v(out)".
+std::string named(const std::string& signal, char part) {
+  const std::size_t open = std::min(signal.find('('), signal.size());
+  return signal.substr(0, open) + part + signal.substr(open);
+}
+
+/// Which signals are columns, and which part of them.
+struct Selection {
+  std::size_t signal = 0;
+  Column::Part part = Column::Part::magnitude;
+};
+
+/// Those of .print ac, else magnitude and phase of all that are saved.
+std::vector<Selection> select_columns(const circuit::Compiled& compiled, SmallSignalResult& result) {
+  std::vector<Selection> selected;
+  const SmallSignal& card = *compiled.analyses.small_signal;
+  const auto add = [&](std::string name, std::size_t signal, Column::Part part) {
+    result.columns.push_back({std::move(name), {}});
+    selected.push_back({signal, part});
+  };
+  for (const Column& column : card.columns)
+    add(column.name, static_cast<std::size_t>(compiled.measurements.probe_signals[static_cast<std::size_t>(column.probe)]), column.part);
+  for (std::size_t k = 0; k < result.signals.size() && card.columns.empty(); ++k) {
+    add(named(result.signals[k], 'm'), k, Column::Part::magnitude);
+    add(named(result.signals[k], 'p'), k, Column::Part::phase);
+  }
+  return selected;
+}
+
+SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const Response& response) {
+  const SmallSignal& card = *compiled.analyses.small_signal;
   SmallSignalResult result;
-  for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(network.signals[k].name);
+  const std::size_t saved = compiled.saved_signals();
+  for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(compiled.network.signals[k].name);
+  const std::vector<Selection> selected = select_columns(compiled, result);
   result.frequencies = card.frequencies;
   std::vector<Complex> gains;
   for (const double f : card.frequencies) {
     const steady::ComplexVector all = response(f);
     if (!card.loop.empty()) gains.push_back(-all[inputs.negative] / all[inputs.positive]);
     result.values.emplace_back(all.data(), all.data() + saved);
+    for (std::size_t k = 0; k < selected.size(); ++k)
+      result.columns[k].values.push_back(part_of(all[static_cast<Eigen::Index>(selected[k].signal)], selected[k].part));
     if (!all.allFinite()) result.singular.push_back(f);
   }
   if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, std::move(gains));
@@ -175,8 +226,9 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   return inputs.names.empty() ? fail("") : inputs;
 }
 
-SmallSignalResult small_signals(const SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network,
-                                const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven, std::size_t saved) {
+SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
+                                const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven) {
+  const SmallSignal& card = *compiled.analyses.small_signal;
   const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
@@ -193,13 +245,12 @@ SmallSignalResult small_signals(const SmallSignal& card, const SmallSignalInputs
     }
     return transfer.at(f, card.harmonic, {}, shifts, sample).signals;
   };
-  return evaluate(card, inputs, network, saved, response);
+  return evaluate(compiled, inputs, response);
 }
 
 SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message) {
   const SmallSignal& card = *compiled.analyses.small_signal;
   model::Network network = compiled.network;
-  const std::size_t saved = compiled.saved_signals();
   const SmallSignalInputs inputs = add_small_signal_inputs(card, network);
   Diagnostics diagnostics;
   const auto model = engine::prepare(network, diagnostics);
@@ -219,23 +270,18 @@ SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::s
   constexpr double moment = 1e-12;  // s: the one mode there is
   march.advance(state, moment, &recorder);
   const steady::LinearisedOrbit linear(*model, recorder.take(), moment, true, inputs.names);
-  return evaluate(card, inputs, network, saved, [&](double f) { return steady::linear_response(linear, network.signals.size(), f, inputs.amplitudes); });
+  return evaluate(compiled, inputs, [&](double f) { return steady::linear_response(linear, network.signals.size(), f, inputs.amplitudes); });
 }
 
 std::string small_signal_csv(const SmallSignalResult& result) {
   std::string text = "frequency";
-  const auto named = [](const std::string& signal, char part) {
-    const std::size_t open = signal.find('(');
-    return signal.substr(0, open) + part + (open == std::string::npos ? "" : signal.substr(open));
-  };
-  for (const std::string& signal : result.signals)
-    text += fmt::format(",{},{}", waveform::csv_field(named(signal, 'm')), waveform::csv_field(named(signal, 'p')));
+  for (const SmallSignalResult::Column& column : result.columns) text += ',' + waveform::csv_field(column.name);
   text += '\n';
   for (std::size_t k = 0; k < result.frequencies.size(); ++k) {
     text += fmt::format("{}", result.frequencies[k]);
-    for (const Complex& value : result.values[k]) {
-      const bool is_finite = std::isfinite(value.real()) && std::isfinite(value.imag());
-      text += is_finite ? fmt::format(",{},{}", std::abs(value), degrees(value)) : ",,";
+    for (const SmallSignalResult::Column& column : result.columns) {
+      text += ',';
+      if (std::isfinite(column.values[k])) text += fmt::format("{}", column.values[k]);
     }
     text += '\n';
   }

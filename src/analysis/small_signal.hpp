@@ -31,6 +31,12 @@ struct SmallSignalResult {
   std::vector<std::string> signals;
   std::vector<double> frequencies;                         ///< Hz
   std::vector<std::vector<std::complex<double>>> values;  ///< a frequency, a signal; not finite where the response is infinite
+  /// A column of the rows.
+  struct Column {
+    std::string name;
+    std::vector<double> values;  ///< a frequency
+  };
+  std::vector<Column> columns;
   std::optional<LoopGain> loop;
   std::vector<double> singular;  ///< frequencies of an infinite response
 };
@@ -45,9 +51,9 @@ struct SmallSignalInputs {
 /// `network` gets inputs, and signals behind its own.
 [[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
 
-/// Around an orbit of a model with these inputs; `saved`: signals that are wanted, the first so many.
-[[nodiscard]] SmallSignalResult small_signals(const circuit::SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network,
-                                              const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven, std::size_t saved);
+/// Around an orbit of a model with these inputs, in `network`.
+[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
+                                              const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven);
 /// Of a linear circuit. `id` is E-ac-needs-pss where something in it switches.
 [[nodiscard]] SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message);
 

@@ -333,8 +333,7 @@ measure::Results orbit_measurements(const SteadyState& state, const std::atomic<
 }
 
 SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
-  return small_signals(*compiled.analyses.small_signal, *state.inputs, state.compiled.network, *state.model, state.orbit,
-                       !state.common.sources.empty(), compiled.saved_signals());
+  return small_signals(compiled, *state.inputs, state.compiled.network, *state.model, state.orbit, !state.common.sources.empty());
 }
 
 std::string orbit_summary(const SteadyState& state, const std::string& output) {

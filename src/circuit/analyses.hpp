@@ -59,6 +59,14 @@ struct SmallSignal {
   SourceSpan input_span;
   int harmonic = 0;
   std::optional<double> sample;  ///< s: the sampled response at that time of the period
+  /// `.print ac`: what part of a signal is a column.
+  struct Column {
+    enum class Part { magnitude, phase, real, imaginary, decibels };
+    std::string name;  ///< as written: "vdb(out)"
+    Part part = Part::magnitude;
+    int probe = 0;  ///< of Circuit::probes
+  };
+  std::vector<Column> columns;  ///< none: magnitude and phase of every saved signal
   SourceSpan span;
 };
 

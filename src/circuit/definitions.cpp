@@ -192,8 +192,9 @@ class Reader {
   void read_print(const Card& card) {
     const bool is_group = !card.items.empty() && card.items[0].kind == ItemKind::group;
     if (is_group || (!card.items.empty() && same_name(card.items[0].text, "tran"))) return read_analysis(card, result_.saves);
+    if (!card.items.empty() && same_name(card.items[0].text, "ac")) return read_analysis(card, result_.response_prints);
     const std::string what = card.items.empty() ? "" : " " + card.items[0].text;
-    reporter_.warning("W-ignored-card", card.name_span, fmt::format("{}{} is ignored: only .print tran names signals", card.name, what));
+    reporter_.warning("W-ignored-card", card.name_span, fmt::format("{}{} is ignored: only .print tran and .print ac name signals", card.name, what));
   }
 
   void read_subcircuit(const Card& card) {

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "circuit/commands.hpp"
 #include "circuit/items.hpp"
+#include "circuit/measured_expression.hpp"
+#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -113,6 +116,52 @@ class SmallSignalReader {
   bool ok_ = true;
 };
 
+struct PartName {
+  std::string_view letters;  ///< behind v or i
+  SmallSignal::Column::Part part;
+};
+constexpr PartName part_names[] = {{"m", SmallSignal::Column::Part::magnitude},
+                                   {"p", SmallSignal::Column::Part::phase},
+                                   {"r", SmallSignal::Column::Part::real},
+                                   {"i", SmallSignal::Column::Part::imaginary},
+                                   {"db", SmallSignal::Column::Part::decibels}};
+
+/// vm(a), vp(a), vr(a), vi(a), vdb(a), and the same of i; v(a) is magnitude and phase.
+class ColumnReader {
+ public:
+  ColumnReader(Reporter& reporter, Circuit& circuit, std::vector<SmallSignal::Column>& columns)
+      : reporter_(reporter), circuit_(circuit), columns_(columns) {}
+
+  void read(const Item& item) {
+    const bool is_signal = item.kind == ItemKind::group && !item.text.empty() && (is_letter(item.text[0], 'v') || is_letter(item.text[0], 'i'));
+    const std::string_view letters = is_signal ? std::string_view(item.text).substr(1) : std::string_view();
+    const auto* known = std::find_if(std::begin(part_names), std::end(part_names), [&](const PartName& part) { return same_name(part.letters, letters); });
+    if (!is_signal || (!letters.empty() && known == std::end(part_names))) {
+      reporter_.error("E-unexpected", item.span, fmt::format("'{}' is no part of a signal; usage: .print ac vm(a) vp(a) vr(a) vi(a) vdb(a)", reporter_.text(item.span)));
+      return;
+    }
+    Item signal = item;
+    signal.text = item.text.substr(0, 1);
+    std::optional<SaveRequest> request = save_request(signal, reporter_);
+    if (!request || request->kind == SaveRequest::Kind::all) return;
+    const std::string inside = request->column.substr(request->column.find('('));
+    const int probe = add_probe(circuit_, std::move(*request));
+    const auto add = [&](std::string_view part_letters, SmallSignal::Column::Part part) {
+      columns_.push_back({fmt::format("{}{}{}", signal.text, part_letters, inside), part, probe});
+    };
+    if (!letters.empty()) return add(known->letters, known->part);
+    add("m", SmallSignal::Column::Part::magnitude);
+    add("p", SmallSignal::Column::Part::phase);
+  }
+
+ private:
+  static bool is_letter(char c, char letter) { return c == letter || c == letter - 'a' + 'A'; }
+
+  Reporter& reporter_;
+  Circuit& circuit_;
+  std::vector<SmallSignal::Column>& columns_;
+};
+
 }  // namespace
 
 /// Beside a .tran without .pss, as in decks of other simulators, it is left out.
@@ -121,7 +170,12 @@ void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& r
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
     reporter.warning("W-ignored-card", cards[k]->name_span, fmt::format("this .ac is ignored: the last one counts, at {}", reporter.where(cards.back()->span)));
-  circuit.analyses.small_signal = SmallSignalReader(*cards.back(), scope, reporter).read();
+  std::optional<SmallSignal>& small_signal = circuit.analyses.small_signal;
+  small_signal = SmallSignalReader(*cards.back(), scope, reporter).read();
+  if (!small_signal) return;
+  ColumnReader columns(reporter, circuit, small_signal->columns);
+  for (const Card* card : definitions.response_prints)
+    for (std::size_t k = 1; k < card->items.size(); ++k) columns.read(card->items[k]);
 }
 
 }  // namespace pwlsim::circuit

@@ -181,6 +181,25 @@ TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is 
   CHECK_THAT(still.err, Contains("error[E-ac-no-input]"));
 }
 
+TEST_CASE(".print ac chooses columns", "[unit]") {
+  // 1/(1 + jωRC) at ωRC = 1: 1/√2, −45 degrees, 1/2 − j/2.
+  const Scratch scratch;
+  scratch.write("rc.net", "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(a)\n.print ac vdb(b) vr(b) vi(b) i(R1)\n.ac list {1/(2*pi*1m)}\n.end\n");
+  CHECK(run_in(scratch, {"rc.net"}).status == 0);
+  std::istringstream rows(read_file(scratch / "rc.ac.csv"));
+  std::string head, row;
+  std::getline(rows, head);
+  std::getline(rows, row);
+  CHECK(head == "frequency,vdb(b),vr(b),vi(b),im(R1),ip(R1)");
+  double values[6] = {};
+  REQUIRE(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf", &values[0], &values[1], &values[2], &values[3], &values[4], &values[5]) == 6);
+  CHECK(values[1] == Approx(-10.0 * std::log10(2.0)).epsilon(1e-12));
+  CHECK(values[2] == Approx(0.5).epsilon(1e-12));
+  CHECK(values[3] == Approx(-0.5).epsilon(1e-12));
+  CHECK(values[4] == Approx(1e-3 / std::sqrt(2.0)).epsilon(1e-12));  // 1 V·jωC/(1 + jωRC)
+  CHECK(values[5] == Approx(45.0).epsilon(1e-12));
+}
+
 TEST_CASE("standard output takes the rows of one analysis", "[unit]") {
   const Scratch scratch;
   const std::string rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
