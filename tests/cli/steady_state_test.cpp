@@ -192,12 +192,12 @@ TEST_CASE("a sweep of orbits: measurements as a table, multipliers in --json", "
 
 TEST_CASE("the shipped decks of steady states are what the tutorial says", "[unit]") {
   const Scratch scratch;
-  scratch.write("buck.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/buck_type3.net"));
+  scratch.write("buck.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/steady_state/buck_type3.net"));
   const Json buck = read_json(run_in(scratch, {"buck.net", "--json"}).out);
   // The integrator holds the mean at 2·V_ref but for the amplifier's finite gain: v_c/1e5 at its input, twice that at the output.
   CHECK(measured(buck, "vout") == Approx(5.0).epsilon(1e-5));
   CHECK(buck["ac"]["loops"][0]["crossovers"].array.size() == 1);
-  scratch.write("peak.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/peak_current_buck.net"));
+  scratch.write("peak.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/steady_state/peak_current_buck.net"));
   const Json peak = read_json(run_in(scratch, {"peak.net", "--json"}).out);
   // Peak-current control with ideal elements and no slope: λ ≈ −D/(1 − D) for a stiff output; D = v/12 here.
   const double d = measured(peak, "vout") / 12.0;
