@@ -226,3 +226,16 @@ TEST_CASE("an infinite response is empty, with a warning", "[unit]") {
   CHECK_THAT(finished.err, Contains("warning[W-ac-singular]") && Contains("1 kHz"));
   CHECK_THAT(read_file(scratch / "family.ac.csv"), Contains("\n1000,,"));
 }
+
+TEST_CASE("a Bode plot beside the waveforms; multipliers and a Nyquist plot on the page", "[unit]") {
+  const Scratch scratch;
+  scratch.write("buck.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/steady_state/buck_type3.net"));
+  CHECK(run_in(scratch, {"buck.net", "--plot", "buck.svg", "--report", "buck.html"}).status == 0);
+  const std::string bode = read_file(scratch / "buck.ac.svg"), page = read_file(scratch / "buck.html");
+  CHECK_THAT(bode, Contains(">magnitude<") && Contains(">phase<") && Contains(">crossover<") && Contains(">10k<") && Contains("frequency (Hz)"));
+  CHECK_THAT(read_file(scratch / "buck.svg"), Contains("time ("));
+  CHECK_THAT(page, Contains("Floquet multipliers") && Contains("Nyquist plot of the loop gain"));
+  scratch.write("rc.net", "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.ac dec 5 10 10k\n.end\n");
+  CHECK(run_in(scratch, {"rc.net", "--plot", "rc.svg"}).status == 0);
+  CHECK_THAT(read_file(scratch / "rc.svg"), Contains(">magnitude<"));
+}
