@@ -13,6 +13,8 @@
 #include "circuit/card_cursor.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/formula_reader.hpp"
+#include "circuit/memory_block.hpp"
+#include "circuit/number_cure.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
 #include "netlist/number.hpp"
@@ -31,7 +33,7 @@ using ItemKind = Item::Kind;
 /// Forms of E, F, G and H that take an expression or a table, and those that are no piecewise-linear circuit elements.
 constexpr std::string_view voltage_forms[] = {"value", "vol", "v"};
 constexpr std::string_view current_forms[] = {"value", "cur", "i"};
-constexpr std::string_view foreign_forms[] = {"laplace", "freq", "chebyshev"};
+constexpr std::string_view foreign_forms[] = {"freq", "chebyshev"};
 
 /// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
 class CardBinding {
@@ -59,10 +61,7 @@ class CardBinding {
   /// A resistor whose resistance is an expression of time or of signals: the current v/R.
   void bind_resistance(const netlist::Expression& resistance) {
     if (!terminals()) return;
-    const auto name_of = [&](std::size_t k) {
-      return netlist::Expression{netlist::Expression::Kind::name, 0.0, card_.items[k].text, {}, card_.items[k].span};
-    };
-    const netlist::Expression voltage{netlist::Expression::Kind::call, 0.0, "v", {name_of(0), name_of(1)}, resistance.span};
+    const netlist::Expression voltage = voltage_between(card_.items[0], card_.items[1], resistance.span);
     const netlist::Expression current{netlist::Expression::Kind::binary, 0.0, "/", {voltage, resistance}, resistance.span};
     (void)FormulaReader(binder_, place_, instance_).read(current, true);
   }
@@ -78,6 +77,7 @@ class CardBinding {
 
   bool missing(std::string id, std::string_view what) {
     reporter().error(std::move(id), card_.span, fmt::format("{} needs {}; usage: {}", card_.name, what, kind_.usage));
+    binder_.leave_gap();
     return false;
   }
 
@@ -148,7 +148,8 @@ class CardBinding {
     const Parameter& parameter = kind_.parameters[0];
     const std::optional<double> factor = model_value();
     const bool model_behind = !factor && at_model(1);
-    if (cursor_.positional_left() > (model_behind ? 2 : 1)) return too_many();
+    if (const std::size_t most = model_behind ? 2 : 1; cursor_.positional_left() > most)
+      return too_many(*cursor_.peek(most - 1), *cursor_.peek(most));
     if (cursor_.at_positional()) {
       ValueReader(place_.scope, reporter(), card_.name).positional(*cursor_.next(), parameter, instance_.values);
       if (model_behind) (void)model_value();  // the value on the card rules
@@ -175,9 +176,12 @@ class CardBinding {
     return index < 0 ? 1.0 : binder_.models().at(index).values.get(kind_.parameters[0].name);
   }
 
-  bool too_many() {
+  bool too_many(const Item& value, const Item& surplus) {
     const std::string nodes = kind_.terminals == 0 ? "" : fmt::format("{} nodes and ", kind_.terminals);
-    reporter().error("E-node-count", card_.span, fmt::format("{} takes {}one value; usage: {}", card_.name, nodes, kind_.usage));
+    reporter().error("E-node-count", surplus.span,
+                     fmt::format("{} takes {}one value, and '{}' is one more; {}", card_.name, nodes, reporter().text(surplus.span),
+                                 surplus_cure(value, surplus, reporter(), kind_.usage)));
+    binder_.leave_gap();
     return false;
   }
 
@@ -186,7 +190,21 @@ class CardBinding {
     return parameter != nullptr && parameter->use == elements::Use::refused;
   }
 
+  /// The last of the nodes is a model, and none follows.
+  bool has_node_too_few() const {
+    const Item* last = cursor_.previous();
+    return last != nullptr && last->kind == ItemKind::word && Models::known(place_.scope, *last) &&
+           (!cursor_.at(ItemKind::word) || at_flag());
+  }
+
   bool model() {
+    if (has_node_too_few()) {
+      reporter().error(
+          "E-node-count", card_.span,
+          fmt::format("{} has a node too few before its model {}; usage: {}", card_.name, cursor_.previous()->text, kind_.usage));
+      binder_.leave_gap();
+      return false;
+    }
     if (!cursor_.at(ItemKind::word)) return missing("E-missing-model", "a model");
     const Item& name = *cursor_.next();
     if (!Models::known(place_.scope, name) && cursor_.at(ItemKind::word) && Models::known(place_.scope, *cursor_.peek())) {
@@ -223,8 +241,11 @@ class CardBinding {
   bool gain() {
     if (at_form()) return form();
     if (cursor_.at(ItemKind::group) && same_name(cursor_.peek()->text, "poly")) return polynomial();
+    const Item *first = cursor_.peek(), *second = cursor_.peek(1);
     if (!control()) return false;
     if (at_table()) return table(nullptr);
+    if (cursor_.at(ItemKind::assignment) && is_laplace(*cursor_.peek()) && kind_.control == Control::node_pair)
+      return laplace_of_pair(*first, *second, *cursor_.next());
     if (!cursor_.at_positional()) return missing("E-missing-value", "a gain");
     const std::optional<Number> number = place_.scope.number(*cursor_.next());
     instance_.coefficients = {0.0, number ? number->value : 0.0};
@@ -234,7 +255,8 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_one_of(foreign_forms, item->text)))
+    if (item == nullptr ||
+        !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) || is_one_of(foreign_forms, item->text)))
       return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
@@ -249,18 +271,42 @@ class CardBinding {
   bool form() {
     const Item& item = *cursor_.next();
     if (same_name(item.text, "table")) return table(&item);
+    if (same_name(item.text, "laplace")) return laplace(item);
     if (is_one_of(foreign_forms, item.text)) {
-      reporter().error(
-          "E-not-supported", item.span,
-          same_name(item.text, "laplace")
-              ? fmt::format("{} with {} is not supported; try an A element with a model of type s_xfer, whose num_coeff and den_coeff are "
-                            "the coefficients of the fraction",
-                            card_.name, item.text)
-              : fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
+      reporter().error("E-not-supported", item.span,
+                       fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
       return false;
     }
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
     return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
+  }
+
+  static bool is_laplace(const Item& item) { return same_name(item.text, "laplace"); }
+
+  /// LAPLACE {x} = {fraction}
+  bool laplace(const Item& head) {
+    const Item* input = head.kind == ItemKind::word && cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
+    const Item* fraction = input != nullptr && cursor_.at_positional() ? cursor_.next() : nullptr;
+    if (fraction == nullptr) return missing("E-missing-value", "LAPLACE {expression} = {fraction of polynomials in s}");
+    return behind_transfer(*input->expression, *fraction, gives_current());
+  }
+
+  /// nc+ nc- Laplace=fraction
+  bool laplace_of_pair(const Item& first, const Item& second, const Item& given) {
+    if (given.items.empty()) return missing("E-missing-value", "a fraction of polynomials in s");
+    return behind_transfer(voltage_between(first, second, given.span), given.items[0], gives_current());
+  }
+
+  static netlist::Expression voltage_between(const Item& p, const Item& n, SourceSpan span) {
+    const auto name_of = [](const Item& word) {
+      return netlist::Expression{netlist::Expression::Kind::name, 0.0, word.text, {}, word.span};
+    };
+    return {netlist::Expression::Kind::call, 0.0, "v", {name_of(p), name_of(n)}, span};
+  }
+
+  bool behind_transfer(const netlist::Expression& input, const Item& fraction, bool is_current) {
+    const auto output = add_transfer_block(binder_, place_, instance_, input, fraction);
+    return output && FormulaReader(binder_, place_, instance_).follow(*output, is_current);
   }
 
   bool expression(const Item& item, bool is_current) {

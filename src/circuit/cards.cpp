@@ -13,6 +13,7 @@ constexpr CardKind kinds[] = {
     {".ends", CardRole::end_of_subcircuit, "ends a subcircuit"},
     {".param", CardRole::parameter, "defines parameters"},
     {".params", CardRole::parameter, "defines parameters"},
+    {".global_param", CardRole::parameter, "defines parameters"},
     {".func", CardRole::function, "defines a function"},
     {".model", CardRole::model, "defines a model"},
     {".global", CardRole::global, "names nodes that are one in all subcircuits"},
@@ -71,9 +72,11 @@ constexpr RefusedElement refused[] = {
 };
 
 constexpr std::string_view foreign_types[] = {
-    "CORE",       "URC",        "LTRA", "TRN",     "LPNP", "NMF",    "PMF",      "NIGBT",   "PIGBT",
-    "NHFET",      "PHFET",      "mult", "divide",  "slew", "climit", "ilimit",   "sidiode", "aswitch",
-    "adc_bridge", "dac_bridge", "core", "lcouple", "sine", "square", "triangle",
+    "CORE",     "URC",       "LTRA",       "TRN",      "LPNP",       "NMF",        "PMF",      "NIGBT",   "PIGBT",      "NHFET",
+    "PHFET",    "mult",      "divide",     "slew",     "climit",     "ilimit",     "sidiode",  "aswitch", "adc_bridge", "dac_bridge",
+    "core",     "lcouple",   "sine",       "square",   "triangle",   "oneshot",    "cmeter",   "lmeter",  "d_and",      "d_nand",
+    "d_or",     "d_nor",     "d_xor",      "d_xnor",   "d_buffer",   "d_inverter", "d_dff",    "d_jkff",  "d_tff",      "d_srff",
+    "d_dlatch", "d_srlatch", "d_tristate", "d_pullup", "d_pulldown", "d_open_c",   "d_source", "d_fdiv",  "d_state",    "d_ram",
 };
 
 }  // namespace

@@ -17,6 +17,7 @@ class Expander {
   void unknown_call(Place& place, const netlist::Card& card, const netlist::Item* name);
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
   void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
+  void connect_port(Place& inner, const netlist::Card& card, const netlist::Item& word, const std::string& port, model::NodeIndex node);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
   void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
   void give(Place& place, const netlist::Card& card, const netlist::Item& assignment, Scope& inner);

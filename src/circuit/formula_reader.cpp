@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/memory_block.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -64,6 +65,8 @@ bool FormulaReader::read_table(const Expression* x, const std::vector<elements::
   const std::optional<Sum> argument = x != nullptr ? sum(*x, {place_.scope}) : builder_.voltage(0);
   return argument && keep(builder_.table(*argument, points, false), is_current, instance_.span);
 }
+
+bool FormulaReader::follow(model::NodeIndex node, bool is_current) { return keep(voltage_of(node), is_current, instance_.span); }
 
 bool FormulaReader::keep(const Sum& value, bool is_current, SourceSpan span) {
   elements::Formula formula = std::move(builder_).finish(value);
@@ -276,6 +279,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_call(const Expression& e
     if (!count_is(expression, 3, 3)) return std::nullopt;
     return of_choice(expression.arguments[1], expression.arguments[2], expression.arguments[0], context);
   }
+  const bool is_integral = key == "idt" || key == "sdt";
+  if ((is_integral || key == "ddt") && context.arguments == nullptr) return of_memory(expression, context, is_integral);
   if (key == "table" || key == "pwl") return of_table(expression, context, key == "pwl");
   return of_builtin(expression, context);
 }
@@ -298,15 +303,33 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_signal(const Expression&
     netlist::Item word;
     word.text = name.text;
     word.span = name.span;
-    const elements::NodePair pair{binder_.node(place_, word), model::ground};
-    auto& list = instance_.control_nodes;
-    const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == pair.p && other.n == pair.n; });
-    const auto index = static_cast<int>(known - list.begin());
-    if (known == list.end()) list.push_back(pair);
-    if (pair.p != model::ground) value = value + sign * builder_.voltage(index);
+    value = value + sign * voltage_of(binder_.node(place_, word));
     sign = -1.0;
   }
   return Meaning{std::move(value), std::nullopt};
+}
+
+FormulaReader::Sum FormulaReader::voltage_of(model::NodeIndex node) {
+  auto& list = instance_.control_nodes;
+  const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == node && other.n == model::ground; });
+  const auto index = static_cast<int>(known - list.begin());
+  if (known == list.end()) list.push_back({node, model::ground});
+  return node == model::ground ? Sum{} : builder_.voltage(index);
+}
+
+/// idt(x), idt(x,start), ddt(x)
+std::optional<FormulaReader::Meaning> FormulaReader::of_memory(const Expression& expression, const Context& context, bool is_integral) {
+  const std::size_t most = is_integral ? 2 : 1;
+  if (!count_is(expression, 1, most)) return std::nullopt;
+  std::optional<double> start = 0.0;
+  if (expression.arguments.size() == 2) start = constant(expression.arguments[1], context, "the start of an integral");
+  if (!start) return std::nullopt;
+  const auto set_values = [&](elements::Values& values) {
+    if (is_integral) values.set("out_ic", *start);
+  };
+  const auto node = add_memory_block(binder_, place_, instance_, {is_integral ? "int" : "d_dt", expression.arguments[0], set_values});
+  if (!node) return std::nullopt;
+  return Meaning{voltage_of(*node), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expression& expression, const FunctionText& function, Scope& home,

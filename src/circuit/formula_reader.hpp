@@ -20,6 +20,8 @@ class FormulaReader {
   bool read(const netlist::Expression& expression, bool is_current);
   /// The same for straight lines between points, x an expression or the first pair of control nodes.
   bool read_table(const netlist::Expression* x, const std::vector<elements::TablePoint>& points, bool is_current);
+  /// The voltage of a node as the formula.
+  bool follow(model::NodeIndex node, bool is_current);
 
  private:
   using Expression = netlist::Expression;
@@ -58,6 +60,7 @@ class FormulaReader {
   std::optional<Meaning> of_choice(const Expression& yes, const Expression& no, const Expression& asked, const Context& context);
   std::optional<Meaning> of_call(const Expression& expression, const Context& context);
   std::optional<Meaning> of_signal(const Expression& expression);
+  std::optional<Meaning> of_memory(const Expression& expression, const Context& context, bool is_integral);
   std::optional<Meaning> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Context& context);
   std::optional<Meaning> of_table(const Expression& expression, const Context& context, bool extrapolated);
   std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
@@ -65,6 +68,7 @@ class FormulaReader {
 
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
+  Sum voltage_of(model::NodeIndex node);
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);
   std::nullopt_t refuse(const Expression& expression, std::string_view what);

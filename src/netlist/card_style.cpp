@@ -12,7 +12,8 @@ CardStyle::CardStyle(std::string_view name) {
   function_ = same_name(name, ".func");
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
-  parameters_ = takes_params_ || same_name(name, ".param") || same_name(name, ".params");
+  static constexpr std::array<std::string_view, 3> parameter_cards{".param", ".params", ".global_param"};
+  parameters_ = takes_params_ || is_one_of(parameter_cards, name);
   source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
   is_resistor_ = letter == 'r';
 }
@@ -30,7 +31,7 @@ bool is_analysis_name(std::string_view word) {
 }
 
 bool CardStyle::open_expression(std::string_view left) const {
-  static constexpr std::array<std::string_view, 5> source_values{"v", "i", "value", "vol", "cur"};
+  static constexpr std::array<std::string_view, 6> source_values{"v", "i", "value", "vol", "cur", "laplace"};
   return parameters_ || (source_values_ && is_one_of(source_values, left)) || (is_resistor_ && same_name(left, "r"));
 }
 

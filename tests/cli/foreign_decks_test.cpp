@@ -79,15 +79,14 @@ TEST_CASE("in a circuit without ground a node is taken for it, with a note", "[u
   CHECK_THAT(run_deck(scratch, "floating part\nR1 p q 3\nV1 p q 8\nR2 a 0 1\nV2 a 0 1\n.tran 1u 10u\n").err, Contains("error[E-floating]"));
 }
 
-TEST_CASE("what a function with memory, and LAPLACE, are told to try is what does it", "[unit]") {
+TEST_CASE("delays are refused by name", "[unit]") {
   const Scratch scratch;
   const auto said = [&](const std::string& card) {
     return run_deck(scratch, "cures\nV1 a 0 SIN(0 1 50)\n" + card + "\nR1 b 0 1\n.tran 1m 20m\n").err;
   };
-  CHECK_THAT(said("B1 b 0 V=sdt(v(a))"), Contains("type int"));
-  CHECK_THAT(said("B1 b 0 V=ddt(v(a))"), Contains("type d_dt"));
   CHECK_THAT(said("B1 b 0 V=delay(v(a),1m)"), Contains("type s_xfer") && !Contains("type int"));
-  CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {1/(1+s*1m)}"), Contains("type s_xfer"));
+  CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {exp(-s*1m)/(1+s*1m)}"), Contains("E1: 'exp(-s*1m)' is no fraction of polynomials in s"));
+  CHECK_THAT(said(".func f(x) {ddt(x)}\nB1 b 0 V=f(v(a))"), Contains("ddt in an expression is not supported"));
 }
 
 TEST_CASE("a switch of level 2 with a limit of its current runs, and both are named as ignored", "[unit]") {
@@ -116,4 +115,36 @@ TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
   scratch.write("bad.txt", "0 0\n1m\n");
   const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
   CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
+}
+
+TEST_CASE("integrals and derivatives in expressions", "[unit]") {
+  const Scratch scratch;
+  // Of the step at t = 0 to 2 V: 2t, 5 + 2t; of the ramp of 3 V/ms: 3000 V/s; of that ramp's own integral the ramp again.
+  const Finished finished = run_deck(
+      scratch,
+      "integrals\nV1 a 0 PULSE(0 2 0 0 0 1 2)\nV2 r 0 PWL(0 0 1m 3)\nB1 b 0 V=idt(V(a))*1k\nB2 c 0 V=1+SDT(V(a),5)\nB3 0 d I=ddt(V(r))\n"
+      "Rd d 0 1\nX1 r e s\n.subckt s p q\nB1 q 0 V=ddt(idt(V(p)))\n.ends\nRb b 0 1\nRc c 0 1\nRe e 0 1\n.tran 0.5m 1m\n"
+      ".meas b FIND v(b) AT=1m\n.meas c FIND v(c) AT=1m\n.meas d FIND v(d) AT=0.5m\n.meas e FIND v(e) AT=0.5m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "b") == Approx(2.0).epsilon(1e-12));
+  CHECK(value_of(finished.out, "c") == Approx(6.002).epsilon(1e-12));
+  CHECK(value_of(finished.out, "d") == Approx(3000.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "e") == Approx(1.5).epsilon(1e-9));
+  CHECK_THAT(read_file(scratch / "d.csv"), Contains("time,v(a),v(r),v(b),v(c),v(d),v(e),i(V1),i(V2)\n"));  // nothing of what is inside
+}
+
+TEST_CASE("LAPLACE of a fraction of polynomials in s", "[unit]") {
+  const Scratch scratch;
+  // Steps of 1 V: 1 - exp(-t/τ); 1 + t/τ of (1+sτ)/(sτ), as a current into 1 Ω; 1 - (1 + t/τ) exp(-t/τ) of 1/(1+sτ)².
+  const Finished finished =
+      run_deck(scratch,
+               "transfer\n.param tau=1m\nV1 in 0 PULSE(0 1 0 0 0 1 2)\nE1 a 0 LAPLACE {V(in)} = {1/(1+s*tau)}\n"
+               "G1 0 b in 0 Laplace=(1+s*tau)/(s*tau)\nE2 c 0 LAPLACE {2*V(in)} {0.5*(1+s*1m)**-2}\nRa a 0 1\nRb b 0 1\n"
+               "Rc c 0 1\n.ic v(b)=0\n.tran 1m 2m uic\n.meas a FIND v(a) AT=2m\n.meas b FIND v(b) AT=2m\n.meas c FIND v(c) AT=2m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "a") == Approx(1.0 - std::exp(-2.0)).epsilon(1e-12));
+  CHECK(value_of(finished.out, "b") == Approx(3.0).epsilon(1e-12));
+  CHECK(value_of(finished.out, "c") == Approx(1.0 - 3.0 * std::exp(-2.0)).epsilon(1e-12));
 }
