@@ -15,7 +15,7 @@ namespace {
 using elements::Instance;
 using model::NodeIndex;
 
-constexpr std::size_t shortest_name = 3;  ///< of shorter ones each is nearly another
+constexpr std::size_t least_letters = 3;  ///< of shorter ones each is nearly another
 
 /// How often each node is touched or read. What is saved or measured counts, too.
 std::vector<int> uses(const Circuit& circuit) {
@@ -69,7 +69,7 @@ void warn_of_dangling(const Circuit& circuit, Reporter& reporter) {
     for (const NodeIndex node : instance.nodes) {
       if (node == model::ground) continue;
       const model::Label& label = circuit.nodes()[static_cast<std::size_t>(node)];
-      const bool hangs = count[static_cast<std::size_t>(node)] == 1 && label.name.size() >= shortest_name;
+      const bool hangs = count[static_cast<std::size_t>(node)] == 1 && label.name.size() >= least_letters;
       const std::string nearest = hangs ? nearest_other(label.name, connected) : "";
       if (!nearest.empty())
         reporter.warning("W-dangling", label.span,

@@ -23,7 +23,7 @@ std::string free_name(const Circuit& circuit, const Instance& owner, std::string
   }
 }
 
-Instance part(char letter, std::string name, const Instance& owner, NodeIndex node) {
+Instance made_part(char letter, std::string name, const Instance& owner, NodeIndex node) {
   Instance instance;
   instance.kind = elements::find_kind(letter);
   instance.name = std::move(name);
@@ -42,11 +42,11 @@ std::optional<NodeIndex> add_memory_block(Binder& binder, Place& place, const In
   NodeIndex output = model::ground, input = model::ground;
   if (!circuit.add_node(name, owner.span, output) || !circuit.add_node(input_name, owner.span, input)) return std::nullopt;
 
-  Instance source = part('B', input_name, owner, input);
+  Instance source = made_part('B', input_name, owner, input);
   if (!FormulaReader(binder, place, source).read(block.input, false)) return std::nullopt;
   circuit.instances.push_back(std::move(source));
 
-  Instance memory = part('A', name, owner, output);
+  Instance memory = made_part('A', name, owner, output);
   memory.inputs = {{false, {input, model::ground}, -1}};
   memory.control_nodes = {{input, model::ground}};
   memory.model = circuit.add_model(block.type, name);
@@ -59,8 +59,8 @@ std::optional<NodeIndex> add_transfer_block(Binder& binder, Place& place, const 
                                             const netlist::Item& fraction) {
   using Kind = netlist::Expression::Kind;
   const netlist::Expression number{Kind::number, 0.0, fraction.text, {}, fraction.span};
-  const bool is_expression = fraction.kind == netlist::Item::Kind::expression;
-  const auto transfer = read_transfer_function(is_expression ? *fraction.expression : number, place.scope, binder.reporter(), owner.name);
+  const bool has_expression = fraction.kind == netlist::Item::Kind::expression;
+  const auto transfer = read_transfer_function(has_expression ? *fraction.expression : number, place.scope, binder.reporter(), owner.name);
   if (!transfer) return std::nullopt;
   const auto set_values = [&](elements::Values& values) {  // highest power first
     values.set_list("num_coeff", {transfer->numerator.rbegin(), transfer->numerator.rend()}, fraction.span);

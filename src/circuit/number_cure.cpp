@@ -51,7 +51,9 @@ std::string surplus_cure(const netlist::Item& value, const netlist::Item& surplu
   constexpr auto word = netlist::Item::Kind::word;
   const bool are_words = value.kind == word && surplus.kind == word && !surplus.text.empty();
   const bool is_comma = reporter.text({value.span.file, value.span.end, surplus.span.begin}) == ",";
-  const bool is_unit = are_words && std::isalpha(static_cast<unsigned char>(surplus.text.front())) != 0;
+  constexpr std::size_t longest_unit = 5;  // Ohms, Farad
+  const bool is_unit =
+      are_words && surplus.text.size() <= longest_unit && std::isalpha(static_cast<unsigned char>(surplus.text.front())) != 0;
   const std::string whole = value.text + (is_comma ? "." : "") + surplus.text;
   if (!are_words || !(is_comma || is_unit) || !netlist::read_number(whole).valid) return fmt::format("usage: {}", usage);
   return fmt::format("a {} ends a value: try {}", is_comma ? "comma" : "blank", whole);

@@ -15,7 +15,7 @@ using netlist::Expression;
 using Kind = Expression::Kind;
 using Polynomial = std::vector<double>;
 
-constexpr double largest_power = 32.0;
+constexpr double highest_power = 32.0;
 
 bool is_variable(const Expression& expression) { return expression.kind == Kind::name && same_name(expression.text, "s"); }
 
@@ -102,7 +102,7 @@ class Reading {
     const std::optional<TransferFunction> base = of(expression.arguments[0]);
     const std::optional<double> power = Evaluator(scope_, 0).value(expression.arguments[1]);
     if (!base || !power) return std::nullopt;
-    if (*power != std::floor(*power) || std::abs(*power) > largest_power) return refuse(expression);
+    if (*power != std::floor(*power) || std::abs(*power) > highest_power) return refuse(expression);
     TransferFunction result{{1.0}, {1.0}};
     for (double k = 0.0; k < std::abs(*power); ++k) result = product(result, *base);
     return *power < 0.0 ? inverse(std::move(result)) : result;

@@ -148,3 +148,18 @@ TEST_CASE("LAPLACE of a fraction of polynomials in s", "[unit]") {
   CHECK(value_of(finished.out, "b") == Approx(3.0).epsilon(1e-12));
   CHECK(value_of(finished.out, "c") == Approx(1.0 - 3.0 * std::exp(-2.0)).epsilon(1e-12));
 }
+
+TEST_CASE("an oscillator of an ideal comparator with hysteresis runs with the option that the message names", "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "schmitt\nB1 out 0 V=if(V(p)>V(n),1,-1)\nR1 out p 1k\nR2 p 0 1k\nR3 out n 1k\nC1 n 0 1u\n.ic v(n)=0.1\n.tran 10u 20m uic\n"
+      ".meas period TRIG v(out)=0 RISE=2 TARG v(out)=0 RISE=5\n";
+  const Finished refused = run_deck(scratch, deck);
+  CHECK(refused.status == 1);
+  const std::string option = ".options nonunique=stay";
+  CHECK_THAT(refused.err, Contains("error[E-not-unique]") && Contains(option));
+  const Finished finished = run_deck(scratch, deck + option + "\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "period") == Approx(3.0 * 2e-3 * std::log(3.0)).epsilon(1e-9));  // 2RC ln((1+β)/(1-β)) with β = 1/2
+}
