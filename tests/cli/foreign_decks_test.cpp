@@ -163,3 +163,17 @@ TEST_CASE("an oscillator of an ideal comparator with hysteresis runs with the op
   REQUIRE(finished.status == 0);
   CHECK(value_of(finished.out, "period") == Approx(3.0 * 2e-3 * std::log(3.0)).epsilon(1e-9));  // 2RC ln((1+β)/(1-β)) with β = 1/2
 }
+
+TEST_CASE("a JFET with a resistor in its source is a source of current", "[unit]") {
+  const Scratch scratch;
+  // The straight channel: i = (v(gate,source) + 3 V)/Ron with Ron = Rd + Rs + 1/(2 Beta |Vto|), and v(gate,source) = -470 Ω·i.
+  const double on = 1.0 + 1.0 + 1.0 / (2.0 * 1.304e-3 * 3.0);
+  const Finished finished = run_deck(
+      scratch,
+      "jfet\nV1 d 0 PWL(0 0 1m 20)\nJ1 d g s JN\nR1 s g 470\nRg g 0 1u\n.model JN NJF(Beta=1.304m Rd=1 Rs=1 Vto=-3)\n.tran 10u 1m\n"
+      ".meas i FIND i(R1) AT=1m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "i") == Approx(3.0 / (470.0 + on)).epsilon(1e-6));
+  CHECK_THAT(finished.err, Contains("a straight channel"));
+}
