@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "analysis/json.hpp"
+#include "analysis/orbit_page.hpp"
 #include "analysis/page_parts.hpp"
 #include "analysis/quantity.hpp"
 #include "analysis/run_figure.hpp"
@@ -226,9 +227,10 @@ std::string for_script(const std::string& json) {
 std::string html_report(const RunOutcome& outcome, const RunReport& run, const RunRecorder* recorder) {
   const RunRecorder nothing(0.0, 0.0, 0);
   const bool is_sweep = !outcome.sweep.list.empty();
-  const std::array<std::pair<std::string_view, std::string>, 5> parts{
+  const std::array<std::pair<std::string_view, std::string>, 6> parts{
       {{"@plot_style@", std::string(page_plot_style)},
        {"@style@", std::string(page_style)},
+       {"@steady@", orbit_section(outcome)},
        {"@data@",
         for_script(is_sweep ? sweep_data_text(outcome, run) : data_text(outcome, run, recorder != nullptr ? *recorder : nothing))},
        {"@plot_script@", std::string(page_plot_script)},

@@ -93,6 +93,7 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std:
     json.member("events", std::to_string(run.statistics.events));
     write_operating_point(json, signals, run.operating_point.empty() ? nullptr : &run.operating_point);
     write_measurements(json, run.measurements);
+    write_orbit(json, run.orbit.get());
     write_certificate(json, run.certificate);
     json.end_object();
   }
@@ -113,6 +114,8 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   write_signals(json, outcome.signals);
   write_operating_point(json, outcome.signals, outcome.operating_point ? &*outcome.operating_point : nullptr);
   write_measurements(json, outcome.measurements);
+  write_orbit(json, outcome.steady_state ? &*outcome.steady_state : nullptr);
+  write_small_signals(json, outcome.small_signal ? &*outcome.small_signal : nullptr);
   write_runs(json, outcome.sweep, outcome.signals);
   write_check(json, outcome.check ? &*outcome.check : nullptr);
   json.key("notes");

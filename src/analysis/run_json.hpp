@@ -7,6 +7,7 @@
 
 #include "analysis/check.hpp"
 #include "analysis/report.hpp"
+#include "analysis/steady_state.hpp"
 #include "analysis/swept_runs.hpp"
 #include "measure/measuring.hpp"
 
@@ -27,6 +28,8 @@ struct RunOutcome {
   std::vector<std::string> signals;
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
+  std::optional<SteadyState> steady_state;
+  std::optional<SmallSignalResult> small_signal;
   std::optional<Check> check;  ///< of --check
   SweptRuns sweep;             ///< of a deck with .step
   std::string plot, report;    ///< files written, or empty

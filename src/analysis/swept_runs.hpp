@@ -7,6 +7,7 @@
 
 #include "analysis/report.hpp"
 #include "analysis/run_recorder.hpp"
+#include "analysis/steady_state.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/analyses.hpp"
 #include "measure/measuring.hpp"
@@ -26,6 +27,7 @@ struct SweptRun {
   std::vector<double> operating_point;  ///< of the saved signals; empty where none was asked for, or found
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
+  std::shared_ptr<SteadyState> orbit;  ///< null: none was asked for, or found
 };
 
 /// Why it did not reach its end; empty where it did.

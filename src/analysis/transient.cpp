@@ -167,11 +167,12 @@ class PieceFork : public engine::PieceSink {
 class MeasuredRun {
  public:
   /// `recorder` may be null.
-  MeasuredRun(const circuit::Compiled& compiled, const Simulate& simulate, RunRecorder* recorder)
+  MeasuredRun(const circuit::Compiled& compiled, const Simulate& simulate, RunRecorder* recorder, double longest_window)
       : compiled_(compiled),
         simulate_(simulate),
         recorder_(recorder),
-        measuring_(compiled.measurements, compiled.analyses.transient->start.seconds, compiled.analyses.transient->stop.seconds) {}
+        measuring_(compiled.measurements, compiled.analyses.transient->start.seconds, compiled.analyses.transient->stop.seconds,
+                   std::max(compiled.analyses.transient->stop.seconds, longest_window)) {}
 
   engine::Answer run(engine::Request request, engine::RowSink& sink) {
     request.unsaved_signals = compiled_.measured_signals;
@@ -257,7 +258,7 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
 TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer, const RunControl& control) {
   const std::vector<std::string> names = column_names(compiled);
   FileSink sink(writer, names.size());
-  MeasuredRun measured(compiled, simulate, control.recorder);
+  MeasuredRun measured(compiled, simulate, control.recorder, control.longest_window);
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
     run.ending = Ending::failed;

@@ -28,6 +28,39 @@ struct Transient {
   [[nodiscard]] double row_step() const { return step.seconds > 0.0 ? step.seconds : (stop.seconds - start.seconds) / 1000.0; }
 };
 
+/// `.pss`: the periodic steady state.
+struct SteadyState {
+  enum class Trigger { none, closes, opens, crosses };
+  std::optional<double> period, longest_period;  ///< s
+  bool is_hint = false;                          ///< the period is no more than a guess
+  int multiple = 1;                              ///< k: periods of the sources in one of the orbit
+  Trigger trigger = Trigger::none;               ///< what begins the period of a self-timed circuit
+  std::string element;                           ///< the switch or diode of the trigger, or the signal that crosses
+  SourceSpan element_span;
+  int probe = -1;  ///< of that signal
+  double level = 0.0;
+  bool is_falling = false;
+  std::optional<double> settling_time;  ///< tstab, s
+  int points = 1000;                    ///< rows are a period divided by so many
+  std::optional<int> most_iterations, most_periods;
+  double tolerance = 0.0;  ///< of the residual; 0: rounding
+  bool is_free = false;    ///< self-timed, although sources are there
+  bool use_initial_conditions = false;
+  SourceSpan span;
+};
+
+/// `.ac`: small signals around the steady state.
+struct SmallSignal {
+  std::vector<double> frequencies;  ///< Hz, in order
+  enum class Input { marked, source, frequency, duty };
+  Input input = Input::marked;       ///< all sources with AC values; one source with amplitude 1; timing of sources
+  std::vector<std::string> sources;  ///< named behind from=
+  std::string loop;                  ///< the source of a loop gain; "" where none is asked for
+  SourceSpan input_span;
+  int harmonic = 0;
+  SourceSpan span;
+};
+
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
@@ -50,6 +83,8 @@ struct Sweeps {
 
 struct Analyses {
   std::optional<Transient> transient;
+  std::optional<SteadyState> steady_state;
+  std::optional<SmallSignal> small_signal;
   Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;

@@ -9,6 +9,7 @@
 #include "circuit/floating.hpp"
 #include "circuit/gate_drives.hpp"
 #include "circuit/names.hpp"
+#include "circuit/node_levels.hpp"
 #include "circuit/signals.hpp"
 #include "elements/emission.hpp"
 #include "elements/steps.hpp"
@@ -30,6 +31,7 @@ class Assembler {
     check_names();
     if (circuit_.instances.empty() && !reporter_.failed()) reporter_.error("E-no-elements", {}, "the deck has no element");
     for (Instance& instance : circuit_.instances) resolve_references(instance);
+    resolve_products(circuit_, reporter_);
     const std::vector<SignalSource> signals = resolve_signals(circuit_, names_, reporter_);
     const std::vector<SignalSource> probes = resolve_probes(circuit_, names_, reporter_);
     resolve_conditions();
@@ -179,6 +181,8 @@ class Assembler {
       if (known == signals.end()) signals.push_back(probe);
     }
     circuit_.measured_signals = signals.size() - saved;
+    circuit_.orbit_measurements.probe_signals = numbers;
+    circuit_.orbit_measurements.probe_quantities = circuit_.measurements.probe_quantities;
     for (const SignalSource& signal : signals) builder_.add(signal_of(signal, emitted_));
   }
 
@@ -220,6 +224,7 @@ class Assembler {
   }
 
   void warn_of_unused_ic() {
+    if (circuit_.analyses.steady_state && circuit_.analyses.steady_state->use_initial_conditions) return;
     if (!circuit_.analyses.transient || circuit_.analyses.transient->use_initial_conditions) return;
     for (const Instance& instance : circuit_.instances) {
       const char letter = instance.kind->letter;

@@ -13,7 +13,6 @@
 #include "circuit/card_cursor.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/formula_reader.hpp"
-#include "circuit/memory_block.hpp"
 #include "circuit/number_cure.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
@@ -34,6 +33,8 @@ using ItemKind = Item::Kind;
 constexpr std::string_view voltage_forms[] = {"value", "vol", "v"};
 constexpr std::string_view current_forms[] = {"value", "cur", "i"};
 constexpr std::string_view foreign_forms[] = {"freq", "chebyshev"};
+/// How LTspice computes what Laplace= says.
+constexpr std::string_view laplace_options[] = {"window", "nfft", "mtol"};
 
 /// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
 class CardBinding {
@@ -239,13 +240,12 @@ class CardBinding {
   }
 
   bool gain() {
+    transfer_ = find_transfer();
     if (at_form()) return form();
     if (cursor_.at(ItemKind::group) && same_name(cursor_.peek()->text, "poly")) return polynomial();
-    const Item *first = cursor_.peek(), *second = cursor_.peek(1);
     if (!control()) return false;
     if (at_table()) return table(nullptr);
-    if (cursor_.at(ItemKind::assignment) && is_laplace(*cursor_.peek()) && kind_.control == Control::node_pair)
-      return laplace_of_pair(*first, *second, *cursor_.next());
+    if (transfer_ != nullptr) return transfer(nullptr, gives_current());
     if (!cursor_.at_positional()) return missing("E-missing-value", "a gain");
     const std::optional<Number> number = place_.scope.number(*cursor_.next());
     instance_.coefficients = {0.0, number ? number->value : 0.0};
@@ -255,8 +255,8 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr ||
-        !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) || is_one_of(foreign_forms, item->text)))
+    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) ||
+                            is_one_of(foreign_forms, item->text)))
       return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
@@ -271,30 +271,14 @@ class CardBinding {
   bool form() {
     const Item& item = *cursor_.next();
     if (same_name(item.text, "table")) return table(&item);
-    if (same_name(item.text, "laplace")) return laplace(item);
     if (is_one_of(foreign_forms, item.text)) {
       reporter().error("E-not-supported", item.span,
                        fmt::format("{} with {} is not supported; usage: {}", card_.name, item.text, kind_.usage));
       return false;
     }
+    if (is_laplace(item)) return transfer_of_expression(item);
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
     return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
-  }
-
-  static bool is_laplace(const Item& item) { return same_name(item.text, "laplace"); }
-
-  /// LAPLACE {x} = {fraction}
-  bool laplace(const Item& head) {
-    const Item* input = head.kind == ItemKind::word && cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
-    const Item* fraction = input != nullptr && cursor_.at_positional() ? cursor_.next() : nullptr;
-    if (fraction == nullptr) return missing("E-missing-value", "LAPLACE {expression} = {fraction of polynomials in s}");
-    return behind_transfer(*input->expression, *fraction, gives_current());
-  }
-
-  /// nc+ nc- Laplace=fraction
-  bool laplace_of_pair(const Item& first, const Item& second, const Item& given) {
-    if (given.items.empty()) return missing("E-missing-value", "a fraction of polynomials in s");
-    return behind_transfer(voltage_between(first, second, given.span), given.items[0], gives_current());
   }
 
   static netlist::Expression voltage_between(const Item& p, const Item& n, SourceSpan span) {
@@ -304,23 +288,52 @@ class CardBinding {
     return {netlist::Expression::Kind::call, 0.0, "v", {name_of(p), name_of(n)}, span};
   }
 
-  bool behind_transfer(const netlist::Expression& input, const Item& fraction, bool is_current) {
-    const auto output = add_transfer_block(binder_, place_, instance_, input, fraction);
-    return output && FormulaReader(binder_, place_, instance_).follow(*output, is_current);
+  bool expression(const Item& item, bool is_current) {
+    const std::optional<netlist::Expression> value = expression_of(item);
+    if (!value) return false;
+    if (transfer_ != nullptr) return transfer(&*value, is_current);
+    return FormulaReader(binder_, place_, instance_).read(*value, is_current);
   }
 
-  bool expression(const Item& item, bool is_current) {
-    FormulaReader reader(binder_, place_, instance_);
-    if (item.kind == ItemKind::expression) return reader.read(*item.expression, is_current);
+  std::optional<netlist::Expression> expression_of(const Item& item) {
+    if (item.kind == ItemKind::expression) return *item.expression;
     const std::optional<Number> number = place_.scope.number(item);
-    if (!number) return false;
-    return reader.read({netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span},
-                       is_current);
+    if (!number) return std::nullopt;
+    return netlist::Expression{netlist::Expression::Kind::number, number->value, std::string(reporter().text(item.span)), {}, item.span};
+  }
+
+  static bool is_laplace(const Item& item) { return same_name(item.text, "laplace"); }
+
+  /// Laplace= anywhere on the card.
+  const Item* find_transfer() const {
+    for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k)
+      if (cursor_.peek(k)->kind == ItemKind::assignment && is_laplace(*cursor_.peek(k))) return cursor_.peek(k);
+    return nullptr;
+  }
+
+  /// Of the value of the card, or of its control.
+  bool transfer(const netlist::Expression* input, bool is_current) {
+    read_transfer_ = transfer_;
+    if (transfer_->items.empty()) return missing("E-missing-value", "a fraction in s");
+    const std::optional<netlist::Expression> fraction = expression_of(transfer_->items[0]);
+    return fraction && FormulaReader(binder_, place_, instance_).read_transfer(input, *fraction, is_current);
+  }
+
+  /// LAPLACE {V(in)} = {1/(1+s)}, with or without the equals sign.
+  bool transfer_of_expression(const Item& head) {
+    const bool is_assigned = head.kind == ItemKind::assignment && !head.items.empty();
+    const Item* input = is_assigned ? &head.items[0] : cursor_.next();
+    if (is_assigned && !cursor_.at(ItemKind::expression)) return missing("E-missing-node", "a pair of controlling nodes before Laplace=");
+    const Item* fraction = cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
+    if (input == nullptr || fraction == nullptr) return missing("E-missing-value", "an expression and a fraction in s, each in braces");
+    const std::optional<netlist::Expression> value = expression_of(*input);
+    return value && FormulaReader(binder_, place_, instance_).read_transfer(&*value, *fraction->expression, gives_current());
   }
 
   /// V={…} or I={…} of B, in any place behind the nodes.
   bool formula() {
     const Item* given = nullptr;
+    transfer_ = find_transfer();
     for (std::size_t k = 0; cursor_.peek(k) != nullptr; ++k) {
       const Item& item = *cursor_.peek(k);
       if (!is_b_value(item)) continue;
@@ -406,7 +419,12 @@ class CardBinding {
   void rest() {
     ValueReader reader(place_.scope, reporter(), card_.name);
     while (const Item* item = cursor_.next()) {
-      if (is_b_value(*item)) continue;
+      if (is_b_value(*item) || item == read_transfer_) continue;
+      if (read_transfer_ != nullptr && item->kind == ItemKind::assignment && is_one_of(laplace_options, item->text)) {
+        if (reporter().first_time("ignored:" + without_case(item->text)))
+          reporter().warning("W-ignored-parameter", item->span, fmt::format("{} is ignored: what Laplace= says is exact here", item->text));
+        continue;
+      }
       if (item->kind == ItemKind::assignment) {
         reader.assignment(*item, instance_.values);
         if (same_name(item->text, "tc")) skip_numbers();
@@ -433,6 +451,8 @@ class CardBinding {
   Instance& instance_;
   const elements::Kind& kind_;
   CardCursor cursor_;
+  const Item* transfer_ = nullptr;       ///< Laplace=
+  const Item* read_transfer_ = nullptr;  ///< that same, once it counts
 };
 
 /// Time, a voltage or a current.

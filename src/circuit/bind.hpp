@@ -39,7 +39,6 @@ class Binder {
   void leave_gap() { circuit_.has_gaps = true; }
   [[nodiscard]] Reporter& reporter() { return reporter_; }
   [[nodiscard]] Models& models() { return models_; }
-  [[nodiscard]] Circuit& circuit() { return circuit_; }
 
  private:
   void refuse(const netlist::Card& card);

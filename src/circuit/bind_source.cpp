@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "base/names.hpp"
 #include "circuit/bind_pwl.hpp"
 #include "circuit/pwl_file.hpp"
@@ -85,10 +87,13 @@ class SourceBinding {
     return true;
   }
 
-  /// Magnitude and phase, either of which may be missing; checked as numbers, then forgotten.
+  /// Magnitude and phase in degrees, either of which may be missing.
   bool alternating() {
     cursor_.next();
-    for (int k = 0; k < 2 && at_number(); ++k) (void)scope_.number(*cursor_.next());
+    double values[2] = {1.0, 0.0};
+    for (int k = 0; k < 2 && at_number(); ++k)
+      if (const std::optional<Number> number = scope_.number(*cursor_.next())) values[k] = number->value;
+    instance_.alternating = std::polar(values[0], values[1] * std::numbers::pi / 180.0);
     if (!dc_) dc_ = 0.0;
     return true;
   }
@@ -103,7 +108,11 @@ class SourceBinding {
     const Item& item = *cursor_.next();
     const bool empty = item.items.empty();
     if (same_name(item.text, "dc") && !empty) return named_constant(item);
-    if (same_name(item.text, "ac")) return true;
+    if (same_name(item.text, "ac")) {
+      const std::optional<Number> number = empty ? std::nullopt : scope_.number(item.items[0]);
+      if (number) instance_.alternating = number->value;
+      return true;
+    }
     if (pwl_ && is_pwl_file(item)) {
       if (read_pwl_file(item, *pwl_, scope_, reporter_)) return true;
       pwl_.reset();

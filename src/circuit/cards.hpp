@@ -17,12 +17,15 @@ enum class CardRole {
   options,
   transient,
   operating_point,
+  steady_state,  ///< .pss, .pop
+  small_signal,  ///< .ac
   save,   ///< .save, .probe
   print,  ///< .print tran …
   measurement,
   fourier,
   sweep,
-  raw_system,  ///< .lcs
+  state_machine,  ///< .machine to .endmachine
+  raw_system,     ///< .lcs
   ltspice,     ///< tells who wrote the deck
   silent,      ///< accepted, means nothing here
   ignored      ///< one warning

@@ -52,6 +52,12 @@ struct HiddenParts {
   [[nodiscard]] bool hold(std::string_view name) const;
 };
 
+/// A node that a gate holds at one of two levels against ground.
+struct GateOutput {
+  model::NodeIndex node = model::ground;
+  double low = 0.0, high = 0.0;
+};
+
 class Circuit {
  public:
   std::string title;
@@ -59,7 +65,8 @@ class Circuit {
   std::vector<elements::Model> models;
   std::vector<SaveRequest> saves;  ///< none: all
   HiddenParts hidden;
-  Measurements measurements;
+  std::vector<GateOutput> gate_outputs;
+  Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
   std::vector<SaveRequest> probes;   ///< signals that measurements read
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
   std::vector<InitialCondition> conditions;

@@ -24,7 +24,13 @@ struct Options {
 /// .tran, .op, .save into `circuit`. An error where the deck asks for no analysis and `required`.
 void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
-void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit);
+/// .pss and .pop into `circuit`.
+void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
+
+/// .ac into `circuit`.
+void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
+
+void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit);
 
 /// .step; what its numbers need must not depend on what is stepped.
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps);

@@ -35,6 +35,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (!options.measure) network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
   if (options.measure) compiled.measurements = circuit.measurements;
+  if (options.measure) compiled.orbit_measurements = circuit.orbit_measurements;
   compiled.measured_signals = circuit.measured_signals;
   compiled.hidden = circuit.hidden;
   compiled.names_signals =

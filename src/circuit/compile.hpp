@@ -26,7 +26,7 @@ struct Compiled {
   model::Network network;
   Analyses analyses;
   std::optional<Circuit> circuit;  ///< where it was to be kept
-  Measurements measurements{};
+  Measurements measurements{}, orbit_measurements{};  ///< of .tran, of .pss
   std::size_t measured_signals = 0;
   bool names_signals = false;  ///< the deck says which signals it saves
   HiddenParts hidden{};

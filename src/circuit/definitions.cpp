@@ -144,6 +144,10 @@ class Reader {
         return read_analysis(card, result_.transients);
       case CardRole::operating_point:
         return read_analysis(card, result_.operating_points);
+      case CardRole::steady_state:
+        return read_analysis(card, result_.steady_states);
+      case CardRole::small_signal:
+        return read_analysis(card, result_.small_signals);
       case CardRole::save:
         return read_analysis(card, result_.saves);
       case CardRole::print:
@@ -154,6 +158,13 @@ class Reader {
         return read_analysis(card, result_.fourier_analyses);
       case CardRole::sweep:
         return read_analysis(card, result_.sweeps);
+      case CardRole::state_machine:
+        if (reporter_.first_time("state machine"))
+          reporter_.error("E-not-supported", card.name_span,
+                          fmt::format("{}: LTspice's state machines are not supported; try SRFLOP and DFLOP devices, one for each bit of the "
+                                      "state, gates for the rules between them, and a source B for the output",
+                                      card.name));
+        return;
       case CardRole::raw_system:
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:

@@ -5,7 +5,9 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/census.hpp"
+#include "circuit/evaluator.hpp"
 #include "circuit/logic_device.hpp"
+#include "circuit/logic_subcircuit.hpp"
 #include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
@@ -15,6 +17,8 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
+/// Of the subcircuits that logic_subcircuit writes.
+constexpr std::string_view gate_output_ports[] = {"o6", "o7"};
 constexpr std::string_view call_usage = "X<name> n1 n2 ... subcircuit [p=value ...]";
 constexpr std::string_view condition_usage = ".ic v(node)=value i(inductor)=value";
 
@@ -72,6 +76,22 @@ void Expander::enter(Place& place, const Card& card, const Item& name, const Def
   give_parameters(place, card, name, scope);
   scope.evaluate_all();
   expand(inner);
+  if (card.made_call && has_two_levels(name.text)) note_gate_outputs(inner);
+}
+
+/// Those whose common is ground.
+void Expander::note_gate_outputs(const Place& inner) {
+  const auto common = inner.nodes.find("com");
+  if (common == inner.nodes.end() || common->second != model::ground) return;
+  const auto level = [&](std::string_view name) {
+    return Evaluator(inner.scope, 0).value(netlist::Expression{netlist::Expression::Kind::name, 0.0, std::string(name), {}, {}});
+  };
+  for (const std::string_view port : gate_output_ports) {
+    const auto node = inner.nodes.find(std::string(port));
+    if (node == inner.nodes.end()) continue;
+    const std::optional<double> low = level("vlow"), high = level("vhigh");
+    if (low && high) circuit_.gate_outputs.push_back({node->second, *low, *high});
+  }
 }
 
 void Expander::connect(Place& place, const Card& card, const Item& name, Place& inner) {

@@ -16,6 +16,7 @@ class Expander {
   void call(Place& place, const netlist::Card& card);
   void unknown_call(Place& place, const netlist::Card& card, const netlist::Item* name);
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
+  void note_gate_outputs(const Place& inner);
   void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
   void connect_port(Place& inner, const netlist::Card& card, const netlist::Item& word, const std::string& port, model::NodeIndex node);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);

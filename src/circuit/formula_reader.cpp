@@ -7,7 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
-#include "circuit/memory_block.hpp"
+#include "circuit/transfer_function.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -31,14 +31,6 @@ bool is_signal(const Expression& call) {
 bool is_comparison(std::string_view op) { return op == "<" || op == ">" || op == "<=" || op == ">="; }
 bool is_logic(std::string_view op) { return op == "&" || op == "&&" || op == "|" || op == "||"; }
 
-const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home) {
-  for (home = &scope; home != nullptr; home = home->outer()) {
-    const auto found = home->definition().functions.find(key);
-    if (found != home->definition().functions.end()) return &found->second;
-  }
-  return nullptr;
-}
-
 bool is_finite(const AffineSum& sum) {
   return std::isfinite(sum.constant) &&
          std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second); });
@@ -61,17 +53,24 @@ bool FormulaReader::read(const Expression& expression, bool is_current) {
   return value && keep(*value, is_current, expression.span);
 }
 
+bool FormulaReader::read_transfer(const Expression* input, const Expression& transfer, bool is_current) {
+  const std::optional<elements::Fraction> fraction = read_transfer_function(transfer, place_.scope, reporter(), instance_.name);
+  const std::optional<Sum> driven = input != nullptr ? sum(*input, {place_.scope}) : control();
+  return fraction && driven && keep(builder_.transfer(*driven, *fraction), is_current, transfer.span);
+}
+
+AffineSum FormulaReader::control() { return instance_.references.empty() ? builder_.voltage(0) : builder_.current(0); }
+
 bool FormulaReader::read_table(const Expression* x, const std::vector<elements::TablePoint>& points, bool is_current) {
-  const std::optional<Sum> argument = x != nullptr ? sum(*x, {place_.scope}) : builder_.voltage(0);
+  const std::optional<Sum> argument = x != nullptr ? sum(*x, {place_.scope}) : control();
   return argument && keep(builder_.table(*argument, points, false), is_current, instance_.span);
 }
 
-bool FormulaReader::follow(model::NodeIndex node, bool is_current) { return keep(voltage_of(node), is_current, instance_.span); }
-
 bool FormulaReader::keep(const Sum& value, bool is_current, SourceSpan span) {
   elements::Formula formula = std::move(builder_).finish(value);
+  formula.open_products = std::move(open_products_);
   const bool finite = is_finite(formula.value) && std::all_of(formula.parts.begin(), formula.parts.end(), [](const auto& part) {
-                        return is_finite(part.argument) && is_finite(part.above) && is_finite(part.below);
+                        return is_finite(part.argument) && is_finite(part.above) && is_finite(part.below) && std::isfinite(part.start);
                       });
   if (!finite) reporter().error("E-not-finite", span, "the result is not a finite number");
   instance_.formula = std::move(formula);
@@ -236,27 +235,30 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_product(const Expression
   }
   if (left.condition) return Meaning{builder_.choose(*left.condition, right.value, {}), std::nullopt};
   if (right.condition) return Meaning{builder_.choose(*right.condition, left.value, {}), std::nullopt};
-  std::optional<Sum> product = builder_.product(left.value, right.value);
-  if (!product) return refuse(operation, "a product of signals");
-  return Meaning{std::move(*product), std::nullopt};
+  return Meaning{product(operation, left.value, right.value), std::nullopt};
+}
+
+/// What has no switched form by itself may have one when all elements are there.
+AffineSum FormulaReader::product(const Expression& operation, const Sum& a, const Sum& b) {
+  if (std::optional<Sum> product = builder_.product(a, b)) return std::move(*product);
+  Sum product = builder_.open_product(a, b);
+  open_products_.emplace_back(product.terms[0].first, operation.span);
+  return product;
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_quotient(const Expression& operation, const Sum& a, const Sum& b) {
   const std::optional<Sum> reciprocal = builder_.reciprocal(b);
   if (!reciprocal) return refuse(operation, "a division by a signal");
-  std::optional<Sum> product = builder_.product(a, *reciprocal);
-  if (!product) return refuse(operation, "a product of signals");
-  return Meaning{std::move(*product), std::nullopt};
+  return Meaning{product(operation, a, *reciprocal), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
   const double times = exponent.is_constant() ? exponent.constant : 0.0;
   if (times == 1.0) return Meaning{base, std::nullopt};
   if (times < 2.0 || times > largest_power || times != std::floor(times)) return refuse(operation, "a power of a signal");
-  std::optional<Sum> product = base;
-  for (int k = 1; product && k < static_cast<int>(times); ++k) product = builder_.product(*product, base);
-  if (!product) return refuse(operation, "a power of a signal");
-  return Meaning{std::move(*product), std::nullopt};
+  Sum power = base;
+  for (int k = 1; k < static_cast<int>(times); ++k) power = product(operation, power, base);
+  return Meaning{std::move(power), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_choice(const Expression& yes, const Expression& no, const Expression& asked,
@@ -279,9 +281,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_call(const Expression& e
     if (!count_is(expression, 3, 3)) return std::nullopt;
     return of_choice(expression.arguments[1], expression.arguments[2], expression.arguments[0], context);
   }
-  const bool is_integral = key == "idt" || key == "sdt";
-  if ((is_integral || key == "ddt") && context.arguments == nullptr) return of_memory(expression, context, is_integral);
   if (key == "table" || key == "pwl") return of_table(expression, context, key == "pwl");
+  if (key == "sdt" || key == "idt") return of_integral(expression, context);
+  if (key == "ddt" || key == "d") return of_derivative(expression, context);
   return of_builtin(expression, context);
 }
 
@@ -303,33 +305,15 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_signal(const Expression&
     netlist::Item word;
     word.text = name.text;
     word.span = name.span;
-    value = value + sign * voltage_of(binder_.node(place_, word));
+    const elements::NodePair pair{binder_.node(place_, word), model::ground};
+    auto& list = instance_.control_nodes;
+    const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == pair.p && other.n == pair.n; });
+    const auto index = static_cast<int>(known - list.begin());
+    if (known == list.end()) list.push_back(pair);
+    if (pair.p != model::ground) value = value + sign * builder_.voltage(index);
     sign = -1.0;
   }
   return Meaning{std::move(value), std::nullopt};
-}
-
-FormulaReader::Sum FormulaReader::voltage_of(model::NodeIndex node) {
-  auto& list = instance_.control_nodes;
-  const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == node && other.n == model::ground; });
-  const auto index = static_cast<int>(known - list.begin());
-  if (known == list.end()) list.push_back({node, model::ground});
-  return node == model::ground ? Sum{} : builder_.voltage(index);
-}
-
-/// idt(x), idt(x,start), ddt(x)
-std::optional<FormulaReader::Meaning> FormulaReader::of_memory(const Expression& expression, const Context& context, bool is_integral) {
-  const std::size_t most = is_integral ? 2 : 1;
-  if (!count_is(expression, 1, most)) return std::nullopt;
-  std::optional<double> start = 0.0;
-  if (expression.arguments.size() == 2) start = constant(expression.arguments[1], context, "the start of an integral");
-  if (!start) return std::nullopt;
-  const auto set_values = [&](elements::Values& values) {
-    if (is_integral) values.set("out_ic", *start);
-  };
-  const auto node = add_memory_block(binder_, place_, instance_, {is_integral ? "int" : "d_dt", expression.arguments[0], set_values});
-  if (!node) return std::nullopt;
-  return Meaning{voltage_of(*node), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expression& expression, const FunctionText& function, Scope& home,
@@ -367,6 +351,30 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& 
   return Meaning{builder_.table(*x, points, extrapolated), std::nullopt};
 }
 
+std::optional<FormulaReader::Meaning> FormulaReader::of_integral(const Expression& expression, const Context& context) {
+  if (expression.arguments.size() > 2) {
+    reporter().error("E-not-supported", expression.arguments[2].span,
+                     fmt::format("{}: the reset of {} is not supported; try a capacitor that a source G charges, with a switch across it",
+                                 instance_.name, expression.text));
+    return std::nullopt;
+  }
+  if (!count_is(expression, 1, 2)) return std::nullopt;
+  const std::optional<Sum> rate = sum(expression.arguments[0], context);
+  const std::optional<double> start =
+      expression.arguments.size() == 2 ? constant(expression.arguments[1], context, "the start of an integral") : 0.0;
+  if (!rate || !start) return std::nullopt;
+  return Meaning{builder_.integral(*rate, *start), std::nullopt};
+}
+
+std::optional<FormulaReader::Meaning> FormulaReader::of_derivative(const Expression& expression, const Context& context) {
+  if (!count_is(expression, 1, 1)) return std::nullopt;
+  const std::optional<Sum> value = sum(expression.arguments[0], context);
+  if (!value) return std::nullopt;
+  std::optional<Sum> slope = builder_.derivative(*value);
+  if (!slope) return refuse(expression, "the derivative of a comparison or a choice, which jumps,");
+  return Meaning{std::move(*slope), std::nullopt};
+}
+
 std::optional<FormulaReader::Meaning> FormulaReader::of_builtin(const Expression& expression, const Context& context) {
   std::vector<Sum> values;
   for (const Expression& argument : expression.arguments) {
@@ -386,14 +394,12 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   }
   const BuiltinFunction* builtin = find_builtin(key);
   if (builtin == nullptr) {
-    static constexpr std::string_view with_memory[] = {"ddt", "d", "idt", "sdt", "idtmod", "delay", "absdelay"};
-    const bool known = std::any_of(std::begin(with_memory), std::end(with_memory), [&](std::string_view name) { return key == name; });
-    const bool is_integral = key == "idt" || key == "sdt" || key == "idtmod", is_delay = key == "delay" || key == "absdelay";
+    const bool is_delay = key == "delay" || key == "absdelay";
+    const bool known = is_delay || key == "idtmod";
     reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
-                     known ? fmt::format("{}: {} in an expression is not supported; try an A element of type {}", instance_.name, key,
-                                         is_integral ? "int"
-                                         : is_delay  ? "s_xfer, as a low pass of that time constant"
-                                                     : "d_dt")
+                     known ? fmt::format("{}: {} in an expression is not supported; try {}", instance_.name, key,
+                                         is_delay ? "Laplace=1/(1+s*T), a low pass of that time constant"
+                                                  : "a capacitor that a source G charges, with a switch across it")
                            : fmt::format("unknown function '{}'", expression.text));
     return std::nullopt;
   }

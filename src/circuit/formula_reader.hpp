@@ -18,10 +18,10 @@ class FormulaReader {
 
   /// Gives the instance its formula; false after an error.
   bool read(const netlist::Expression& expression, bool is_current);
-  /// The same for straight lines between points, x an expression or the first pair of control nodes.
+  /// The same for a fraction in s of an expression, or of the first control of the instance.
+  bool read_transfer(const netlist::Expression* input, const netlist::Expression& transfer, bool is_current);
+  /// The same for straight lines between points, x an expression or the first control.
   bool read_table(const netlist::Expression* x, const std::vector<elements::TablePoint>& points, bool is_current);
-  /// The voltage of a node as the formula.
-  bool follow(model::NodeIndex node, bool is_current);
 
  private:
   using Expression = netlist::Expression;
@@ -60,15 +60,17 @@ class FormulaReader {
   std::optional<Meaning> of_choice(const Expression& yes, const Expression& no, const Expression& asked, const Context& context);
   std::optional<Meaning> of_call(const Expression& expression, const Context& context);
   std::optional<Meaning> of_signal(const Expression& expression);
-  std::optional<Meaning> of_memory(const Expression& expression, const Context& context, bool is_integral);
   std::optional<Meaning> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Context& context);
   std::optional<Meaning> of_table(const Expression& expression, const Context& context, bool extrapolated);
+  std::optional<Meaning> of_integral(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_derivative(const Expression& expression, const Context& context);
   std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
   std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);
 
+  Sum product(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
-  Sum voltage_of(model::NodeIndex node);
+  Sum control();
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);
   std::nullopt_t refuse(const Expression& expression, std::string_view what);
@@ -79,6 +81,7 @@ class FormulaReader {
   Place& place_;
   elements::Instance& instance_;
   elements::FormulaBuilder builder_;
+  std::vector<std::pair<int, SourceSpan>> open_products_;
   int nesting_ = 0;
 };
 

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/circuit.hpp"
 #include "circuit/logic_subcircuit.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -19,9 +21,25 @@ using ItemKind = Item::Kind;
 
 /// Places of the terminals, from 0.
 constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
-constexpr std::string_view level_parameters[] = {"vhigh", "vlow", "ref", "td"}, trip_parameters[] = {"vt", "vh"};
+constexpr std::string_view gate_parameters[] = {"vhigh", "vlow", "ref", "td"}, trip_parameters[] = {"vhigh", "vlow", "ref", "td", "vt", "vh"},
+                           sample_parameters[] = {"vhigh", "vlow", "ref"},
+                           amplifier_parameters[] = {"vhigh", "vlow", "ref", "g", "iout", "isource", "isink", "rout", "cout"};
 constexpr std::string_view ignored_parameters[] = {"trise", "tfall", "tau",    "cout",   "rout", "rhigh",
                                                    "rlow",  "ic",    "tripdt", "tripdv", "temp"};
+/// Noise of an OTA, and the curves by which it saturates.
+constexpr std::string_view ignored_of_amplifiers[] = {"en", "enk", "in", "ink", "incm", "incmk", "rclamp", "epsilon"};
+
+struct DeviceUsage {
+  std::span<const std::string_view> parameters;
+  std::string_view text;
+};
+
+DeviceUsage usage_of(Logic logic) {
+  if (logic == Logic::schmitt) return {trip_parameters, "Vhigh= Vlow= Ref= Td= Vt= Vh="};
+  if (logic == Logic::sample_hold) return {sample_parameters, "Vhigh= Vlow= Ref="};
+  if (logic == Logic::transconductance) return {amplifier_parameters, "G= Vhigh= Vlow= Ref= Iout= Isource= Isink= Rout= Cout= linear"};
+  return {gate_parameters, "Vhigh= Vlow= Ref= Td="};
+}
 
 class Replacement {
  public:
@@ -60,7 +78,7 @@ class Replacement {
       reporter_.error(
           "E-not-supported", type.span,
           fmt::format(
-              "{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT DIFFSCHMITT SRFLOP DFLOP, "
+              "{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT DIFFSCHMITT SRFLOP DFLOP SAMPLEHOLD OTA, "
               "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
               card_.name, type.text));
       return false;
@@ -71,15 +89,28 @@ class Replacement {
     Item name = type;
     name.text = device_.name();
     call.items.insert(call.items.begin() + static_cast<std::ptrdiff_t>(nodes_), std::move(name));
-    if (reporter_.first_time("LTspice's logic"))
-      reporter_.note(
-          "N-idealised", type.span,
-          "LTspice's gates and flip-flops are idealised: levels Vlow and Vhigh without resistance or edges, an input is high above Ref, "
-          "and a flip-flop starts with Q low");
+    note_idealisation(type);
     return true;
   }
 
  private:
+  void note_idealisation(const Item& type) {
+    if (device_.type->logic == Logic::sample_hold) {
+      if (reporter_.first_time("LTspice's samplehold"))
+        reporter_.note("N-idealised", type.span,
+                       "LTspice's sample-and-hold is idealised: it takes the input in no time, holds it without loss and has no output resistance");
+    } else if (device_.type->logic == Logic::transconductance) {
+      if (device_.has_part('i') && reporter_.first_time("LTspice's ota"))
+        reporter_.note("N-idealised", type.span,
+                       "LTspice's OTA is idealised: its current is G times its input up to Iout, with corners where LTspice has a curve");
+    } else if (reporter_.first_time("LTspice's logic")) {
+      reporter_.note(
+          "N-idealised", type.span,
+          "LTspice's gates and flip-flops are idealised: levels Vlow and Vhigh without resistance or edges, an input is high above Ref, "
+          "and a flip-flop starts with Q low");
+    }
+  }
+
   [[nodiscard]] bool is_possible() const { return lower_letter(card_.name.front()) == 'a' && !card_.damaged; }
 
   /// Unused ones are tied to the common.
@@ -111,10 +142,18 @@ class Replacement {
                               card_.items[device_nodes].text));
     if (device_.type->logic == Logic::inverter && device_.outputs.size() > 1)
       return fail("uses both outputs of LTspice's INV; try BUF, whose first output is the complement");
+    const bool has_one_output = device_.type->logic == Logic::sample_hold || device_.type->logic == Logic::transconductance;
+    if (has_one_output && device_.outputs != "7")
+      return fail(fmt::format("connects LTspice's {} not by its output alone, the seventh node", card_.items[device_nodes].text));
+    if (device_.type->logic == Logic::sample_hold && !device_.uses('3') && !device_.uses('4'))
+      return fail("has neither a clock, the third node, nor S/H, the fourth");
     return true;
   }
 
   bool parameters(Card& call) {
+    const DeviceUsage usage = usage_of(device_.type->logic);
+    const bool is_amplifier = device_.type->logic == Logic::transconductance;
+    bool is_linear = false;
     for (std::size_t k = device_nodes + 1; k < card_.items.size(); ++k) {
       const Item& item = card_.items[k];
       const auto is_same = [&](const Item& other) { return other.kind == item.kind && same_name(other.text, item.text); };
@@ -123,21 +162,53 @@ class Replacement {
         reporter_.error("E-duplicate-parameter", item.span, fmt::format("{} of {} is given twice", item.text, card_.name));
         return false;
       }
-      const bool is_trip = device_.type->logic == Logic::schmitt && is_one_of(trip_parameters, item.text);
-      if (item.kind == ItemKind::assignment && (is_trip || is_one_of(level_parameters, item.text))) {
+      if (item.kind == ItemKind::assignment && is_one_of(usage.parameters, item.text)) {
         device_.is_late |= same_name(item.text, "td");
         call.items.push_back(item);
-      } else if (item.kind == ItemKind::assignment && is_one_of(ignored_parameters, item.text)) {
+      } else if (is_amplifier && item.kind == ItemKind::word && same_name(item.text, "linear")) {
+        is_linear = true;
+      } else if (item.kind == ItemKind::assignment &&
+                 (is_one_of(ignored_parameters, item.text) || (is_amplifier && is_one_of(ignored_of_amplifiers, item.text)))) {
         if (reporter_.first_time("ignored of gates:" + without_case(item.text)))
-          reporter_.warning("W-ignored-parameter", item.span, fmt::format("{}= of LTspice's gates is ignored", item.text));
+          reporter_.warning("W-ignored-parameter", item.span,
+                            fmt::format("{}= of LTspice's {} is ignored", item.text,
+                                        is_amplifier ? "OTA" : device_.type->logic == Logic::sample_hold ? "SAMPLEHOLD" : "gates"));
       } else {
         reporter_.error("E-unknown-parameter", item.span,
-                        fmt::format("LTspice's {} takes Vhigh= Vlow= Ref= Td={}, not '{}'", card_.items[device_nodes].text,
-                                    device_.type->logic == Logic::schmitt ? " Vt= Vh=" : "", reporter_.text(item.span)));
+                        fmt::format("LTspice's {} takes {}, not '{}'", card_.items[device_nodes].text, usage.text, reporter_.text(item.span)));
         return false;
       }
     }
+    return !is_amplifier || amplifier(is_linear);
+  }
+
+  /// What an OTA has, and whether it has enough.
+  bool amplifier(bool is_linear) {
+    const auto given = [&](std::string_view name) -> const Item* {
+      const auto found = std::find_if(card_.items.begin() + device_nodes, card_.items.end(), [&](const Item& item) {
+        return item.kind == ItemKind::assignment && same_name(item.text, name) && !item.items.empty();
+      });
+      return found == card_.items.end() ? nullptr : &*found;
+    };
+    const bool has_limit = given("iout") != nullptr || (given("isource") != nullptr && given("isink") != nullptr);
+    if (given("g") == nullptr || given("vhigh") == nullptr || given("vlow") == nullptr || (!is_linear && !has_limit)) {
+      reporter_.error("E-missing-value", card_.items[device_nodes].span,
+                      fmt::format("{} needs G=, Vhigh=, Vlow= (1e308 and -1e308 for no clamp), and Iout= or the word linear", card_.name));
+      return false;
+    }
+    if (given("rout") != nullptr) device_.parts += 'r';
+    if (given("cout") != nullptr) device_.parts += 'c';
+    if (is_bound(*given("vhigh"))) device_.parts += 'h';
+    if (is_bound(*given("vlow"))) device_.parts += 'l';
+    if (!is_linear) device_.parts += 'i';
     return true;
+  }
+
+  /// A number that no voltage reaches is none.
+  static bool is_bound(const Item& assignment) {
+    constexpr double beyond = 1e100;
+    const netlist::NumberText number = netlist::read_number(assignment.items[0].text);
+    return assignment.items[0].kind != ItemKind::word || !number.valid || std::abs(number.value) < beyond;
   }
 
   const Card& card_;

@@ -16,6 +16,7 @@ constexpr LogicType types[] = {
     {"buf", Logic::buffer, "12345", 1, 1}, {"inv", Logic::inverter, "12345", 1, 1}, {"and", Logic::conjunction, "12345"},
     {"or", Logic::disjunction, "12345"},   {"xor", Logic::exactly_one, "12345"},    {"schmitt", Logic::schmitt, "12"},
     {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::d_flip_flop, "1345"},
+    {"samplehold", Logic::sample_hold, "1234"}, {"ota", Logic::transconductance, "12"},
 };
 
 /// Of that name; without a type where the name is none that Device::name writes.
@@ -32,7 +33,8 @@ LogicDevice device_named(std::string_view name) {
     if (parts[1].find(digit) != std::string_view::npos) device.used += digit;
   for (const char digit : {'6', '7'})
     if (parts[2].find(digit) != std::string_view::npos) device.outputs += digit;
-  device.is_late = parts.size() > 3;
+  device.is_late = parts.size() > 3 && parts[3] == with_delay;
+  if (parts.size() > 3 && !device.is_late) device.parts = parts[3];
   device.type = find_logic_type(parts[0]);
   if (device.type != nullptr && !same_name(device.name(), name)) device.type = nullptr;
   return device;
@@ -44,6 +46,8 @@ class Writer {
   explicit Writer(const LogicDevice& device) : device_(device) {}
 
   std::string write() {
+    if (device_.type->logic == Logic::sample_hold) return sample_hold();
+    if (device_.type->logic == Logic::transconductance) return transconductance();
     head();
     if (device_.type->logic == Logic::schmitt) {
       closes("y", "_one", device_.uses('1') ? "i1" : "com", device_.uses('2') ? "i2" : "com", "trip");
@@ -72,10 +76,7 @@ class Writer {
   }
 
   void head() {
-    std::string ports;
-    for (const char input : device_.used) ports += fmt::format(" i{}", input);
-    for (const char out : device_.outputs) ports += fmt::format(" o{}", out);
-    card(".subckt {}{} com params: vhigh=1 vlow=0 ref={{(vhigh+vlow)/2}} vt={{(vhigh+vlow)/2}} vh=0 td=0", device_.name(), ports);
+    card(".subckt {}{} com params: vhigh=1 vlow=0 ref={{(vhigh+vlow)/2}} vt={{(vhigh+vlow)/2}} vh=0 td=0", device_.name(), ports());
     card("Vone _one com 1");
     card(".model high SW(Vt={{ref}})");
     card(".model low SW(Vt={{-ref}})");
@@ -173,6 +174,56 @@ class Writer {
     card("D{0} _{0} _two clamp", time);
   }
 
+  /// v(first) - v(second), as far as they are used.
+  [[nodiscard]] std::string difference(char first, char second) const {
+    std::string text = "0";
+    if (device_.uses(first)) text += fmt::format("+v(i{},com)", first);
+    if (device_.uses(second)) text += fmt::format("-v(i{},com)", second);
+    return text;
+  }
+
+  [[nodiscard]] std::string ports() const {
+    std::string text;
+    for (const char input : device_.used) text += fmt::format(" i{}", input);
+    for (const char out : device_.outputs) text += fmt::format(" o{}", out);
+    return text;
+  }
+
+  /// A master that follows the input while the clock is low, and a slave that follows the master while the clock is high; both follow while S/H is high.
+  std::string sample_hold() {
+    card(".subckt {}{} com params: vhigh=10 vlow=-10 ref=0.5", device_.name(), ports());
+    card("Vone _one com 1");
+    card(".model high SW(Vt={{ref}})");
+    card(".model sum SW(Vt=0)");
+    bits(device_.used.substr(device_.used.find_first_of("34")));
+    const std::string bits_sum = sum({{"3", 1}, {"4", 1}});
+    card("Bin _in com V={}", difference('1', '2'));
+    card("Bt _t com V=0.5{}", sum({{"3", -1}, {"4", 1}}));
+    card("Sm _in _m _t com sum");
+    card("Cm _m com 1u");
+    card("Bm _held com V=v(_m,com)");
+    card("Bh _h com V={}-0.5", bits_sum);
+    card("Ss _held _s _h com sum");
+    card("Cs _s com 1u");
+    card("Bo7 o7 com V=limit(v(_s,com),{{vlow}},{{vhigh}})");
+    return text_ + ".ends\n";
+  }
+
+  std::string transconductance() {
+    card(".subckt {}{} com params: g=1 ref=0 vhigh=0 vlow=0 rout=1 cout=0 iout=0 isource={{iout}} isink={{iout}}", device_.name(), ports());
+    const std::string current = fmt::format("{{g}}*({}+{{ref}})", difference('2', '1'));
+    if (device_.has_part('i'))
+      card("Bo com o7 I=limit({},{{-abs(isink)}},{{isource}})", current);
+    else
+      card("Bo com o7 I={}", current);
+    if (device_.has_part('r')) card("Ro o7 com {{rout}}");
+    if (device_.has_part('c')) card("Co o7 com {{cout}}");
+    card(".model clamp D");
+    if (device_.has_part('h')) card("Vh _h com {{vhigh}}\nDh o7 _h clamp");
+    if (device_.has_part('l')) card("Vl _l com {{vlow}}\nDl _l o7 clamp");
+    return text_ + ".ends\n";
+  }
+
   void levels(std::string_view bit) {
     for (const char out : device_.outputs) {
       const bool inverts = device_.type->logic == Logic::inverter || out == '6';
@@ -196,7 +247,14 @@ const LogicType* find_logic_type(std::string_view name) {
 
 std::string LogicDevice::name() const {
   return fmt::format("{}{}.{}.{}{}", name_begin, type->name, used, outputs.empty() ? no_outputs : outputs,
-                     is_late ? fmt::format(".{}", with_delay) : "");
+                     is_late         ? fmt::format(".{}", with_delay)
+                     : parts.empty() ? ""
+                                     : "." + parts);
+}
+
+bool has_two_levels(std::string_view name) {
+  const LogicDevice device = device_named(name);
+  return device.type != nullptr && device.type->logic != Logic::sample_hold && device.type->logic != Logic::transconductance;
 }
 
 std::string logic_subcircuit(std::string_view name) {

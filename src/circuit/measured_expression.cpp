@@ -27,14 +27,6 @@ bool are_numbers(const std::vector<Step>& steps, std::size_t first, std::size_t 
                                                       [](const Step& step) { return step.kind == StepKind::number; });
 }
 
-const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home) {
-  for (home = &scope; home != nullptr; home = home->outer()) {
-    const auto found = home->definition().functions.find(key);
-    if (found != home->definition().functions.end()) return &found->second;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 int add_probe(Circuit& circuit, SaveRequest request) {

@@ -60,6 +60,7 @@ struct Measurement {
     value,       ///< of the expression, `at` a time or `when` something crosses
     derivative,  ///< likewise
     time,        ///< `when`
+    period,      ///< of the steady state
     parameter    ///< of the expression, which reads no signal
   };
   Kind kind = Kind::average;

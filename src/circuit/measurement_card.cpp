@@ -20,7 +20,7 @@ using Kind = Measurement::Kind;
 using Results = std::unordered_map<std::string, int>;
 
 constexpr std::string_view usage =
-    ".meas [tran] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
+    ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
     "c=d | "
     "AVG expr LAST=n PERIODS OF V1 | "
     "PARAM expr";
@@ -46,6 +46,7 @@ constexpr KindName kind_names[] = {
     {"derivative", Kind::derivative},
     {"when", Kind::time},
     {"param", Kind::parameter},
+    {"period", Kind::period},
 };
 
 bool is_keyword(const Item& item) { return item.kind == ItemKind::word && netlist::is_measurement_keyword(item.text); }
@@ -63,17 +64,22 @@ std::size_t name_place(const Card& card) {
   return !card.items.empty() && netlist::is_analysis_name(card.items[0].text) && card.items.size() > 1 ? 1 : 0;
 }
 
+/// `.meas pss …`
+bool measures_orbit(const Card& card) { return name_place(card) > 0 && same_name(card.items[0].text, "pss"); }
+
 /// One card; parts of it that are measurements of their own go to `parts`, and count on from `next_result`.
 class CardReader {
  public:
   CardReader(const Card& card, const Results& results, Scope& scope, Reporter& reporter, Circuit& circuit, int next_result)
       : items_(card.items),
         at_(name_place(card)),
+        is_of_orbit_(measures_orbit(card)),
         reader_(scope, reporter, results, circuit),
         scope_(scope),
         reporter_(reporter),
         card_(card),
-        next_result_(next_result) {}
+        next_result_(next_result),
+        transient_(circuit.analyses.transient) {}
 
   std::vector<Measurement> parts;
 
@@ -118,6 +124,8 @@ class CardReader {
     ++at_;
     measurement.kind = found->kind;
     if (measurement.kind == Kind::time) return read_when(measurement);
+    if (measurement.kind == Kind::period)
+      return is_of_orbit_ || refuse("E-measurement", word.span, "PERIOD is that of the periodic steady state; try .meas pss");
     std::optional<MeasuredExpression> expression = next_expression("an expression");
     if (!expression) return false;
     measurement.expression = std::move(*expression);
@@ -139,8 +147,30 @@ class CardReader {
   bool read_when(Measurement& measurement) {
     std::optional<Crossing> crossing = read_crossing(measurement);
     if (!crossing) return false;
-    measurement.when = std::move(crossing);
+    if (is_instant(*crossing))
+      take_instant(measurement, std::move(crossing->right));
+    else
+      measurement.when = std::move(crossing);
     return true;
+  }
+
+  /// time=2m within the run: it passes there once, also at the run's end, beyond which a crossing would have to lead.
+  bool is_instant(const Crossing& crossing) const {
+    using StepKind = MeasuredExpression::Step::Kind;
+    const auto is_only = [](const MeasuredExpression& x, StepKind kind) { return x.steps.size() == 1 && x.steps[0].kind == kind; };
+    if (!is_only(crossing.left, StepKind::time) || !is_only(crossing.right, StepKind::number)) return false;
+    if (crossing.delay || crossing.edge == Edge::fall || crossing.count != 1 || !transient_) return false;
+    const double time = crossing.right.steps[0].number;
+    return time > 0.0 && time <= transient_->stop.seconds;
+  }
+
+  static void take_instant(Measurement& measurement, MeasuredExpression time) {
+    if (measurement.kind == Kind::time) {
+      measurement.kind = Kind::parameter;
+      measurement.expression = std::move(time);
+    } else {
+      measurement.at = std::move(time);
+    }
   }
 
   /// a [VAL] b, and what of TD, RISE, FALL, CROSS follows; FROM and TO for the measurement.
@@ -285,21 +315,29 @@ class CardReader {
 
   const std::vector<Item>& items_;
   std::size_t at_;
+  bool is_of_orbit_;
   MeasuredExpressionReader reader_;
   Scope& scope_;
   Reporter& reporter_;
   const Card& card_;
   int next_result_;
+  const std::optional<Transient>& transient_;
   std::string name_;
 };
 
 class Reader {
  public:
-  Reader(Scope& scope, Reporter& reporter, Circuit& circuit) : scope_(scope), reporter_(reporter), circuit_(circuit) {}
+  /// Those of the periodic steady state, or of the transient run.
+  Reader(Scope& scope, Reporter& reporter, Circuit& circuit, bool of_orbit)
+      : scope_(scope),
+        reporter_(reporter),
+        circuit_(circuit),
+        of_orbit_(of_orbit),
+        measurements_(of_orbit ? circuit.orbit_measurements : circuit.measurements) {}
 
   void read(const std::vector<const Card*>& cards) {
     for (const Card* card : cards) announce(*card);
-    auto& list = circuit_.measurements.list;
+    auto& list = measurements_.list;
     list.resize(announced_.size());
     for (std::size_t k = 0; k < announced_.size(); ++k) {
       CardReader reader(*announced_[k], results_, scope_, reporter_, circuit_, static_cast<int>(list.size()));
@@ -329,17 +367,17 @@ class Reader {
       }
     }
     if (card.damaged || !check_fourier(card, numbers, analysis)) return;
-    circuit_.measurements.fourier.push_back(std::move(analysis));
+    measurements_.fourier.push_back(std::move(analysis));
   }
 
  private:
   /// Cards of other analyses are left out; a name counts before its card is read.
   void announce(const Card& card) {
-    if (card.damaged) return;
+    if (card.damaged || measures_orbit(card) != of_orbit_) return;
     const std::size_t place = name_place(card);
-    if (place > 0 && !same_name(card.items[0].text, "tran")) {
+    if (place > 0 && !of_orbit_ && !same_name(card.items[0].text, "tran")) {
       reporter_.warning("W-ignored-card", card.items[0].span,
-                        fmt::format("{} {} is ignored: only the transient analysis is measured", card.name, card.items[0].text));
+                        fmt::format("{} {} is ignored: only .tran and .pss are measured", card.name, card.items[0].text));
       return;
     }
     if (place >= card.items.size() || card.items[place].kind != ItemKind::word) {
@@ -383,14 +421,14 @@ class Reader {
 
   /// Results that need one another.
   void check_circles() {
-    const auto& list = circuit_.measurements.list;
+    const auto& list = measurements_.list;
     std::vector<char> state(list.size(), 0);  // 1: being followed, 2: done
     for (std::size_t k = 0; k < list.size(); ++k) follow(k, state);
   }
 
   void follow(std::size_t index, std::vector<char>& state) {
     if (state[index] == 2) return;
-    const Measurement& measurement = circuit_.measurements.list[index];
+    const Measurement& measurement = measurements_.list[index];
     if (state[index] == 1) {
       reporter_.error("E-measurement", measurement.span, fmt::format("the measurement {} needs its own result", measurement.name));
       return;
@@ -403,6 +441,8 @@ class Reader {
   Scope& scope_;
   Reporter& reporter_;
   Circuit& circuit_;
+  bool of_orbit_;
+  Measurements& measurements_;
   Results results_;
   std::vector<const Card*> announced_;
 };
@@ -427,15 +467,22 @@ std::vector<int> results_read(const Measurement& measurement) {
 }
 
 void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
-  if (definitions.measurements.empty() && definitions.fourier_analyses.empty()) return;
-  if (definitions.transients.empty()) {
-    const Card& first = definitions.measurements.empty() ? *definitions.fourier_analyses.front() : *definitions.measurements.front();
-    reporter.warning("W-ignored-card", first.name_span, fmt::format("{} is ignored: there is no .tran to measure", first.name));
-    return;
-  }
-  Reader reader(scope, reporter, circuit);
-  reader.read(definitions.measurements);
-  for (const Card* card : definitions.fourier_analyses) reader.read_fourier(*card);
+  const bool has_orbit = circuit.analyses.steady_state.has_value() || !definitions.steady_states.empty();
+  const bool has_transient = !definitions.transients.empty();
+  const auto ignore = [&](const Card& card, std::string_view analysis) {
+    reporter.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: there is no {} to measure", card.name, analysis));
+  };
+  const auto& cards = definitions.measurements;
+  const auto of_orbit = std::find_if(cards.begin(), cards.end(), [](const Card* card) { return measures_orbit(*card); });
+  const auto of_run = std::find_if_not(cards.begin(), cards.end(), [](const Card* card) { return measures_orbit(*card); });
+  if (!has_orbit && of_orbit != cards.end()) ignore(**of_orbit, ".pss");
+  if (!has_transient && of_run != cards.end()) ignore(**of_run, ".tran");
+  if (!has_transient && !has_orbit && !definitions.fourier_analyses.empty()) ignore(*definitions.fourier_analyses.front(), ".tran");
+  Reader run(scope, reporter, circuit, false), orbit(scope, reporter, circuit, true);
+  if (has_transient) run.read(cards);
+  if (has_orbit) orbit.read(cards);
+  for (const Card* card : definitions.fourier_analyses)
+    if (has_orbit || has_transient) (has_orbit ? orbit : run).read_fourier(*card);
 }
 
 }  // namespace pwlsim::circuit

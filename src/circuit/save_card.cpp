@@ -6,6 +6,7 @@
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/items.hpp"
+#include "circuit/output_expression.hpp"
 #include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
@@ -152,7 +153,7 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
   return request;
 }
 
-void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& circuit) {
+void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit) {
   for (const Card* card : definitions.saves) {
     const bool print = same_name(card->name, ".print");
     if (card->items.empty() && same_name(card->name, ".save") && !card->damaged) {
@@ -161,7 +162,13 @@ void read_saves(const Definitions& definitions, Reporter& reporter, Circuit& cir
     for (const Item& item : card->items) {
       const bool analysis_name = print && &item == &card->items[0] && is_word(item, "tran");
       if (analysis_name || is_word(item, "time")) continue;
-      if (std::optional<SaveRequest> request = save_request(item, reporter)) circuit.saves.push_back(std::move(*request));
+      if (is_word(item, "dialogbox")) {
+        reporter.note("N-dialogbox", item.span, "LTspice asks here what to save: signals named on other cards are saved, or else all");
+        continue;
+      }
+      std::optional<SaveRequest> request = output_expression(item, definitions, reporter, circuit);
+      if (!request) request = save_request(item, reporter);
+      if (request) circuit.saves.push_back(std::move(*request));
     }
   }
 }

@@ -148,4 +148,12 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
   return number;
 }
 
+const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home) {
+  for (home = &scope; home != nullptr; home = home->outer()) {
+    const auto found = home->definition().functions.find(key);
+    if (found != home->definition().functions.end()) return &found->second;
+  }
+  return nullptr;
+}
+
 }  // namespace pwlsim::circuit

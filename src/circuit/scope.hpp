@@ -92,4 +92,7 @@ class Scope {
   bool depth_is_error_ = true;  ///< not while a chain of parameters may still be resolved from its other end
 };
 
+/// The .func function of that key as `scope` sees it, and the scope it is defined in; null where there is none.
+[[nodiscard]] const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home);
+
 }  // namespace pwlsim::circuit

@@ -34,6 +34,11 @@ Decimal decimal_of(const Number& number) {
   return written ? *written : decimal_from_double(number.value);
 }
 
+bool steps_temperature(const Card& card) {
+  const std::size_t at = !card.items.empty() && spacing_of(card.items[0]) ? 1 : 0;
+  return at < card.items.size() && is_word(card.items[at], "temp");
+}
+
 class SweepReader {
  public:
   SweepReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {}
@@ -83,10 +88,7 @@ class SweepReader {
   bool accepts(const Item& name) {
     if (sweep_.is_parameter && name.kind == ItemKind::word) return true;
     const char letter = name.kind == ItemKind::word ? lower_letter(name.text.front()) : '?';
-    if (is_word(name, "temp"))
-      (void)fail("E-not-supported", name.span,
-                 "the elements are ideal and have no temperature; try .step param temp … and {temp} in the values that depend on it");
-    else if (letter != 'v' && letter != 'i')
+    if (letter != 'v' && letter != 'i')
       (void)fail(
           "E-not-supported", name.span,
           fmt::format("{} is neither a parameter nor a source; try .step param x … and {{x}} as the value of the element, or in its model",
@@ -178,6 +180,12 @@ std::vector<double> Sweeps::point(std::size_t run) const {
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps) {
   for (const Card* card : definitions.sweeps) {
     if (card->damaged) continue;
+    if (steps_temperature(*card)) {
+      reporter.note("N-step-temperature", card->span,
+                    "the elements are ideal and have no temperature: .step temp is one run; try .step param temp … and {temp} in the values "
+                    "that depend on it");
+      continue;
+    }
     SweepReader reader(*card, scope, reporter);
     std::optional<Sweep> sweep = reader.read();
     if (!sweep) {

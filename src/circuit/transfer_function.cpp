@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -12,128 +13,220 @@ namespace pwlsim::circuit {
 namespace {
 
 using netlist::Expression;
-using Kind = Expression::Kind;
-using Polynomial = std::vector<double>;
+using ExpressionKind = Expression::Kind;
+using Polynomial = std::vector<double>;  ///< ascending powers of s, at least one
 
-constexpr double highest_power = 32.0;
+constexpr double largest_degree = 100;
 
-bool is_variable(const Expression& expression) { return expression.kind == Kind::name && same_name(expression.text, "s"); }
-
-bool depends_on_s(const Expression& expression) {
-  return is_variable(expression) || std::any_of(expression.arguments.begin(), expression.arguments.end(), depends_on_s);
-}
-
-Polynomial product(const Polynomial& a, const Polynomial& b) {
-  Polynomial result(a.size() + b.size() - 1, 0.0);
+Polynomial operator*(const Polynomial& a, const Polynomial& b) {
+  Polynomial product(a.size() + b.size() - 1, 0.0);
   for (std::size_t i = 0; i < a.size(); ++i)
-    for (std::size_t j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
-  return result;
+    for (std::size_t j = 0; j < b.size(); ++j) product[i + j] += a[i] * b[j];
+  return product;
 }
 
-Polynomial sum(const Polynomial& a, const Polynomial& b, double sign) {
-  Polynomial result(std::max(a.size(), b.size()), 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) result[i] += a[i];
-  for (std::size_t i = 0; i < b.size(); ++i) result[i] += sign * b[i];
-  return result;
+Polynomial sum_of(const Polynomial& a, const Polynomial& b, double factor) {
+  Polynomial sum(std::max(a.size(), b.size()), 0.0);
+  for (std::size_t i = 0; i < a.size(); ++i) sum[i] += a[i];
+  for (std::size_t i = 0; i < b.size(); ++i) sum[i] += factor * b[i];
+  return sum;
 }
 
-TransferFunction product(const TransferFunction& a, const TransferFunction& b) {
-  return {product(a.numerator, b.numerator), product(a.denominator, b.denominator)};
+bool is_zero(const Polynomial& a) {
+  return std::all_of(a.begin(), a.end(), [](double c) { return c == 0.0; });
 }
 
-TransferFunction inverse(TransferFunction a) {
-  std::swap(a.numerator, a.denominator);
-  return a;
+struct Quotient {
+  Polynomial num{0.0}, den{1.0};
+
+  [[nodiscard]] bool is_number() const { return num.size() == 1 && den.size() == 1; }
+  [[nodiscard]] double number() const { return num[0] / den[0]; }
+};
+
+Quotient number_of(double value) { return {{value}, {1.0}}; }
+
+/// What has one denominator keeps it: no pole is added that cancels.
+Quotient sum_of(const Quotient& a, const Quotient& b, double factor) {
+  if (a.den == b.den) return {sum_of(a.num, b.num, factor), a.den};
+  return {sum_of(a.num * b.den, b.num * a.den, factor), a.den * b.den};
 }
 
-TransferFunction sum(const TransferFunction& a, const TransferFunction& b, double sign) {
-  if (a.denominator == b.denominator) return {sum(a.numerator, b.numerator, sign), a.denominator};
-  return {sum(product(a.numerator, b.denominator), product(b.numerator, a.denominator), sign), product(a.denominator, b.denominator)};
-}
-
-void drop_leading_zeros(Polynomial& list) {
-  while (list.size() > 1 && list.back() == 0.0) list.pop_back();
-}
-
-class Reading {
+class TransferReader {
  public:
-  Reading(Scope& scope, Reporter& reporter, std::string_view owner) : scope_(scope), reporter_(reporter), owner_(owner) {}
+  using Names = std::unordered_map<std::string, Quotient>;
+  /// Where names are looked up: a scope, and the arguments of the .func function whose body is read.
+  struct Place {
+    Scope& scope;
+    const Names* arguments = nullptr;
+    int depth = 0;
+  };
 
-  std::optional<TransferFunction> of(const Expression& expression) {
-    if (is_variable(expression)) return TransferFunction{{0.0, 1.0}, {1.0}};
-    if (!depends_on_s(expression)) return constant(expression);
-    if (expression.kind == Kind::unary) return of_unary(expression);
-    if (expression.kind == Kind::binary) return of_binary(expression);
-    return refuse(expression);
+  TransferReader(Reporter& reporter, std::string_view owner) : reporter_(reporter), owner_(owner) {}
+
+  std::optional<elements::Fraction> read(const Expression& expression, Scope& scope) {
+    std::optional<Quotient> quotient = value(expression, {scope});
+    if (!quotient) return std::nullopt;
+    cancel_s(*quotient);
+    without_leading_zeros(quotient->num);
+    without_leading_zeros(quotient->den);
+    const auto is_infinite = [](double c) { return !std::isfinite(c); };
+    if (std::any_of(quotient->num.begin(), quotient->num.end(), is_infinite) ||
+        std::any_of(quotient->den.begin(), quotient->den.end(), is_infinite))
+      return fail("E-not-finite", expression, "a coefficient of the fraction is not a finite number");
+    if (quotient->num.size() > quotient->den.size()) return improper(expression, *quotient);
+    std::reverse(quotient->num.begin(), quotient->num.end());
+    std::reverse(quotient->den.begin(), quotient->den.end());
+    return elements::Fraction{std::move(quotient->num), std::move(quotient->den)};
   }
 
  private:
-  std::optional<TransferFunction> constant(const Expression& expression) {
-    const std::optional<double> value = Evaluator(scope_, 0).value(expression);
-    if (!value) return std::nullopt;
-    return TransferFunction{{*value}, {1.0}};
-  }
-
-  std::nullopt_t refuse(const Expression& expression) {
-    reporter_.error("E-not-supported", expression.span,
-                    fmt::format("{}: '{}' is no fraction of polynomials in s", owner_, reporter_.text(expression.span)));
+  std::nullopt_t fail(std::string id, const Expression& expression, std::string_view what) {
+    reporter_.error(std::move(id), expression.span, fmt::format("{}: {}", owner_, what));
     return std::nullopt;
   }
 
-  std::optional<TransferFunction> of_unary(const Expression& expression) {
-    std::optional<TransferFunction> result = of(expression.arguments[0]);
-    if (!result || expression.text == "+") return result;
-    if (expression.text != "-") return refuse(expression);
-    return product(*result, {{-1.0}, {1.0}});
+  std::nullopt_t improper(const Expression& expression, const Quotient& quotient) {
+    return fail("E-not-supported", expression,
+                fmt::format("the numerator is of degree {} in s, the denominator of degree {}: such a fraction differentiates its input; try a "
+                            "pole far above all frequencies of interest, as in (…)/(1+s/1e9), or ddt() in an expression",
+                            quotient.num.size() - 1, quotient.den.size() - 1));
   }
 
-  std::optional<TransferFunction> of_binary(const Expression& expression) {
-    const std::string_view op = expression.text;
-    if (op == "^" || op == "**") return of_power(expression);
-    const std::optional<TransferFunction> a = of(expression.arguments[0]), b = of(expression.arguments[1]);
+  /// Common factors s, which numerators and denominators of sums collect.
+  static void cancel_s(Quotient& quotient) {
+    while (quotient.num.size() > 1 && quotient.den.size() > 1 && quotient.num[0] == 0.0 && quotient.den[0] == 0.0) {
+      quotient.num.erase(quotient.num.begin());
+      quotient.den.erase(quotient.den.begin());
+    }
+  }
+
+  static void without_leading_zeros(Polynomial& polynomial) {
+    while (polynomial.size() > 1 && polynomial.back() == 0.0) polynomial.pop_back();
+  }
+
+  std::optional<Quotient> value(const Expression& expression, const Place& place) {
+    if (is_plain(expression, place)) {
+      const std::optional<double> number = Evaluator(place.scope, place.depth).value(expression);
+      return number ? std::optional(number_of(*number)) : std::nullopt;
+    }
+    switch (expression.kind) {
+      case ExpressionKind::name:
+        return of_name(expression, place);
+      case ExpressionKind::unary:
+        return of_unary(expression, place);
+      case ExpressionKind::binary:
+        return of_binary(expression, place);
+      case ExpressionKind::call:
+        return of_call(expression, place);
+      default:
+        return fail("E-not-supported", expression, "a choice that depends on s is no fraction of polynomials");
+    }
+  }
+
+  /// Whether neither s nor an argument enters, nor a function whose body may hold s: a number like any other.
+  static bool is_plain(const Expression& expression, const Place& place) {
+    if (expression.kind == ExpressionKind::name) {
+      const bool is_argument = place.arguments != nullptr && place.arguments->contains(without_case(expression.text));
+      return !is_argument && !same_name(expression.text, "s");
+    }
+    Scope* home = nullptr;
+    if (expression.kind == ExpressionKind::call && find_function(place.scope, without_case(expression.text), home) != nullptr) return false;
+    return std::all_of(expression.arguments.begin(), expression.arguments.end(), [&](const Expression& a) { return is_plain(a, place); });
+  }
+
+  static std::optional<Quotient> of_name(const Expression& expression, const Place& place) {
+    if (place.arguments != nullptr) {
+      const auto argument = place.arguments->find(without_case(expression.text));
+      if (argument != place.arguments->end()) return argument->second;
+    }
+    return Quotient{{0.0, 1.0}, {1.0}};
+  }
+
+  std::optional<Quotient> of_unary(const Expression& expression, const Place& place) {
+    std::optional<Quotient> inner = value(expression.arguments[0], place);
+    if (!inner || expression.text == "+") return inner;
+    if (expression.text == "-") return sum_of(number_of(0.0), *inner, -1.0);
+    return fail("E-not-supported", expression, fmt::format("'{}' has no meaning for s", expression.text));
+  }
+
+  std::optional<Quotient> of_binary(const Expression& expression, const Place& place) {
+    const std::optional<Quotient> a = value(expression.arguments[0], place), b = value(expression.arguments[1], place);
     if (!a || !b) return std::nullopt;
-    if (op == "+" || op == "-") return sum(*a, *b, op == "+" ? 1.0 : -1.0);
-    if (op == "*") return product(*a, *b);
-    return op == "/" ? product(*a, inverse(*b)) : std::optional<TransferFunction>(refuse(expression));
+    const std::string_view op = expression.text;
+    if (op == "+" || op == "-") return sum_of(*a, *b, op == "+" ? 1.0 : -1.0);
+    if (op == "*") return Quotient{a->num * b->num, a->den * b->den};
+    if (op == "^" || op == "**") return power(expression, *a, *b);
+    if (op != "/") return fail("E-not-supported", expression, fmt::format("'{}' has no meaning for s", op));
+    if (is_zero(b->num)) return fail("E-not-finite", expression, "division by zero");
+    return Quotient{a->num * b->den, a->den * b->num};
   }
 
-  std::optional<TransferFunction> of_power(const Expression& expression) {
-    if (depends_on_s(expression.arguments[1])) return refuse(expression);
-    const std::optional<TransferFunction> base = of(expression.arguments[0]);
-    const std::optional<double> power = Evaluator(scope_, 0).value(expression.arguments[1]);
-    if (!base || !power) return std::nullopt;
-    if (*power != std::floor(*power) || std::abs(*power) > highest_power) return refuse(expression);
-    TransferFunction result{{1.0}, {1.0}};
-    for (double k = 0.0; k < std::abs(*power); ++k) result = product(result, *base);
-    return *power < 0.0 ? inverse(std::move(result)) : result;
+  std::optional<Quotient> power(const Expression& expression, const Quotient& base, const Quotient& exponent) {
+    const double times = exponent.is_number() ? exponent.number() : 0.5;
+    if (times != std::floor(times))
+      return fail("E-not-supported", expression, "only whole powers of s are fractions of polynomials; try an approximation by one");
+    if (std::abs(times) * static_cast<double>(std::max(base.num.size(), base.den.size()) - 1) > largest_degree)
+      return fail("E-not-supported", expression, fmt::format("a fraction of a degree above {} is not supported", largest_degree));
+    Quotient result = number_of(1.0);
+    for (double k = 0.0; k < std::abs(times); k += 1.0) result = {result.num * base.num, result.den * base.den};
+    if (times < 0.0) std::swap(result.num, result.den);
+    if (is_zero(result.den)) return fail("E-not-finite", expression, "division by zero");
+    return result;
   }
 
-  Scope& scope_;
+  std::optional<Quotient> of_call(const Expression& expression, const Place& place) {
+    std::vector<Quotient> values;
+    for (const Expression& argument : expression.arguments) {
+      std::optional<Quotient> one = value(argument, place);
+      if (!one) return std::nullopt;
+      values.push_back(std::move(*one));
+    }
+    Scope* home = nullptr;
+    if (const FunctionText* function = find_function(place.scope, without_case(expression.text), home))
+      return of_function(expression, *function, *home, place, values);
+    if (values.size() == 2 && same_name(expression.text, "pow")) return power(expression, values[0], values[1]);
+    if (std::all_of(values.begin(), values.end(), [](const Quotient& q) { return q.is_number(); })) return of_numbers(expression, values);
+    const bool is_delay = same_name(expression.text, "exp");
+    return fail("E-not-supported", expression,
+                fmt::format("{} of s is no fraction of polynomials, and has no circuit of finitely many states; try {}", expression.text,
+                            is_delay ? "an approximation of the delay: (1-s*T/2)/(1+s*T/2), or powers of it with T/n" : "an approximation by one"));
+  }
+
+  std::optional<Quotient> of_numbers(const Expression& expression, const std::vector<Quotient>& values) {
+    const BuiltinFunction* builtin = find_builtin(expression.text);
+    if (builtin == nullptr) return fail("E-unknown-function", expression, fmt::format("unknown function '{}'", expression.text));
+    if (values.size() < builtin->least || values.size() > builtin->most)
+      return fail("E-argument-count", expression, fmt::format("{} does not take {} arguments", expression.text, values.size()));
+    std::vector<double> numbers;
+    for (const Quotient& each : values) numbers.push_back(each.number());
+    const double result = builtin->value(numbers);
+    if (!std::isfinite(result)) return fail("E-not-finite", expression, "the result is not a finite number");
+    return number_of(result);
+  }
+
+  std::optional<Quotient> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Place& place,
+                                      const std::vector<Quotient>& values) {
+    if (values.size() != function.formals.size())
+      return fail("E-argument-count", expression,
+                  fmt::format("{} takes {} arguments, not {}", function.name, function.formals.size(), values.size()));
+    if (place.depth > Evaluator::deepest) return fail("E-too-deep", expression, "functions call one another too deeply");
+    Names arguments;
+    for (std::size_t k = 0; k < values.size(); ++k) arguments.emplace(function.formals[k], values[k]);
+    const Place inside{home, &arguments, place.depth + 1};
+    if (function.body->kind == netlist::Item::Kind::expression) return value(*function.body->expression, inside);
+    const std::optional<double> number = Evaluator(home, inside.depth).value(*function.body);
+    return number ? std::optional(number_of(*number)) : std::nullopt;
+  }
+
   Reporter& reporter_;
   std::string_view owner_;
 };
 
-bool is_finite(const Polynomial& list) {
-  return std::all_of(list.begin(), list.end(), [](double c) { return std::isfinite(c); });
-}
-
 }  // namespace
 
-std::optional<TransferFunction> read_transfer_function(const Expression& expression, Scope& scope, Reporter& reporter,
-                                                       std::string_view owner) {
-  std::optional<TransferFunction> result = Reading(scope, reporter, owner).of(expression);
-  if (!result) return std::nullopt;
-  drop_leading_zeros(result->numerator);
-  drop_leading_zeros(result->denominator);
-  if (result->denominator.back() == 0.0 || !is_finite(result->numerator) || !is_finite(result->denominator)) {
-    reporter.error("E-not-finite", expression.span,
-                   result->denominator.back() == 0.0 ? "division by zero" : "the result is not a finite number");
-    return std::nullopt;
-  }
-  if (result->numerator.size() <= result->denominator.size()) return result;
-  reporter.error("E-range", expression.span,
-                 fmt::format("the numerator of {} is of higher degree than its denominator; try ddt() of its input", owner));
-  return std::nullopt;
+std::optional<elements::Fraction> read_transfer_function(const Expression& expression, Scope& scope, Reporter& reporter,
+                                                         std::string_view owner) {
+  return TransferReader(reporter, owner).read(expression, scope);
 }
 
 }  // namespace pwlsim::circuit

@@ -1,22 +1,17 @@
 #pragma once
-/// Fractions of polynomials in s, as LAPLACE has them.
+/// Expressions in s -> fractions of polynomials: numbers, parameters, functions of .func, s, + - * / and whole powers.
 
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "circuit/scope.hpp"
+#include "elements/formula.hpp"
+#include "netlist/ast.hpp"
 
 namespace pwlsim::circuit {
 
-/// Coefficients, lowest power of s first.
-struct TransferFunction {
-  std::vector<double> numerator{0.0}, denominator{1.0};
-};
-
-/// Of an expression of s, numbers and parameters with + - * / and whole powers. What is no such fraction, or has a numerator of higher degree than its
-/// denominator, is an error of `owner`; none then.
-[[nodiscard]] std::optional<TransferFunction> read_transfer_function(const netlist::Expression& expression, Scope& scope,
-                                                                     Reporter& reporter, std::string_view owner);
+/// Reports what is no proper fraction; `owner` is the element.
+[[nodiscard]] std::optional<elements::Fraction> read_transfer_function(const netlist::Expression& expression, Scope& scope,
+                                                                       Reporter& reporter, std::string_view owner);
 
 }  // namespace pwlsim::circuit

@@ -29,6 +29,8 @@ class TransientReader {
  public:
   TransientReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {}
 
+  bool wants_steady_state = false;
+
   std::optional<Transient> read(std::uint64_t row_limit) {
     for (const Item& item : card_.items) read_item(item);
     if (!ok_) return std::nullopt;
@@ -55,6 +57,9 @@ class TransientReader {
     } else if (is_word(item, "startup")) {
       use_initial_conditions_ = true;
       reporter_.warning("W-startup", item.span, "startup is read as uic: the sources are there from t = 0 on and do not rise within 20 us");
+    } else if (is_word(item, "steady")) {
+      wants_steady_state = true;
+      reporter_.note("N-tran-steady", item.span, "steady is read as .pss: the run starts from the periodic steady state");
     } else if (is_word(item, "nodiscard")) {
       return;  // every row from Tstart on is kept anyway
     } else if (item.kind == ItemKind::word && is_foreign(item.text)) {
@@ -67,7 +72,7 @@ class TransientReader {
     }
   }
 
-  static bool is_foreign(std::string_view word) { return same_name(word, "steady") || same_name(word, "step"); }
+  static bool is_foreign(std::string_view word) { return same_name(word, "step"); }
 
   void read_time(const Item& item) {
     const std::optional<Number> number = scope_.number(item);
@@ -132,12 +137,21 @@ const Card* card_that_counts(const Definitions& definitions, Reporter& reporter)
 void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
   Analyses& analyses = circuit.analyses;
   const Card* card = card_that_counts(definitions, reporter);
-  if (card != nullptr && !card->damaged) analyses.transient = TransientReader(*card, scope, reporter).read(analyses.row_limit);
+  read_steady_state(definitions, scope, reporter, circuit);
+  read_small_signal(definitions, scope, reporter, circuit);
+  if (card != nullptr && !card->damaged) {
+    TransientReader reader(*card, scope, reporter);
+    analyses.transient = reader.read(analyses.row_limit);
+    if (reader.wants_steady_state && definitions.steady_states.empty()) {
+      analyses.steady_state.emplace().span = card->span;
+      analyses.steady_state->use_initial_conditions = analyses.transient && analyses.transient->use_initial_conditions;
+    }
+  }
   for (const Card* operating_point : definitions.operating_points) {
     analyses.operating_point = true;
     for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes nothing behind it");
   }
-  if (required && card == nullptr && !analyses.operating_point && !definitions.misplaced_analysis) {
+  if (required && card == nullptr && definitions.steady_states.empty() && definitions.small_signals.empty() && !analyses.operating_point && !definitions.misplaced_analysis) {
     reporter.error("E-no-analysis", title, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
   }
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "analysis/abandonable.hpp"
+#include "analysis/bode_figure.hpp"
 #include "analysis/check.hpp"
 #include "analysis/efficiency.hpp"
 #include "analysis/fitted_diodes.hpp"
@@ -25,11 +26,13 @@
 #include "analysis/run_figure.hpp"
 #include "analysis/run_json.hpp"
 #include "analysis/run_recorder.hpp"
+#include "analysis/steady_state.hpp"
 #include "analysis/transient.hpp"
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
+#include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
 #include "cli/sweep_session.hpp"
 
@@ -63,7 +66,9 @@ class Session {
       status = sweep();
     } else {
       if (compiled_->analyses.operating_point) status = operating_point();
-      if (compiled_->analyses.transient) status = std::max(status, transient());
+      if (compiled_->analyses.steady_state) status = std::max(status, steady_state());
+      if (compiled_->analyses.small_signal && status == 0) status = run_small_signal(*compiled_, sources_, options_.no_rows ? nullptr : &*small_signal_file_, outcome_, messages_);
+      if (compiled_->analyses.transient && status == 0) status = std::max(status, transient());
     }
     outcome_.status = status;
     const bool rows_are_lost = status == static_cast<int>(Status::file_error) || status == static_cast<int>(Status::closed_pipe);
@@ -88,9 +93,11 @@ class Session {
   int check_can_be_made();
   int sweep();
   int operating_point();
+  int steady_state();
+  int orbit_rows(const analysis::SteadyState& state);
   int transient();
   int check();
-  int conclude(const analysis::TransientRun& run);
+  int conclude(const analysis::TransientRun& run, const OutputFile& file);
   int report_measurements(const measure::Results& results, bool is_complete);
   void report_failures(const measure::Results& results, bool is_complete);
   int write_pictures();
@@ -112,8 +119,8 @@ class Session {
   std::optional<circuit::Compiled> compiled_;
   analysis::PreparedEngine engine_;
   double reltol_ = 0.0;
-  std::optional<OutputFile> rows_file_, statistics_file_, report_file_;
-  PictureFile plot_file_;
+  std::optional<OutputFile> orbit_file_, small_signal_file_, rows_file_, statistics_file_, report_file_;
+  PictureFile plot_file_, bode_file_;
   std::optional<analysis::KeptRows> kept_rows_;  ///< for --check
   std::optional<analysis::RunRecorder> recorder_;
   analysis::RunReport report_;
@@ -190,11 +197,19 @@ int Session::open_files() {
   int status = options_.split ? check_split() : 0;
   if (status == 0 && options_.check) status = check_can_be_made();
   const std::string rows = options_.split ? split_table(options_.output) : options_.output;
-  if (status == 0 && compiled_->analyses.transient) status = open_output(rows, files_, messages_, rows_file_);
+  const bool has_orbit = compiled_->analyses.steady_state.has_value();
+  if (status == 0 && (compiled_->analyses.transient || has_orbit)) status = open_output(rows, files_, messages_, rows_file_);
+  const bool is_stepped = compiled_->analyses.sweeps.runs() > 0;
+  if (status == 0 && compiled_->analyses.small_signal && !options_.no_rows && !is_stepped)
+    status = open_output(small_signal_file_name(rows), files_, messages_, small_signal_file_);
+  if (status == 0 && compiled_->analyses.transient && has_orbit && !is_stepped) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
   if (status == 0 && compiled_->analyses.transient) warn_of_size();
-  if (status == 0 && !options_.plot.empty() && !compiled_->analyses.transient)
+  const bool has_rows = compiled_->analyses.transient || has_orbit;
+  if (status == 0 && !options_.plot.empty() && !has_rows && !compiled_->analyses.small_signal)
     status = fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no waveforms to draw; try without --plot");
-  if (status == 0 && !options_.plot.empty()) status = plot_file_.open(options_.plot, files_, messages_);
+  if (status == 0 && !options_.plot.empty() && has_rows) status = plot_file_.open(options_.plot, files_, messages_);
+  if (status == 0 && !options_.plot.empty() && compiled_->analyses.small_signal)
+    status = bode_file_.open(has_rows ? bode_file_name(options_.plot) : options_.plot, files_, messages_);
   if (status == 0 && !options_.report.empty()) status = open_output(options_.report, files_, messages_, report_file_);
   if (status == 0 && !options_.stats.empty()) status = open_output(options_.stats, files_, messages_, statistics_file_);
   return status;
@@ -229,7 +244,10 @@ void Session::take_remarks(const engine::Answer& answer) {
 
 int Session::sweep() {
   outcome_.sweep = analysis::SweptRuns(compiled_->analyses.sweeps, rows_file_ && (plot_file_.is_open() || report_file_));
-  const SweepTask task{options_, deck_, sources_, *compiled_, reltol_, rows_file_ ? &*rows_file_ : nullptr};
+  circuit::Compiled first = *compiled_;
+  auto& measured = first.measurements.list;
+  measured.insert(measured.end(), first.orbit_measurements.list.begin(), first.orbit_measurements.list.end());
+  const SweepTask task{options_, deck_, sources_, first, reltol_, rows_file_ ? &*rows_file_ : nullptr};
   const int status = run_sweep(task, messages_, report_, outcome_.sweep);
   if (engine_.warning) messages_.report(*engine_.warning);
   report_.seconds.total = since(start_);
@@ -256,6 +274,48 @@ int Session::operating_point() {
   return print(analysis::operating_point_text(outcome_.signals, *outcome_.operating_point, digits_for(stream)), messages_, stream);
 }
 
+/// The orbit; then its rows, beside those of .tran where the deck has both.
+int Session::steady_state() {
+  if (engine_.name != "exact")
+    return fail(Status::run_failed, "E-pss-engine", analysis::orbit_needs_exact_engine);
+  outcome_.steady_state = analysis::find_steady_state(*compiled_, caught_signal());
+  const analysis::SteadyState& state = *outcome_.steady_state;
+  for (const Diagnostic& message : state.messages) messages_.report(message);
+  int status = state.is_found || state.has_best_attempt ? orbit_rows(state) : 0;
+  if (!state.is_found) {
+    const int failed = fail(state.is_wrong_input ? Status::wrong_input : Status::run_failed, state.id, state.message);
+    return caught_signal() != 0 ? status_of_signal(caught_signal()) : failed;
+  }
+  if (status == 0 && compiled_->analyses.transient) {
+    Diagnostics diagnostics;
+    engine_.simulate = analysis::from_orbit(*compiled_, state, diagnostics);
+  }
+  return status;
+}
+
+int Session::orbit_rows(const analysis::SteadyState& state) {
+  const bool is_alone = !compiled_->analyses.transient;
+  OutputFile& file = is_alone ? *rows_file_ : *orbit_file_;
+  analysis::RunControl control{options_.events, true, {}, &caught_signal()};
+  control.longest_window = analysis::most_periods_measured * state.orbit.period;
+  if (is_alone && (plot_file_.is_open() || report_file_))
+    control.recorder = &recorder_.emplace(0.0, state.orbit.period, compiled_->saved_signals());
+  const auto writer = analysis::row_writer(options_.format, *compiled_, file);
+  analysis::TransientRun run = analysis::run_transient(state.compiled, options_.no_rows ? analysis::without_rows(state.simulate) : state.simulate, file, *writer, control);
+  if (is_alone) {
+    take_remarks(run.answer);
+    report_.statistics.rows = run.rows;
+    note_rows(run.ending == Ending::write_failed, run.ending == Ending::completed, run.answer.time);
+  }
+  outcome_.measurements = std::move(run.measurements);
+  const int measured = report_measurements(outcome_.measurements, run.ending == Ending::completed);
+  report_.seconds.total = since(start_);
+  if (run.ending != Ending::completed) return std::max(conclude(run, file), measured);
+  if (state.is_found) messages_.remark(analysis::orbit_summary(state, options_.no_rows ? "nothing" : file.name()));
+  if (is_alone) tell_details();
+  return measured;
+}
+
 int Session::transient() {
   const double stop = compiled_->analyses.transient->stop.seconds;
   analysis::TransientRun run;
@@ -276,11 +336,12 @@ int Session::transient() {
   report_.seconds.write = run.seconds_write;
   report_.seconds.total = since(start_);
   note_rows(run.ending == Ending::write_failed, run.ending == Ending::completed, run.answer.time);
-  outcome_.measurements = std::move(run.measurements);
+  measure::Results own = std::move(run.measurements);
   const bool is_complete = run.ending == Ending::completed;
-  const int measured = is_complete ? 0 : report_measurements(outcome_.measurements, false);
-  const int status = conclude(run);  // an error comes last
-  const int measured_whole = is_complete ? report_measurements(outcome_.measurements, true) : 0;
+  const int measured = is_complete ? 0 : report_measurements(own, false);
+  const int status = conclude(run, *rows_file_);  // an error comes last
+  const int measured_whole = is_complete ? report_measurements(own, true) : 0;
+  outcome_.measurements.add(std::move(own));
   return std::max({status, measured, measured_whole, kept_rows_ && run.ending == Ending::completed ? check() : 0});
 }
 
@@ -346,12 +407,12 @@ void Session::tell_details() {
                                     : analysis::departures_line(messages_.departures()));
 }
 
-int Session::conclude(const analysis::TransientRun& run) {
+int Session::conclude(const analysis::TransientRun& run, const OutputFile& file) {
   const std::string kept =
-      options_.no_rows ? run.message : fmt::format("{}; the rows up to then are in {}", run.message, rows_file_->name());
+      options_.no_rows ? run.message : fmt::format("{}; the rows up to then are in {}", run.message, file.name());
   switch (run.ending) {
     case Ending::completed:
-      messages_.remark(analysis::summary(report_, options_.no_rows ? "nothing" : rows_file_->name(), run.answer.time));
+      messages_.remark(analysis::summary(report_, options_.no_rows ? "nothing" : file.name(), run.answer.time));
       tell_details();
       return 0;
     case Ending::failed:
@@ -386,6 +447,11 @@ int Session::write_pictures() {
         waveform::svg(outcome_.sweep.list.empty() ? analysis::run_figure(outcome_.title, outcome_.signals, *recorder_)
                                                   : analysis::sweep_figure(outcome_.title, outcome_.signals, outcome_.sweep));
     status = written(plot_file_.write(svg, messages_), plot_file_.name(), outcome_.plot);
+  }
+  if (bode_file_.is_open() && outcome_.small_signal) {
+    std::string name;
+    const std::string svg = waveform::svg(analysis::bode_figure(outcome_.title, *outcome_.small_signal));
+    status = std::max(status, written(bode_file_.write(svg, messages_), bode_file_.name(), outcome_.plot.empty() ? outcome_.plot : name));
   }
   if (!report_file_) return status;
   take_messages();

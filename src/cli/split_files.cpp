@@ -25,6 +25,14 @@ std::string split_file(const std::string& output, std::size_t run) {
   return renamed(output, '.' + std::to_string(run + 1), path(output).extension().string());
 }
 
+std::string orbit_file_name(const std::string& output) {
+  return output == "-" ? output : renamed(output, ".pss", path(output).extension().string());
+}
+
+std::string small_signal_file_name(const std::string& output) { return output == "-" ? output : renamed(output, ".ac", ".csv"); }
+
+std::string bode_file_name(const std::string& plot) { return renamed(plot, ".ac", path(plot).extension().string()); }
+
 std::string split_table(const std::string& output) { return renamed(output, ".runs", ".csv"); }
 
 bool is_split_file(const std::string& output, const std::string& name) {

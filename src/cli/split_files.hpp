@@ -8,6 +8,12 @@ namespace pwlsim::cli {
 
 /// `run`: from 0.
 [[nodiscard]] std::string split_file(const std::string& output, std::size_t run);
+/// Of out.csv out.pss.csv: the rows of the steady state, beside those of .tran.
+[[nodiscard]] std::string orbit_file_name(const std::string& output);
+/// Of out.csv out.ac.csv: small signals.
+[[nodiscard]] std::string small_signal_file_name(const std::string& output);
+/// Of out.svg out.ac.svg: their picture.
+[[nodiscard]] std::string bode_file_name(const std::string& plot);
 /// CSV, whatever the format of the rows.
 [[nodiscard]] std::string split_table(const std::string& output);
 /// Whether `name` is that table or, of however many runs, one of the files.

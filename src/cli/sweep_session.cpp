@@ -135,16 +135,53 @@ class Sweep {
         note_error(diagnostics, record);
       return false;
     }
+    const bool runs_on = compiled->analyses.transient.has_value();
+    if (compiled->analyses.steady_state && !take_orbit(*compiled, engine, record)) return false;
     if (task_.options.no_rows) engine.simulate = analysis::without_rows(std::move(engine.simulate));
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
     if (!compiled->analyses.transient) return false;
     if (task_.options.split) {
       write_file(run, *compiled, engine.simulate, record);
+    } else {
+      analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
+      take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
+    }
+    if (record.orbit) finish_orbit(runs_on, record);
+    return !task_.options.split;
+  }
+
+  /// The run is one period of the orbit, or starts on it where the deck has .tran, too. False where there is none.
+  static bool take_orbit(circuit::Compiled& compiled, analysis::PreparedEngine& engine, SweptRun& record) {
+    if (engine.name != "exact") {
+      record.id = "E-pss-engine";
+      record.message = analysis::orbit_needs_exact_engine;
       return false;
     }
-    analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
-    take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
+    const auto state = std::make_shared<analysis::SteadyState>(analysis::find_steady_state(compiled, caught_signal()));
+    if (!state->is_found) {
+      record.id = state->id;
+      record.message = state->message;
+      return false;
+    }
+    record.orbit = state;
+    if (compiled.analyses.transient) {
+      Diagnostics known;
+      engine.simulate = analysis::from_orbit(compiled, *state, known);
+    } else {
+      compiled = state->compiled;
+      engine.simulate = state->simulate;
+    }
     return true;
+  }
+
+  /// Remarks and measurements of the orbit itself; what only its run needs goes.
+  static void finish_orbit(bool runs_on, SweptRun& record) {
+    analysis::SteadyState& state = *record.orbit;
+    for (const Diagnostic& message : state.messages) record.remarks.push_back({message.id, message.text});
+    if (runs_on) record.measurements.add(analysis::orbit_measurements(state, caught_signal()));
+    state.orbit.trace = {};
+    state.compiled = {};
+    state.simulate = nullptr;
   }
 
   /// What a run by itself writes. After a failure to write no further run begins.

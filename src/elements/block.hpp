@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "elements/dynamics.hpp"
 #include "elements/emission.hpp"
 #include "elements/twin.hpp"
 
@@ -19,12 +20,9 @@ struct Block {
   std::string (*smooth_dynamics)(Twin& twin, const std::string& input) = nullptr;
 };
 
-/// gain·(Σ num_k p^k)/(Σ den_k p^k) with p = s/rate, powers ascending, both of length order + 1.
-struct CanonicalForm {
-  double rate = 1.0;  ///< 1/s in units of denormalized_freq: makes the largest coefficient of the monic denominator one
-  std::vector<double> num, den;
-};
-[[nodiscard]] CanonicalForm canonical_form(const Values& values);
+/// What the values of models of type int and s_xfer describe.
+[[nodiscard]] Integral integral_of(const Values& values);
+[[nodiscard]] Fraction fraction_of(const Values& values);
 
 [[nodiscard]] std::string smooth_integrator(Twin& twin, const std::string& input);
 [[nodiscard]] std::string smooth_derivative(Twin& twin, const std::string& input);

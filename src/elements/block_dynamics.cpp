@@ -1,4 +1,4 @@
-/// Blocks with states: voltages of 1 F at inner nodes, driven by injections.
+/// Blocks with states.
 #include <algorithm>
 #include <cmath>
 
@@ -6,6 +6,7 @@
 
 #include "elements/block.hpp"
 #include "elements/complementarity.hpp"
+#include "elements/dynamics.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -16,17 +17,6 @@ LinearForm scaled(const LinearForm& form, double factor) {
   LinearForm result;
   model::accumulate(result, form, factor);
   return result;
-}
-
-/// An inner node with 1 F to ground: its voltage is a state, whose derivative is what is injected.
-model::NodeIndex add_state(Emission& emission, std::string_view part) {
-  const model::NodeIndex node = emission.inner_node(part);
-  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
-  return node;
-}
-
-void inject(Emission& emission, model::NodeIndex node, LinearForm current) {
-  emission.builder().add(model::Injection{emission.label(), model::ground, node, std::move(current)});
 }
 
 /// max(form, least) and min(form, most), where these are finite.
@@ -43,79 +33,26 @@ LinearForm limited(Emission& emission, LinearForm form, double least, double mos
   return form;
 }
 
-/// A stop for the state: an input u ≥ 0 pushes while sign·(state − bound) is 0.
-void add_stop(Emission& emission, LinearForm& rate, model::NodeIndex state, double bound, double sign) {
-  if (std::isinf(bound)) return;
-  LinearForm slack = model::voltage_between(state, model::ground, sign);
-  slack.push_back(model::constant(-sign * bound));
-  const int index = emission.builder().add(model::Complementarity{emission.label(), std::move(slack)});
-  rate.push_back({Quantity::slack_input, index, sign});
-}
-
 LinearForm integrate(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  const model::NodeIndex state = add_state(emission, "output");
-  model::Capacitor& capacitor = emission.builder().network().capacitors.back();
-  capacitor.has_initial = true;
-  capacitor.initial_voltage = v.get("out_ic");
-  emission.builder().add(model::NodeCondition{emission.label(), state, v.get("out_ic")});
   LinearForm rate = scaled(input, v.get("gain"));
   rate.push_back(model::constant(v.get("gain") * v.get("in_offset")));
-  add_stop(emission, rate, state, v.get("out_lower_limit"), 1.0);
-  add_stop(emission, rate, state, v.get("out_upper_limit"), -1.0);
-  inject(emission, state, std::move(rate));
-  return model::voltage_between(state, model::ground);
+  return add_integral(emission, {}, std::move(rate), integral_of(v));
 }
 
 LinearForm differentiate(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  const model::NodeIndex node = emission.inner_node("input");
-  emission.builder().add(model::Branch{emission.label(), node, model::ground, input});
-  const int capacitor = emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
-  LinearForm rate{{Quantity::capacitor_current, capacitor, v.get("gain")}, model::constant(v.get("out_offset"))};
+  LinearForm rate = scaled(add_derivative(emission, {}, input), v.get("gain"));
+  rate.push_back(model::constant(v.get("out_offset")));
   return limited(emission, std::move(rate), v.get("out_lower_limit"), v.get("out_upper_limit"));
 }
 
-/// Ascending powers of s, in units of `rate`.
-std::vector<double> ascending(std::vector<double> list, double rate) {
-  std::reverse(list.begin(), list.end());
-  double power = 1.0;
-  for (double& coefficient : list) {
-    coefficient *= power;
-    power *= rate;
-  }
-  return list;
-}
-
-/// The rate that makes the largest coefficient of the monic denominator one.
-double rate_of(const std::vector<double>& descending) {
-  double rate = 0.0;
-  for (std::size_t k = 1; k < descending.size(); ++k)
-    rate = std::max(rate, std::pow(std::abs(descending[k] / descending[0]), 1.0 / static_cast<double>(k)));
-  return rate > 0.0 ? rate : 1.0;
-}
-
-/// Controllable canonical form in p = s/rate:  x_k' = rate·x_{k+1},  x_n' = rate·(u − Σ a_k x_{k+1}),  y = Σ b_k x_{k+1} + b_n·(…).
 LinearForm transfer(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  const double unit = v.get("denormalized_freq");
-  const auto [rate, num, den] = canonical_form(v);
-  const std::size_t order = den.size() - 1;
-  LinearForm highest = scaled(input, v.get("gain") / den[order]);
-  highest.push_back(model::constant(v.get("gain") * v.get("in_offset") / den[order]));
-  std::vector<LinearForm> state;
-  std::vector<model::NodeIndex> node;
-  for (std::size_t k = 0; k < order; ++k) {
-    node.push_back(add_state(emission, fmt::format("state {}", k + 1)));
-    state.push_back(model::voltage_between(node[k], model::ground));
-    if (den[k] != 0.0) model::accumulate(highest, state[k], -den[k] / den[order]);
-  }
-  state.push_back(highest);
-  LinearForm output{model::constant(v.get("out_offset"))};
-  for (std::size_t k = 0; k <= order; ++k) {
-    if (k < order) inject(emission, node[k], scaled(state[k + 1], rate * unit));
-    if (num[k] != 0.0) model::accumulate(output, state[k], num[k]);
-  }
+  LinearForm driven = scaled(input, v.get("gain"));
+  driven.push_back(model::constant(v.get("gain") * v.get("in_offset")));
+  LinearForm output = add_transfer(emission, {}, fraction_of(v), v.get("denormalized_freq"), driven);
+  output.push_back(model::constant(v.get("out_offset")));
   return output;
 }
 
@@ -179,13 +116,11 @@ constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
 
 }  // namespace
 
-CanonicalForm canonical_form(const Values& values) {
-  const std::vector<double> written = values.list("den_coeff");
-  const double rate = rate_of(written);
-  CanonicalForm form{rate, ascending(values.list("num_coeff"), rate), ascending(written, rate)};
-  form.num.resize(form.den.size(), 0.0);
-  return form;
+Integral integral_of(const Values& values) {
+  return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")};
 }
+
+Fraction fraction_of(const Values& values) { return {values.list("num_coeff"), values.list("den_coeff")}; }
 
 const ModelKind integrator_model{"int", "integrator", integrator_parameters, check_limits, &integrator_block};
 const ModelKind derivative_model{"d_dt", "derivative", derivative_parameters, check_limits, &derivative_block};

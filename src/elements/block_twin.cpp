@@ -1,4 +1,4 @@
-/// Blocks for ngspice: those without memory as expressions, states as voltages of 1 F that B sources drive.
+/// Blocks for ngspice: as expressions of their inputs and of states.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,24 +7,6 @@
 
 namespace pwlsim::elements {
 namespace {
-
-std::string voltage_of(const std::string& node) { return fmt::format("v({})", node); }
-
-/// An inner node with 1 F to ground.
-std::string add_state(Twin& twin, const std::string& part, double start) {
-  const std::string node = twin.inner(part);
-  twin.capacitor(part, {node, "0"}, 1.0);
-  twin.start_voltage(node, start);
-  return node;
-}
-
-/// A diode that lets the state past `bound` by its voltage drop only; sign 1: a lower bound.
-void add_stop(Twin& twin, const std::string& part, const std::string& state, double bound, double sign) {
-  if (std::isinf(bound)) return;
-  const std::string at = twin.inner(part);
-  twin.source(part, {at, "0"}, false, model::Dc{bound});
-  twin.diode(part, sign > 0.0 ? TwinEnds{at, state} : TwinEnds{state, at}, {});
-}
 
 std::string limited(Twin& twin, std::string text, double least, double most) {
   if (!std::isinf(least)) text = fmt::format("{}+{}", least, twin.positive("least", fmt::format("({})-({})", text, least)));
@@ -53,43 +35,19 @@ std::string law_text(Twin& twin, const Block& block, const std::vector<std::stri
 
 std::string smooth_integrator(Twin& twin, const std::string& input) {
   const Values& v = twin.model().values;
-  const std::string state = add_state(twin, "state", v.get("out_ic"));
-  twin.behaviour("rate", {"0", state}, true, fmt::format("{}*(({})+{})", v.get("gain"), input, v.get("in_offset")));
-  add_stop(twin, "least", state, v.get("out_lower_limit"), 1.0);
-  add_stop(twin, "most", state, v.get("out_upper_limit"), -1.0);
-  return voltage_of(state);
+  return twin_integral(twin, {}, fmt::format("{}*(({})+{})", v.get("gain"), input, v.get("in_offset")), integral_of(v));
 }
 
 std::string smooth_derivative(Twin& twin, const std::string& input) {
   const Values& v = twin.model().values;
-  const std::string node = twin.inner("input"), foot = twin.inner("foot");
-  twin.behaviour("input", {node, "0"}, false, input);
-  twin.capacitor("state", {node, foot}, 1.0);
-  twin.short_circuit("rate", {foot, "0"});
-  const std::string rate = fmt::format("{}*{}+{}", v.get("gain"), current_text(twin.device('V', "rate")), v.get("out_offset"));
+  const std::string rate = fmt::format("{}*{}+{}", v.get("gain"), twin_derivative(twin, {}, input), v.get("out_offset"));
   return limited(twin, rate, v.get("out_lower_limit"), v.get("out_upper_limit"));
 }
 
-/// The states of `transfer`: x_k' = rate·x_{k+1}, x_n' = rate·(u − Σ a_k x_{k+1}).
 std::string smooth_transfer(Twin& twin, const std::string& input) {
   const Values& v = twin.model().values;
-  const auto [rate, num, den] = canonical_form(v);
-  const std::size_t order = den.size() - 1;
-  std::vector<std::string> state;
-  for (std::size_t k = 0; k < order; ++k) state.push_back(add_state(twin, fmt::format("state{}", k + 1), 0.0));
-  std::string highest = fmt::format("{}*(({})+{})", v.get("gain") / den[order], input, v.get("in_offset"));
-  for (std::size_t k = 0; k < order; ++k) highest += term_text(-den[k] / den[order], voltage_of(state[k]));
-  const std::string top = twin.inner("highest");
-  twin.behaviour("highest", {top, "0"}, false, highest);
-  state.push_back(top);
-  std::string output = fmt::format("{}", v.get("out_offset"));
-  for (std::size_t k = 0; k <= order; ++k) {
-    if (k < order)
-      twin.behaviour(fmt::format("rate{}", k + 1), {"0", state[k]}, true,
-                     fmt::format("{}*{}", rate * v.get("denormalized_freq"), voltage_of(state[k + 1])));
-    output += term_text(num[k], voltage_of(state[k]));
-  }
-  return output;
+  const std::string driven = fmt::format("{}*(({})+{})", v.get("gain"), input, v.get("in_offset"));
+  return fmt::format("{}+{}", v.get("out_offset"), twin_transfer(twin, {}, fraction_of(v), v.get("denormalized_freq"), driven));
 }
 
 void twin_of_block(Twin& twin) {

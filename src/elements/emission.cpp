@@ -40,7 +40,7 @@ model::LinearForm current_control(const Emission& emission) {
 
 model::LinearForm add_source(Emission& emission) {
   const model::SourceFunction function = emission.instance().waveform.value_or(model::Dc{});
-  const int source = emission.builder().add(model::Source{emission.label(), function});
+  const int source = emission.builder().add(model::Source{emission.label(), function, false, emission.instance().alternating});
   return quantity(Quantity::source, source);
 }
 

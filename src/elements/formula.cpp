@@ -196,23 +196,51 @@ AffineSum FormulaBuilder::hysteresis(const AffineSum& control, double on_level, 
   return part({.kind = Kind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
 }
 
+AffineSum FormulaBuilder::integral(const AffineSum& x, double start) {
+  if (x.is_constant() && x.constant == 0.0) return constant_sum(start);
+  return part({.kind = Kind::integral, .argument = x, .start = start});
+}
+
+std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
+  AffineSum rest, sum;
+  for (const auto& [index, coefficient] : x.terms) {
+    const FormulaPart inner = parts_[static_cast<std::size_t>(index)];
+    if (inner.kind == Kind::step || inner.kind == Kind::choice) return std::nullopt;
+    if (inner.kind == Kind::positive) {
+      const std::optional<AffineSum> slope = derivative(inner.argument);
+      if (!slope) return std::nullopt;
+      sum = sum + coefficient * hysteresis(inner.argument, 0.0, 0.0, *slope, {});
+    } else if (inner.kind == Kind::integral) {
+      sum = sum + coefficient * inner.argument;
+    } else {
+      rest.terms.emplace_back(index, coefficient);
+    }
+  }
+  if (rest.is_constant()) return sum;
+  if (const auto line = line_in_time(rest)) return sum + constant_sum(line->slope);
+  return sum + part({.kind = Kind::derivative, .argument = rest});
+}
+
+AffineSum FormulaBuilder::transfer(const AffineSum& x, const Fraction& fraction) {
+  if (fraction.den.size() == 1) return fraction.num.back() / fraction.den[0] * x;
+  return part({.kind = Kind::transfer, .argument = x, .fraction = fraction});
+}
+
 std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
-  TwoValued result;
-  if (part.kind == Kind::step) {
-    result.condition.value.terms.emplace_back(index, 1.0);
-    result.condition.margin = part.argument;
-    result.above = 1.0;
-    return result;
+  const AffineSum itself{0.0, {{index, 1.0}}};
+  if (part.kind == Kind::step) return TwoValued{{itself, part.argument}, 0.0, 1.0};
+  const auto between = [&](double below, double above, const AffineSum& margin) {
+    return TwoValued{{1.0 / (above - below) * (itself - constant_sum(below)), margin}, below, above};
+  };
+  if (part.kind == Kind::voltage && levels_) {
+    const std::optional<Levels> levels = levels_(part.index);
+    if (!levels || levels->low == levels->high) return std::nullopt;
+    return between(levels->low, levels->high, itself - constant_sum(0.5 * (levels->low + levels->high)));
   }
   const auto* pwl = part.kind == Kind::time ? std::get_if<model::Pwl>(&part.function) : nullptr;
   if (pwl == nullptr || pwl->repeats > 0.0 || pwl->points.size() != 2 || pwl->points[0].time != pwl->points[1].time) return std::nullopt;
-  result.below = pwl->points[0].value;
-  result.above = pwl->points[1].value;
-  result.condition.value.constant = -result.below / (result.above - result.below);
-  result.condition.value.terms.emplace_back(index, 1.0 / (result.above - result.below));
-  result.condition.margin = time() - constant_sum(pwl->points[0].time);
-  return result;
+  return between(pwl->points[0].value, pwl->points[1].value, time() - constant_sum(pwl->points[0].time));
 }
 
 std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_value) {
@@ -222,6 +250,10 @@ std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_va
     return choose(values->condition, *above, *below);
   }
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
+  if (part.kind == Kind::voltage && levels_) {
+    const std::optional<Levels> levels = levels_(part.index);
+    return levels ? of_value(constant_sum(levels->low)) : std::nullopt;
+  }
   if (part.kind != Kind::choice) return std::nullopt;
   const std::optional<AffineSum> above = of_value(part.above), below = of_value(part.below);
   if (!above || !below) return std::nullopt;

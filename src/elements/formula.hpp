@@ -6,6 +6,8 @@
 ///     positive   max(x, 0)                                        one port
 ///     step       1 above x = 0, 0 below, anything between at 0    two ports
 ///     choice     one of two sums, as a control with thresholds says (a driven switch, no port)
+///     integral, derivative, transfer   of an affine sum, in time: states
+///     product    of two sums whose signals may turn out to take two values: without_products replaces it
 ///
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
@@ -15,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/source.hpp"
 #include "model/source_function.hpp"
 
 namespace pwlsim::elements {
@@ -33,15 +36,23 @@ struct AffineSum {
 [[nodiscard]] AffineSum operator-(const AffineSum& a, const AffineSum& b);
 [[nodiscard]] AffineSum operator*(double factor, const AffineSum& a);
 
+/// A proper rational function of s; the highest power first, whose coefficient in the denominator is not zero.
+struct Fraction {
+  std::vector<double> num{0.0}, den{1.0};
+  bool operator==(const Fraction&) const = default;
+};
+
 struct FormulaPart {
-  enum class Kind { voltage, current, time, positive, step, choice };
+  enum class Kind { voltage, current, time, positive, step, choice, integral, derivative, transfer, product };
   Kind kind = Kind::voltage;
   int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
-  AffineSum argument{};              ///< of positive and step; the control of a choice
-  AffineSum above{}, below{};        ///< choice: its value above on_level until the control falls below off_level, and else
+  AffineSum argument{};              ///< what a nonlinearity or a part with states acts on; the control of a choice
+  AffineSum above{}, below{};        ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product
   double on_level = 0.0, off_level = 0.0;
-  double at_zero = 0.5;  ///< step: its value where the argument, in no loop, rests at 0
+  double at_zero = 0.5;   ///< step: its value where the argument, in no loop, rests at 0
+  double start = 0.0;     ///< integral: its value at the start
+  Fraction fraction{};    ///< transfer
 
   bool operator==(const FormulaPart&) const = default;
 };
@@ -50,7 +61,15 @@ struct FormulaPart {
 struct Formula {
   std::vector<FormulaPart> parts;
   AffineSum value;
+  std::vector<std::pair<int, SourceSpan>> open_products;  ///< parts of kind product, and where they stand
 };
+
+/// What a voltage is at any time: one of the two, or the one number that both are.
+struct Levels {
+  double low = 0.0, high = 0.0;
+};
+/// Of a pair of control nodes; empty where it takes other values, too.
+using LevelsOf = std::function<std::optional<Levels>(int control_pair)>;
 
 struct TablePoint {
   double x = 0.0, y = 0.0;
@@ -67,6 +86,9 @@ struct Condition {
 
 class FormulaBuilder {
  public:
+  FormulaBuilder() = default;
+  explicit FormulaBuilder(LevelsOf levels) : levels_(std::move(levels)) {}
+
   [[nodiscard]] AffineSum voltage(int control_pair) { return part({.kind = FormulaPart::Kind::voltage, .index = control_pair}); }
   [[nodiscard]] AffineSum current(int reference) { return part({.kind = FormulaPart::Kind::current, .index = reference}); }
 
@@ -90,6 +112,12 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above,
                                      const AffineSum& below);
 
+  /// In time. What is no motion is no state: the derivative of a number, the derivative of an integral, a fraction without s.
+  [[nodiscard]] AffineSum integral(const AffineSum& x, double start);
+  /// Of max(x, 0): that of x where x is positive. Empty where a comparison or a choice may jump: impulses have no place in a value.
+  [[nodiscard]] std::optional<AffineSum> derivative(const AffineSum& x);
+  [[nodiscard]] AffineSum transfer(const AffineSum& x, const Fraction& fraction);
+
   [[nodiscard]] AffineSum time();
   /// Whether nothing but time enters, as a sum of constants, exponentials, sinusoids and a straight line.
   [[nodiscard]] bool is_of_time(const AffineSum& x) const;
@@ -97,16 +125,20 @@ class FormulaBuilder {
   [[nodiscard]] std::optional<AffineSum> floor(const AffineSum& x);
   /// Whether x is a straight line in time that is never negative.
   [[nodiscard]] bool rises_from_zero(const AffineSum& x) const;
-  /// Of two sums of which one is constant, both are of time, or one is a sum of parts that take two values each (comparisons, choices between numbers): switched
-  /// forms of the other. Empty where the product leaves that class.
+  /// Of two sums of which one is constant, both are of time, or one is a sum of parts that take two values each (comparisons, choices between numbers, voltages
+  /// of two levels): switched forms of the other. Empty where the product leaves that class.
   [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
+  /// Of two sums that product() has no form for, as long as nothing is known of the levels of voltages.
+  [[nodiscard]] AffineSum open_product(const AffineSum& a, const AffineSum& b);
+  using Translation = std::function<AffineSum(const AffineSum&)>;
+  [[nodiscard]] std::optional<AffineSum> same_part(const FormulaPart& part, const Translation& now);
   /// 1/x of a sum with one part, which is a comparison or a choice: a choice of reciprocals. Empty otherwise, and where a value is zero.
   [[nodiscard]] std::optional<AffineSum> reciprocal(const AffineSum& x);
   /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
   [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
 
-  [[nodiscard]] Formula finish(AffineSum value) && { return {std::move(parts_), std::move(value)}; }
+  [[nodiscard]] Formula finish(AffineSum value) && { return {std::move(parts_), std::move(value), {}}; }
   [[nodiscard]] const std::vector<FormulaPart>& parts() const { return parts_; }
 
  private:
@@ -118,7 +150,7 @@ class FormulaBuilder {
   using Values = std::function<std::optional<AffineSum>(const AffineSum&)>;
   /// A part that takes two values, or is a choice, with `of_value` of what it takes in place of that.
   [[nodiscard]] std::optional<AffineSum> switched(int part, const Values& of_value);
-  /// Where a part steps from one value to another: in time, or with the sign of its argument. Then the part is below + (above − below)·condition.
+  /// Where a part steps from one value to another: in time, with the sign of its argument, or because a voltage does. Then the part is below + (above − below)·condition.
   struct TwoValued {
     Condition condition;
     double below = 0.0, above = 0.0;
@@ -133,6 +165,10 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum table_of_time(const Line& line, const std::vector<TablePoint>& points, bool extrapolated);
 
   std::vector<FormulaPart> parts_;
+  LevelsOf levels_;
 };
+
+/// The formula with switched forms in place of its products. Empty where part number `failed` has none.
+[[nodiscard]] std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, int& failed);
 
 }  // namespace pwlsim::elements

@@ -2,7 +2,10 @@
 
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "elements/complementarity.hpp"
+#include "elements/dynamics.hpp"
 
 namespace pwlsim::elements {
 namespace {
@@ -56,15 +59,27 @@ class FormulaEmission {
       case PartKind::choice:
         return add_choice(emission_.builder(), emission_.label(), {form(part.argument), part.on_level, part.off_level}, form(part.above),
                           form(part.below));
+      case PartKind::product:  // they are gone by now
+        return {};
+      case PartKind::integral:
+        return add_integral(emission_, next_name("integral"), form(part.argument), {part.start});
+      case PartKind::derivative:
+        return add_derivative(emission_, next_name("derivative"), form(part.argument));
+      case PartKind::transfer:
+        return add_transfer(emission_, next_name("fraction"), part.fraction, 1.0, form(part.argument));
     }
     return {};
   }
+
+  /// Of the inner nodes of a part with states.
+  std::string next_name(std::string_view what) { return fmt::format("{} {}", what, ++parts_with_states_); }
 
   Emission& emission_;
   const Formula& formula_;
   const Signals& signals_;
   std::vector<char> needed_;
   std::vector<LinearForm> forms_;
+  int parts_with_states_ = 0;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// Expressions for ngspice: each kink, step and hysteresis of a formula stands at an inner node of its own.
 #include <fmt/format.h>
 
+#include "elements/dynamics.hpp"
 #include "elements/twin.hpp"
 
 namespace pwlsim::elements {
@@ -42,6 +43,14 @@ class FormulaTwin {
         return twin_.step(name(), sum(part.argument));
       case PartKind::choice:
         return choice(part);
+      case PartKind::product:  // they are gone by now
+        return "0";
+      case PartKind::integral:
+        return twin_integral(twin_, name(), sum(part.argument), {part.start});
+      case PartKind::derivative:
+        return twin_derivative(twin_, name(), sum(part.argument));
+      case PartKind::transfer:
+        return fmt::format("({})", twin_transfer(twin_, name(), part.fraction, 1.0, sum(part.argument)));
     }
     return "0";
   }

@@ -131,6 +131,7 @@ struct Instance {
   std::vector<BlockInput> inputs;
   std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;
+  std::complex<double> alternating = 0.0;  ///< of a source: `AC`
   int model = -1;            ///< index within the circuit's models
   std::optional<bool> flag;  ///< on / off as written
   bool drive_is_apart =

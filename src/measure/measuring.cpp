@@ -11,8 +11,8 @@ namespace pwlsim::measure {
 
 using Kind = circuit::Measurement::Kind;
 
-Measuring::Measuring(const circuit::Measurements& measurements, double start, double stop)
-    : measurements_(measurements), start_(start), stop_(stop), view_(measurements.probe_signals.size()) {
+Measuring::Measuring(const circuit::Measurements& measurements, double start, double stop, double end)
+    : measurements_(measurements), start_(start), stop_(stop), end_(end), view_(measurements.probe_signals.size()) {
   const std::size_t count = measurements.list.size();
   known_.resize(count);
   values_.resize(count);
@@ -50,10 +50,11 @@ void Measuring::evaluate_parameters() {
     for (std::size_t k = 0; k < known_.size(); ++k) {
       if (known_[k] != 0 || !is_ready(k)) continue;
       std::string failure = missing(k);
+      const bool is_period = measurements_.list[k].kind == Kind::period;
       const bool is_parameter = measurements_.list[k].kind == Kind::parameter;
-      if (failure.empty() && !is_parameter) continue;
-      double value = 0.0;
-      if (failure.empty()) value = Program(measurements_.list[k].expression).value(values_);
+      if (failure.empty() && !is_parameter && !is_period) continue;
+      double value = is_period ? stop_ - start_ : 0.0;
+      if (failure.empty() && is_parameter) value = Program(measurements_.list[k].expression).value(values_);
       if (!std::isfinite(value)) failure = "the result is not a finite number";
       settle(k, value, std::move(failure));
       again = true;
@@ -77,7 +78,7 @@ void Measuring::start_meters() {
   from_ = to_ = 0.0;
   for (std::size_t k = 0; k < known_.size(); ++k) {
     if (known_[k] != 0 || !is_ready(k)) continue;
-    Meter meter(measurements_.list[k], values_, start_, stop_);
+    Meter meter(measurements_.list[k], values_, start_, stop_, end_);
     if (meter.failure().empty()) {
       hold(meter.from(), meter.to());
       meters_.emplace_back(k, std::move(meter));

@@ -7,6 +7,7 @@
 ///     Measuring measuring(measurements, start, stop);
 ///     while (measuring.begin_pass()) { run with measuring.probes(); measuring.end_pass(reached); }
 
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,12 +32,16 @@ struct Results {
   std::vector<FourierResult> fourier;
 
   [[nodiscard]] bool empty() const { return list.empty() && fourier.empty(); }
+  void add(Results others) {
+    std::move(others.list.begin(), others.list.end(), std::back_inserter(list));
+    std::move(others.fourier.begin(), others.fourier.end(), std::back_inserter(fourier));
+  }
 };
 
 class Measuring : public engine::PieceSink {
  public:
-  /// `start`, `stop`: of the rows, s. The measurements must outlive this.
-  Measuring(const circuit::Measurements& measurements, double start, double stop);
+  /// `start`, `stop`: of the rows, s; `end`: of what windows may reach, s (a periodic run goes on behind `stop`). The measurements must outlive this.
+  Measuring(const circuit::Measurements& measurements, double start, double stop, double end);
 
   /// Prepares the next pass over the run; false where none is needed.
   bool begin_pass();
@@ -59,7 +64,7 @@ class Measuring : public engine::PieceSink {
   void hold(double from, double to);
 
   const circuit::Measurements& measurements_;
-  double start_, stop_;
+  double start_, stop_, end_;
   int pass_ = 0;
   PieceView view_;
   std::vector<double> before_start_;  ///< a piece

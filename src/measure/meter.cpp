@@ -47,7 +47,7 @@ double largest_of(const double* values) {
 
 }  // namespace
 
-Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop)
+Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop, double end)
     : measurement_(measurement),
       results_(results),
       expression_(measurement.expression),
@@ -61,7 +61,7 @@ Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>&
     watch_.emplace(crossing.edge, crossing.count, crossing.last);
   }
   needs_left_ = integrates() && !expression_.is_linear();
-  measurement.at ? set_place(stop) : set_window(start, stop);
+  measurement.at ? set_place(end) : set_window(start, stop, end);
 }
 
 void Meter::set_place(double stop) {
@@ -72,18 +72,18 @@ void Meter::set_place(double stop) {
   to_ = std::min(stop, at_ + surroundings * stop);
 }
 
-void Meter::set_window(double start, double stop) {
+void Meter::set_window(double start, double stop, double end) {
   from_ = measurement_.from ? Program(*measurement_.from).value(results_) : start;
   to_ = measurement_.to ? Program(*measurement_.to).value(results_) : stop;
   if (measurement_.when && measurement_.when->delay) {
     const double delay = Program(*measurement_.when->delay).value(results_);
     from_ = measurement_.from ? std::max(from_, delay) : delay;
   }
-  if (!(from_ >= -stop * overhang && to_ <= stop * (1.0 + overhang)))
-    return fail(fmt::format("the window {} s … {} s is not within the run, 0 … {} s", from_, to_, stop));
+  if (!(from_ >= -end * overhang && to_ <= end * (1.0 + overhang)))
+    return fail(fmt::format("the window {} s … {} s is not within the run, 0 … {} s", from_, to_, end));
   if (!(from_ < to_)) return fail(fmt::format("the window from {} s to {} s is empty", from_, to_));
   from_ = std::max(from_, 0.0);
-  to_ = std::min(to_, stop);
+  to_ = std::min(to_, end);
 }
 
 /// The view holds what was before t = 0.

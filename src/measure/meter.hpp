@@ -15,8 +15,8 @@ namespace pwlsim::measure {
 
 class Meter {
  public:
-  /// `results` of other measurements must be known; `start`, `stop`: of the rows, s. `failure()` tells where the window is none.
-  Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop);
+  /// `results` of other measurements must be known; `start`, `stop`: of the rows, `end`: how far it may reach, s. `failure()` tells where the window is none.
+  Meter(const circuit::Measurement& measurement, const std::vector<double>& results, double start, double stop, double end);
 
   /// What it needs to see of the run, s.
   [[nodiscard]] double from() const { return needs_left_ ? std::max(0.0, from_ - lead_) : from_; }
@@ -38,7 +38,7 @@ class Meter {
 
  private:
   using Kind = circuit::Measurement::Kind;
-  void set_window(double start, double stop);
+  void set_window(double start, double stop, double end);
   void set_place(double stop);
   [[nodiscard]] bool is_finite(const Part& part);
   void fail(std::string text) { failure_ = std::move(text); }

@@ -34,7 +34,7 @@ class Reader {
 
   std::optional<Unit> of(std::size_t index) {
     const circuit::Measurement& m = measurements_.list[index];
-    if (m.kind == Kind::time || m.kind == Kind::time_of_minimum || m.kind == Kind::time_of_maximum) return Unit{0, 0, 1};
+    if (m.kind == Kind::time || m.kind == Kind::period || m.kind == Kind::time_of_minimum || m.kind == Kind::time_of_maximum) return Unit{0, 0, 1};
     std::optional<Unit> unit = of(m.expression);
     if (!unit) return unit;
     if (m.kind == Kind::integral) ++unit->seconds;

@@ -5,6 +5,7 @@
 /// Signs: a current named after an element enters its first node p and leaves at n; v = v(p) − v(n).
 
 #include <algorithm>
+#include <complex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -134,6 +135,7 @@ struct Source {
   Label label;
   SourceFunction function;
   bool stands_in = false;  ///< for a value of another part, in a part that is left out
+  std::complex<double> alternating = 0.0;  ///< `AC`: amplitude in small-signal analyses
 };
 /// A saved signal, named as its CSV column.
 struct Signal {

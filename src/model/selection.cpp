@@ -417,6 +417,7 @@ void Selector::note_impulse() {
 
 const Selected& Selector::stay_in(const Mode& mode) {
   selected_ = {};
+  jumped_into_.clear();
   selected_.mode = &mode;
   return selected_;
 }
@@ -424,6 +425,7 @@ const Selected& Selector::stay_in(const Mode& mode) {
 const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger) {
   Selected& result = selected_;
   result = {};
+  jumped_into_.clear();
   const IndexSet* current = &wanted;
   const double square = linalg::square(x, system_.size());
   if (square > largest_square_) {
@@ -451,6 +453,7 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
     }
     if (jumped) {
       ++result.jumps;
+      jumped_into_.push_back(found);
       note_impulse();
       trigger_ = -1;
       current = &found->active;

@@ -71,6 +71,8 @@ class Selector {
   void share_in_any_case() { ports_are_read_ = true; }
   /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
   void rational_only(bool only) { rational_only_ = only; }
+  /// Modes that the last selection jumped into on its way, in order; the mode it ended in is not among them, unless it jumped into that one, too.
+  [[nodiscard]] const std::vector<const Mode*>& jumped_into() const { return jumped_into_; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
   /// At the level of rounding that the last selection needed.
@@ -155,6 +157,7 @@ class Selector {
   Vector left_;           ///< of decays, when a slow motion was last entered
   bool may_jump_ = true;  ///< false while it is asked whether the state after a jump goes on without another
   Selected selected_;
+  std::vector<const Mode*> jumped_into_;
   Details details_;
   Impulse impulse_;  ///< of the jump last examined
   std::uint64_t visited_ = 0;

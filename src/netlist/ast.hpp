@@ -20,7 +20,7 @@
 ///
 /// A value that may be an expression without braces is a word where `read_number` takes it ("2", "-5", "10k", "inf"), a string
 /// where quoted, else an expression (a lone name is an Expression of kind name). So it is with all assignments of `.param`,
-/// `.subckt` and X cards, with the body of `.func`, and with V=, I=, VALUE=, VOL=, CUR= of B, E, F, G and H cards.
+/// `.subckt` and X cards, with the body of `.func`, and with V=, I=, VALUE=, VOL=, CUR=, LAPLACE= of B, E, F, G and H cards.
 /// On a card that measures stand, behind its name, keywords (words) and expressions, without the equals signs:
 ///
 ///     .meas tran p AVG v(a)*i(b) FROM=1m     words tran, p, AVG; expression; words FROM, 1m

@@ -342,6 +342,7 @@ bool parse_card(const ParseContext& context, Card& card) {
   constexpr std::size_t usual_items = 4;
   card.items.reserve(usual_items);
   State state{context, CardStyle(name_text), {}, {}, false, false};
+  if (state.style.is_unread()) return true;
   const char* first = name_text.data() + name_text.size();
   if (state.style.is_function()) {
     parse_function(first, line.end(), state, card.items);

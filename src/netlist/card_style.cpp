@@ -10,6 +10,8 @@ CardStyle::CardStyle(std::string_view name) {
   const char letter = lower_letter(name.front());
   dot_ = letter == '.';
   function_ = same_name(name, ".func");
+  static constexpr std::array<std::string_view, 5> unread{".machine", ".state", ".rule", ".output", ".endmachine"};
+  unread_ = is_one_of(unread, name);
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
   static constexpr std::array<std::string_view, 3> parameter_cards{".param", ".params", ".global_param"};
@@ -19,14 +21,14 @@ CardStyle::CardStyle(std::string_view name) {
 }
 
 bool is_measurement_keyword(std::string_view word) {
-  static constexpr std::array<std::string_view, 29> keywords{
+  static constexpr std::array<std::string_view, 30> keywords{
       "avg",  "min", "max",  "pp",   "rms",   "integ", "integral", "find",  "deriv",  "derivative", "when", "at",   "from", "to",  "trig",
-      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3"};
+      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3", "period"};
   return is_one_of(keywords, word);
 }
 
 bool is_analysis_name(std::string_view word) {
-  static constexpr std::array<std::string_view, 8> names{"tran", "ac", "dc", "op", "noise", "tf", "sp", "four"};
+  static constexpr std::array<std::string_view, 9> names{"tran", "pss", "ac", "dc", "op", "noise", "tf", "sp", "four"};
   return is_one_of(names, word);
 }
 

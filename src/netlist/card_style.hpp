@@ -11,6 +11,8 @@ class CardStyle {
 
   /// The card defines a function, whose body needs no braces.
   [[nodiscard]] bool is_function() const { return function_; }
+  /// The card belongs to a state machine of LTspice, which is not read.
+  [[nodiscard]] bool is_unread() const { return unread_; }
   /// The card measures: keywords and expressions without braces stand in a row.
   [[nodiscard]] bool is_measurement() const { return measurement_; }
   /// `params:` is a word of its own, even without a blank behind it.
@@ -23,6 +25,7 @@ class CardStyle {
  private:
   bool dot_ = false;
   bool function_ = false;
+  bool unread_ = false;
   bool measurement_ = false;
   bool takes_params_ = false;
   bool parameters_ = false;

@@ -160,14 +160,37 @@ class Picture {
 
   /// Lines up to the panel or the strip above are drawn there.
   void draw_axis(double y) {
-    const Prefix in_x = prefix_for(across_.span);
-    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
-      label(across_.at(tick), y + 16.0, number(tick / in_x.factor), "text-anchor=\"middle\"");
+    Prefix in_x = prefix_for(across_.span);
+    if (figure_.is_logarithmic) {
+      in_x = {};
+      for (double tick : ticks_across()) {
+        const double value = std::pow(10.0, tick);
+        const Prefix own = prefix_for({value, value});
+        label(across_.at(tick), y + 16.0, number(value / own.factor) + std::string(own.text), "text-anchor=\"middle\"");
+      }
+    } else {
+      for (double tick : ticks_across()) label(across_.at(tick), y + 16.0, number(tick / in_x.factor), "text-anchor=\"middle\"");
+    }
     label(left + 0.5 * plot_width, y + 36.0, fmt::format("{} ({}{})", figure_.x_name, in_x.text, figure_.x_unit), "text-anchor=\"middle\"");
   }
 
+  /// Decades, and where there are few of them 2 and 5 as well.
+  [[nodiscard]] std::vector<double> ticks_across() const {
+    if (!figure_.is_logarithmic) return round_ticks(across_.span.from, across_.span.to, 10);
+    constexpr double many = 5.0, rounding_of_log = 1e-9;
+    const bool is_long = across_.span.to - across_.span.from > many;
+    std::vector<double> ticks;
+    for (double decade = std::floor(across_.span.from); decade <= across_.span.to; decade += 1.0)
+      for (const double factor : {1.0, 2.0, 5.0}) {
+        const double tick = decade + std::log10(factor);
+        const bool is_inside = tick >= across_.span.from - rounding_of_log && tick <= across_.span.to + rounding_of_log;
+        if (is_inside && (factor == 1.0 || !is_long)) ticks.push_back(tick);
+      }
+    return ticks;
+  }
+
   void draw_strip(double y) {
-    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
+    for (double tick : ticks_across())
       if (rows() > 0) line(across_.at(tick), y, across_.at(tick), y + static_cast<double>(rows()) * row_height, pale);
     if (rows() > 0 && !figure_.strip_title.empty()) label(left, y - 3.0, figure_.strip_title, "fill=\"#333\" font-size=\"11\"");
     for (const Marks& marks : figure_.marks) {
@@ -246,8 +269,7 @@ class Picture {
 
   void draw_grid(const Scale& up, double y, std::string_view unit) {
     const Prefix in_y = prefix_for(up.span);
-    for (double tick : round_ticks(across_.span.from, across_.span.to, 10))
-      line(across_.at(tick), y, across_.at(tick), y + panel_height, pale);
+    for (double tick : ticks_across()) line(across_.at(tick), y, across_.at(tick), y + panel_height, pale);
     for (double tick : round_ticks(up.span.from, up.span.to, 5)) {
       line(left, up.at(tick), left + plot_width, up.at(tick), tick == 0.0 ? dark : pale);
       label(left - 6.0, up.at(tick) + 4.0,

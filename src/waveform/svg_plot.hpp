@@ -47,6 +47,7 @@ struct Figure {
   std::vector<Lane> lanes = {};
   std::vector<LegendEntry> legend = {};
   std::string strip_title = {};  ///< above marks and lanes
+  bool is_logarithmic = false;   ///< all x are decimal logarithms; the axis shows what they are of
 };
 
 /// A colour of a row of them from blue over green to red, 0 ≤ share ≤ 1, all dark enough on white.

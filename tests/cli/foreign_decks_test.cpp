@@ -79,14 +79,28 @@ TEST_CASE("in a circuit without ground a node is taken for it, with a note", "[u
   CHECK_THAT(run_deck(scratch, "floating part\nR1 p q 3\nV1 p q 8\nR2 a 0 1\nV2 a 0 1\n.tran 1u 10u\n").err, Contains("error[E-floating]"));
 }
 
-TEST_CASE("delays are refused by name", "[unit]") {
+TEST_CASE("what a function with memory that is refused is told to try is what does it", "[unit]") {
   const Scratch scratch;
   const auto said = [&](const std::string& card) {
     return run_deck(scratch, "cures\nV1 a 0 SIN(0 1 50)\n" + card + "\nR1 b 0 1\n.tran 1m 20m\n").err;
   };
-  CHECK_THAT(said("B1 b 0 V=delay(v(a),1m)"), Contains("type s_xfer") && !Contains("type int"));
-  CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {exp(-s*1m)/(1+s*1m)}"), Contains("E1: 'exp(-s*1m)' is no fraction of polynomials in s"));
-  CHECK_THAT(said(".func f(x) {ddt(x)}\nB1 b 0 V=f(v(a))"), Contains("ddt in an expression is not supported"));
+  CHECK_THAT(said("B1 b 0 V=idt(v(a),0,v(a)>1)"), Contains("a switch across it"));
+  CHECK_THAT(said("B1 b 0 V=delay(v(a),1m)"), Contains("Laplace=1/(1+s*T)"));
+  CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {exp(-s*1m)}"), Contains("(1-s*T/2)/(1+s*T/2)"));
+}
+
+TEST_CASE("par('...') on output cards is a column, and a time measures as AT", "[unit]") {
+  const Scratch scratch;
+  const Finished finished = run_deck(scratch,
+                                     "columns\nV1 a 0 PWL(0 0 10m 5)\nR1 a b 1\nR2 b 0 4\n.print tran par('v(a)-2*v(b)') twice=par('2*abs(i(v1))')\n"
+                                     ".save dialogbox\n.step temp 0 100 50\n.meas tran t TRIG time=1m TARG time=10m\n"
+                                     ".meas tran f FIND v(b) WHEN time=5m\n.meas tran late FIND v(b) WHEN time=11m\n.tran 5m 10m\n");
+  CHECK_THAT(finished.err, Contains("note[N-step-temperature]") && Contains("note[N-dialogbox]"));
+  CHECK(value_of(finished.out, "t") == Approx(9e-3));
+  CHECK(value_of(finished.out, "f") == Approx(2.0));  // four fifths of 2.5 V
+  CHECK_THAT(finished.err + finished.out, Contains("late"));
+  // v(a) - 2·(4/5)·v(a) and 2·v(a)/5, at 0, 2.5 and 5 V.
+  CHECK_THAT(read_file(scratch / "d.csv"), Contains("time,par('v(a)-2*v(b)'),twice\n0,0,0\n0.005,-1.5,1\n0.01,-3,2\n"));
 }
 
 TEST_CASE("a switch of level 2 with a limit of its current runs, and both are named as ignored", "[unit]") {

@@ -26,7 +26,7 @@ Kind expression_source() {
   Kind kind;
   kind.name = "source with an expression";
   kind.letter = 'B';
-  kind.usage = "B<name> n+ n- V={expression} | I={expression}";
+  kind.usage = "B<name> n+ n- V={expression} | I={expression} [Laplace=fraction]";
   kind.text = "v or i as a piecewise-linear expression of voltages, currents and time.";
   kind.tail = Tail::formula;
   kind.parameters = parameters;

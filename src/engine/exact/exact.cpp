@@ -9,7 +9,8 @@ namespace pwlsim::engine {
 Answer run(const ExactModel& model, const Request& request, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
   const Start start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
-  return run_from_start(request, began, start, [&](const Start& from) { return Transient(model, request, sink).run(from); });
+  Selectors selectors(model, request.non_unique);
+  return run_from_start(request, began, start, [&](const Start& from) { return Transient(model, request, sink, selectors, {}).run(from); });
 }
 
 OperatingPoint operating_point(const ExactModel& model) {

@@ -35,10 +35,10 @@ std::span<const double> entries(const linalg::Vector& v) { return {v.data(), sta
 
 }  // namespace
 
-IslandRun::IslandRun(const IslandModel& island_model, model::Several several)
+IslandRun::IslandRun(const IslandModel& island_model, model::Selector& selector)
     : model_(island_model),
       system_(island_model.extraction.system),
-      selector_(system_, several),
+      selector_(selector),
       source_departure_(*system_.exosystem),
       guard_watch_(system_),
       continuity_watch_(system_) {
@@ -130,11 +130,13 @@ void IslandRun::open(double time, double late) {
   undecided_ = is_set_ = false;
   is_as_before_ = true;
   late_ = late;
+  length_before_ = 0.0;
   std::fill(passed_.begin(), passed_.end(), 0);
   const model::Mode& m = *mode;
   auto& y = segment_.y;
   wanted = m.active;
-  if (is_at_limit(time)) {
+  opened_at_limit_ = is_at_limit(time);
+  if (opened_at_limit_) {
     at_limit_ = is_as_before_ = false;
     take_limit(time, x.data());
     return;
@@ -144,12 +146,13 @@ void IslandRun::open(double time, double late) {
   if (has_event_at(time)) {
     late_ = (event_time_ - time) + event_late_;
     linalg::copy(event_.y, m.ny, y.data());
+    length_before_ = event_.tau;
     passed_row = event_.row;
     if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
     is_settled_ = event_.row == settled;
     undecided_ = event_.row < 0 && !is_settled_;
   } else {
-    const double tau = (time - segment_.anchor) + (late - segment_.late);
+    const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
     // The march may have stepped past this instant; then the anchor is the place to start from.
     const bool from_anchor = tau < segment_.tau;
     if (from_anchor) linalg::copy(segment_.y0.data(), m.ny, y.data());

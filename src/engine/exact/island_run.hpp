@@ -17,7 +17,8 @@ namespace pwlsim::engine {
 
 class IslandRun {
  public:
-  IslandRun(const IslandModel& model, model::Several several);
+  /// `selector`: of the model's system; it keeps its modes from run to run.
+  IslandRun(const IslandModel& model, model::Selector& selector);
 
   [[nodiscard]] const model::System& system() const { return system_; }
   [[nodiscard]] model::Selector& selector() { return selector_; }
@@ -91,6 +92,11 @@ class IslandRun {
   /// Whether the mode goes on otherwise than `before` would have: a port determined in both modes, and not identically zero, lies on
   /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
   bool changes_visibly(const model::Mode& before);
+  /// At the instant at hand: why it was opened, and how long the segment before it was, s.
+  [[nodiscard]] double length_before() const { return length_before_; }
+  [[nodiscard]] bool is_settled() const { return is_settled_; }
+  [[nodiscard]] bool is_undecided() const { return undecided_; }
+  [[nodiscard]] bool is_open_at_limit() const { return opened_at_limit_; }
   /// The full state just before the instant at hand.
   [[nodiscard]] model::Vector state_before() const;
   /// t = 0: x and `wanted` are set by the caller, no segment precedes.
@@ -118,7 +124,7 @@ class IslandRun {
 
   const IslandModel& model_;
   const model::System& system_;
-  model::Selector selector_;
+  model::Selector& selector_;
   model::SourceDeparture source_departure_;
   Locator locator_;
   GuardWatch guard_watch_;
@@ -139,6 +145,8 @@ class IslandRun {
   bool at_limit_ = false;  ///< the event at hand is that
   bool open_ = false;
   double late_ = 0.0;          ///< of the instant at hand
+  double length_before_ = 0.0;
+  bool opened_at_limit_ = false;
   bool is_as_before_ = false;  ///< open, and no mode selected yet
   std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
   bool is_set_ = false;        ///< a switch of it, since the instant began

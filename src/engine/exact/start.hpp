@@ -6,6 +6,7 @@
 #include "engine/exact/exact_model.hpp"
 #include "engine/missing_rest.hpp"
 #include "engine/run.hpp"
+#include "model/index_set.hpp"
 
 namespace pwlsim::engine {
 
@@ -14,6 +15,7 @@ struct Start {
   MissingRest missing;                       ///< operating point only: parts that have none start from `.ic` values, and zero elsewhere
   std::vector<linalg::Vector> xi;            ///< energy coordinates of each island
   std::vector<char> on;                      ///< switches
+  std::vector<model::IndexSet> active;       ///< of each island: the mode before t = 0; empty where there was none
   std::vector<std::vector<double>> signals;  ///< operating point only: each island's share of its signals
 };
 

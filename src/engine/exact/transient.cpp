@@ -27,10 +27,12 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink)
+Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
     : model_(exact_model),
       request_(request),
       sink_(sink),
+      watching_(watching),
+      feed_(watching.observer, exact_model.islands.size()),
       jump_recorder_(exact_model.islands, request.jumps),
       losses_(exact_model.islands),
       thresholds_(exact_model.watched, request.stop),
@@ -39,8 +41,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       pieces_(exact_model.islands, request.probes, request.interrupt),
       impulses_(exact_model.islands, request.probes) {
   islands_.reserve(model_.islands.size());
-  for (const auto& island : model_.islands)
-    islands_.emplace_back(island, request.non_unique == NonUnique::first ? model::Several::first : model::Several::stay);
+  for (std::size_t i = 0; i < model_.islands.size(); ++i) islands_.emplace_back(model_.islands[i], selectors.of(i));
   if (request.watcher != nullptr)
     for (auto& island : islands_) island.selector().share_in_any_case();
   tolerance_ = merge_fraction * request.stop;
@@ -50,7 +51,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
   width_ = 1 + model_.signal_names.size();
-  rows_.resize(rows_per_block * width_);
+  if (request.grid.rows > 0 || request.events) rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
   for (auto& island : islands_) {
@@ -103,19 +104,7 @@ void Transient::make_groups() {
 Answer Transient::run(const Start& start) {
   const auto clock = Clock::now();
   answer_.outcome = Outcome::completed;
-  bool going = begin(start);
-  while (going) {
-    const double time = next_instant();
-    if (!rows_before(time, false)) break;
-    now_ = time;
-    going = handle(time) && time < request_.stop;
-    if (is_interrupted()) {
-      fail_interrupted();
-      break;
-    }
-    if (is_slow_ && !hand_over_in_time()) break;
-    if (++instants_ % instants_between_checks == 0 && request_.progress) request_.progress(time);
-  }
+  if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   flush();
   pieces_.advance(islands_, now_);
@@ -135,6 +124,44 @@ Answer Transient::run(const Start& start) {
   return std::move(answer_);
 }
 
+void Transient::march() {
+  for (bool going = !is_ended_by_observer_; going;) {
+    const double time = next_instant();
+    if (!rows_before(time, false)) break;
+    now_ = time;
+    if (watching_.leaves_end_open && time > request_.stop - tolerance_) return stop_short();
+    going = handle(time) && time < request_.stop && !is_ended_by_observer_;
+    if (is_interrupted()) {
+      fail_interrupted();
+      break;
+    }
+    if (is_slow_ && !hand_over_in_time()) break;
+    if (++instants_ % instants_between_checks == 0 && request_.progress) request_.progress(time);
+  }
+}
+
+/// The state just before `stop`, where what happens belongs to the next run.
+void Transient::stop_short() {
+  now_ = request_.stop;
+  for (IslandRun* island : running_) {
+    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
+    island->open(now_, 0.0);
+    feed_.ended(number_of(*island), *island, now_);
+    if (!holds(*island)) return;
+  }
+}
+
+RunState Transient::state() const {
+  RunState state{{}, on_, {}};
+  for (const IslandRun& island : islands_) {
+    model::Vector x = Eigen::Map<const model::Vector>(island.x.data(), island.system().size());
+    if (!island.is_open() && island.mode != nullptr) model::from_mode(island.system(), *island.mode, island.segment().y0.data(), x.data());
+    state.xi.push_back(x.head(island.system().n));
+    state.active.push_back(island.mode != nullptr ? island.mode->active : island.wanted);
+  }
+  return state;
+}
+
 /// t = 0: states as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
   on_ = start.on;
@@ -143,7 +170,9 @@ bool Transient::begin(const Start& start) {
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
+    if (!start.active.empty()) island->wanted = start.active[number_of(*island)];
     island->open_at_start();
+    feed_.started(number_of(*island));
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -187,8 +216,11 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
   if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
   pieces_.advance(islands_, instant.time);
-  if (!island.is_open() && island.mode != nullptr) control_probe_.look(island.system(), island.segment(), instant.time);
+  const bool breaks = island.next_break() <= instant.time + tolerance_;
+  const bool is_new = !island.is_open() && island.mode != nullptr;
+  if (is_new) control_probe_.look(island.system(), island.segment(), instant.time);
   island.open(instant.time, instant.late);
+  if (is_new) feed_.opened(number_of(island), island, instant.time, opened == Opened::from_outside, breaks);
   jump_recorder_.before(number_of(island), island.x);
   // What holds nothing but sources has not been brought along.
   if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
@@ -269,7 +301,9 @@ bool Transient::settle(Instant& instant, bool at_start) {
       jump_recorder_.after(number_of(*island), instant.time, island->x);
       if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
       island->close(instant.time, on_);
+      feed_.closed(number_of(*island), *island);
     }
+    is_ended_by_observer_ = !feed_.end(instant.time, instant.jumps > 0, on_);
     return true;
   }
   std::vector<std::string> names;
@@ -286,6 +320,7 @@ bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& ins
     if (!island->is_open()) continue;
     const model::Selected& selected = island->select();
     instant.jumps += selected.jumps;
+    feed_.selected(number_of(*island), *island);
     if (selected.jumps > 0) {
       jump_recorder_.jumped(number_of(*island), selected);
       impulses_.ports_jumped(number_of(*island), selected);

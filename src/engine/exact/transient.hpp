@@ -10,6 +10,8 @@
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/loss_watch.hpp"
+#include "engine/exact/march.hpp"
+#include "engine/exact/observer_feed.hpp"
 #include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/probe_impulses.hpp"
@@ -20,8 +22,15 @@ namespace pwlsim::engine {
 
 class Transient {
  public:
-  Transient(const ExactModel& model, const Request& request, RowSink& sink);
+  /// For runs within a run: who watches, and whether what happens at `stop` is left to the next one.
+  struct Watching {
+    Observer* observer = nullptr;
+    bool leaves_end_open = false;
+  };
+  Transient(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
   Answer run(const Start& start);
+  /// Where the run has ended: left of `stop`, or right of the instant at which the observer ended it.
+  [[nodiscard]] RunState state() const;
 
  private:
   /// What happened at one instant.
@@ -56,6 +65,8 @@ class Transient {
   void make_clocks();
   void make_groups();
   bool begin(const Start& start);
+  void march();
+  void stop_short();
   double next_instant();
   bool handle(double time);
   bool settle(Instant& instant, bool at_start);
@@ -97,6 +108,8 @@ class Transient {
   const ExactModel& model_;
   const Request& request_;
   RowSink& sink_;
+  Watching watching_;
+  bool is_ended_by_observer_ = false;
   Answer answer_;
   std::vector<IslandRun> islands_;
   std::vector<IslandRun*> running_;               ///< those that are not clocks
@@ -114,6 +127,7 @@ class Transient {
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
   std::vector<Opened> opened_;  ///< at the instant at hand
+  ObserverFeed feed_;
   CertificateRecorder recorder_;
   JumpRecorder jump_recorder_;
   LossWatch losses_;

@@ -1,0 +1,84 @@
+#include <numbers>
+
+#include "analysis/steady_state.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+std::string names_json(const std::vector<std::string>& names) {
+  std::vector<std::string> list;
+  for (const std::string& name : names) list.push_back(json_string(name));
+  return json_line(list);
+}
+
+std::string shares_json(const std::vector<std::pair<std::string, double>>& shares, std::string_view key) {
+  std::vector<std::string> list;
+  for (const auto& [name, share] : shares) list.push_back(json_line({{"name", json_string(name)}, {key, json_number(share)}}));
+  return json_line(list);
+}
+
+std::string multiplier_json(const SteadyState& state, const steady::Multiplier& m) {
+  constexpr double two_pi = 2.0 * std::numbers::pi;
+  return json_line({{"re", json_number(m.value.real())},
+                    {"im", json_number(m.value.imag())},
+                    {"abs", json_number(std::abs(m.value))},
+                    {"arg", json_number(std::arg(m.value))},
+                    {"trivial", json_truth(m.trivial)},
+                    {"frequency", json_number(std::arg(m.value) / (two_pi * state.orbit.period))},
+                    {"states", shares_json(shares_of(*state.model, m.direction), "share")}});
+}
+
+std::string stability(const steady::Orbit& orbit) {
+  if (!orbit.kink.empty()) return "null";
+  const double radius = steady::spectral_radius(orbit);
+  return json_string(radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal");
+}
+
+}  // namespace
+
+void write_orbit(JsonWriter& json, const SteadyState* state) {
+  if (state == nullptr || !state->is_found) return json.member("pss", "null");
+  const steady::Orbit& orbit = state->orbit;
+  const bool is_driven = !state->common.sources.empty();
+  std::vector<std::string> sources, multipliers, states, free, modes;
+  for (const steady::PeriodicSource& source : state->common.sources)
+    sources.push_back(json_line(
+        {{"name", json_string(source.name)}, {"period", json_number(source.period)}, {"cycles", std::to_string(source.cycles)}}));
+  for (const steady::Multiplier& m : orbit.multipliers) multipliers.push_back(multiplier_json(*state, m));
+  for (const NamedState& s : state->states)
+    states.push_back(json_line({{"name", json_string(s.name)}, {"value", json_number(s.value)}, {"unit", json_string(s.unit)}}));
+  for (const steady::Vector& direction : orbit.free_directions)
+    free.push_back(json_line({{"states", shares_json(shares_of(*state->model, direction.cast<std::complex<double>>()), "weight")}}));
+  for (const OrbitMode& mode : state->modes)
+    modes.push_back(json_line({{"time", json_number(mode.time)},
+                               {"closed", names_json(mode.closed)},
+                               {"conducting", names_json(mode.conducting)},
+                               {"event", json_string(mode.event)},
+                               {"jump", json_truth(mode.has_jump)}}));
+  const auto member_list = [&](std::string_view name, const std::vector<std::string>& list) {
+    json.key(name);
+    json.begin_array();
+    for (const std::string& item : list) json.value(item);
+    json.end_array();
+  };
+  json.key("pss");
+  json.begin_object();
+  json.member("kind", json_string(is_driven ? "driven" : "autonomous"));
+  json.member("period", json_number(orbit.period));
+  json.member("multiple", std::to_string(state->multiple));
+  member_list("sources", sources);
+  json.member("residual", json_number(orbit.residual));
+  json.member("iterations", std::to_string(orbit.iterations));
+  json.member("periods_simulated", std::to_string(orbit.periods_simulated));
+  json.member("condition", json_number(orbit.condition));
+  json.member("stability", stability(orbit));
+  json.member("unique", json_truth(orbit.free_directions.empty()));
+  member_list("multipliers", multipliers);
+  member_list("states", states);
+  member_list("free", free);
+  member_list("modes", modes);
+  json.member("phase", json_string(is_driven ? "t = 0 is where the periods of the sources begin" : "t = 0 is just after " + orbit.section));
+  json.end_object();
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,286 @@
+#include "analysis/small_signal.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "analysis/quantity.hpp"
+#include "base/names.hpp"
+#include "engine/exact/exact_model.hpp"
+#include "steady/transfer.hpp"
+#include "waveform/csv.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+using circuit::SmallSignal;
+using Complex = std::complex<double>;
+using Response = std::function<steady::ComplexVector(double)>;
+
+double degrees(Complex value) { return std::arg(value) * 180.0 / std::numbers::pi; }
+
+std::vector<int> sources_named(const model::Network& network, const std::string& name) {
+  std::vector<int> numbers;
+  for (std::size_t k = 0; k < network.sources.size(); ++k)
+    if (same_name(network.sources[k].label.name, name)) numbers.push_back(static_cast<int>(k));
+  return numbers;
+}
+
+void add_input_on(model::Network& network, const std::vector<int>& sources, Complex amplitude, SmallSignalInputs& inputs) {
+  const std::string name = fmt::format("ac {}", network.sources[static_cast<std::size_t>(sources.front())].label.name);
+  const int input = steady::add_input(network, name);
+  for (const int source : sources) steady::superpose_input(network, source, input);
+  inputs.names.push_back(name);
+  inputs.amplitudes.push_back(amplitude);
+}
+
+void add_loop_signals(model::Network& network, const std::string& source, SmallSignalInputs& inputs) {
+  for (const model::Branch& branch : network.branches) {
+    if (!same_name(branch.label.name, source)) continue;
+    const auto signal_of = [&](model::NodeIndex node) {
+      model::LinearForm form;
+      if (node != model::ground) form.push_back({model::Term::Kind::node_voltage, node, 1.0});
+      network.signals.push_back({fmt::format("loop {}", node), form});
+      return static_cast<int>(network.signals.size()) - 1;
+    };
+    inputs.positive = signal_of(branch.p);
+    inputs.negative = signal_of(branch.n);
+    return;
+  }
+}
+
+/// The times in a period at which a pulse of the source ends; both edges where `falling_only` is false.
+steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const model::Pulse& pulse, bool falling_only, Complex shift) {
+  constexpr double same_time = 1e-9;  // of the period
+  steady::TimeShifts shifts(orbit.instants().size(), 0.0);
+  const model::Track track = model::make_track(pulse);
+  const double threshold = 0.5 * (pulse.initial + pulse.pulsed);
+  const double sense = pulse.pulsed > pulse.initial ? 1.0 : -1.0;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    const double time = orbit.instants()[i].time, near = same_time * orbit.period();
+    const model::Track::Cursor left = track.before(time + orbit.period() - near), right = track.before(time + orbit.period() + near);
+    const double before = left.at(time + orbit.period() - near), after = right.at(time + orbit.period() + near);
+    const bool moves = before != after;
+    const bool falls = sense * after < sense * before || (moves && sense * before > sense * threshold);
+    if (moves && (falls || !falling_only)) shifts[i] = shift;
+  }
+  return shifts;
+}
+
+/// Bisection in log f for a zero of a real function between two frequencies.
+double zero_between(double low, double high, const std::function<double(double)>& f) {
+  constexpr int most = 60;
+  const bool rises = f(low) < 0.0;
+  for (int k = 0; k < most; ++k) {
+    const double middle = std::sqrt(low * high);
+    if (middle == low || middle == high) break;
+    ((f(middle) < 0.0) == rises ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, const Response& response, const std::vector<double>& frequencies) {
+  LoopGain loop;
+  loop.source = card.loop;
+  const auto gain = [&](double f) {
+    const steady::ComplexVector r = response(f);
+    return -r[inputs.negative] / r[inputs.positive];
+  };
+  for (const double f : frequencies) loop.values.push_back(gain(f));
+  const auto margin = [](Complex t) {
+    double phase = 180.0 + degrees(t);
+    while (phase > 180.0) phase -= 360.0;
+    return phase;
+  };
+  for (std::size_t k = 1; k < frequencies.size(); ++k) {
+    const Complex a = loop.values[k - 1], b = loop.values[k];
+    if (frequencies[k - 1] <= 0.0) continue;
+    if ((std::abs(a) > 1.0) != (std::abs(b) > 1.0)) {
+      const double f = zero_between(frequencies[k - 1], frequencies[k], [&](double at) { return std::abs(gain(at)) - 1.0; });
+      loop.crossovers.push_back({f, margin(gain(f))});
+    }
+    if (a.real() < 0.0 && b.real() < 0.0 && (a.imag() > 0.0) != (b.imag() > 0.0)) {
+      const double f = zero_between(frequencies[k - 1], frequencies[k], [&](double at) { return gain(at).imag(); });
+      loop.gain_margins.push_back({f, -20.0 * std::log10(std::abs(gain(f)))});
+    }
+  }
+  return loop;
+}
+
+SmallSignalResult evaluate(const SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network, std::size_t saved,
+                           const Response& response) {
+  SmallSignalResult result;
+  for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(network.signals[k].name);
+  result.frequencies = card.frequencies;
+  for (const double f : card.frequencies) {
+    const steady::ComplexVector all = response(f);
+    result.values.emplace_back(all.data(), all.data() + saved);
+    if (!all.allFinite()) result.singular.push_back(f);
+  }
+  if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, card.frequencies);
+  return result;
+}
+
+}  // namespace
+
+SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Network& network) {
+  SmallSignalInputs inputs;
+  const auto fail = [&](const std::string& name) {
+    inputs.id = "E-ac-no-input";
+    inputs.message = name.empty() ? "no source has an AC value; try AC 1 on a source, or from=V1" : fmt::format("{} is no source of the circuit", name);
+    return inputs;
+  };
+  if (!card.loop.empty() || card.input == SmallSignal::Input::source) {
+    const std::string& name = card.loop.empty() ? card.sources.front() : card.loop;
+    const std::vector<int> sources = sources_named(network, name);
+    if (sources.empty()) return fail(name);
+    add_input_on(network, sources, 1.0, inputs);
+    if (!card.loop.empty()) add_loop_signals(network, name, inputs);
+    if (!card.loop.empty() && inputs.positive < 0) return fail(name);
+    return inputs;
+  }
+  if (card.input != SmallSignal::Input::marked) {
+    for (const std::string& name : card.sources) {
+      const std::vector<int> sources = sources_named(network, name);
+      if (sources.empty() || !std::holds_alternative<model::Pulse>(network.sources[static_cast<std::size_t>(sources.front())].function)) {
+        inputs.id = "E-ac-no-input";
+        inputs.message = fmt::format("{} is no PULSE source of the circuit: only their edges are moved", name);
+        return inputs;
+      }
+    }
+    return inputs;
+  }
+  const std::size_t count = network.sources.size();
+  for (std::size_t k = 0; k < count; ++k)
+    if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0) add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
+  return inputs.names.empty() ? fail("") : inputs;
+}
+
+SmallSignalResult small_signals(const SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network,
+                                const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven, std::size_t saved) {
+  const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
+  steady::Transfer transfer(linear, network.signals.size());
+  const auto response = [&](double f) {
+    if (card.input != SmallSignal::Input::frequency && card.input != SmallSignal::Input::duty)
+      return transfer.at(f, card.harmonic, inputs.amplitudes).signals;
+    steady::TimeShifts shifts(linear.instants().size(), 0.0);
+    for (const std::string& name : card.sources) {
+      const auto& pulse = std::get<model::Pulse>(network.sources[static_cast<std::size_t>(sources_named(network, name).front())].function);
+      const bool is_duty = card.input == SmallSignal::Input::duty;
+      const Complex shift = is_duty ? Complex(pulse.period) : -pulse.period / (Complex(0.0, 2.0 * std::numbers::pi) * f);
+      const steady::TimeShifts own = shifts_of(linear, pulse, is_duty, shift);
+      for (std::size_t i = 0; i < shifts.size(); ++i) shifts[i] += own[i];
+    }
+    return transfer.at(f, card.harmonic, {}, shifts).signals;
+  };
+  return evaluate(card, inputs, network, saved, response);
+}
+
+SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message) {
+  const SmallSignal& card = *compiled.analyses.small_signal;
+  model::Network network = compiled.network;
+  const std::size_t saved = compiled.saved_signals();
+  const SmallSignalInputs inputs = add_small_signal_inputs(card, network);
+  Diagnostics diagnostics;
+  const auto model = engine::prepare(network, diagnostics);
+  if (!model) return {};
+  for (const engine::IslandModel& island : model->islands)
+    if (const model::System& system = island.extraction.system; system.ports > 0) {
+      id = "E-ac-needs-pss";
+      message = fmt::format("{} switches: small signals are those around a periodic steady state; try .pss", system.port.front().name);
+      return {};
+    }
+  id = inputs.id;
+  message = inputs.message;
+  if (!id.empty()) return {};
+  engine::March march(*model, {});
+  engine::RunState state = engine::state_of(engine::start_from_initial_values(*model));
+  steady::TraceRecorder recorder(state.on);
+  constexpr double moment = 1e-12;  // s: the one mode there is
+  march.advance(state, moment, &recorder);
+  const steady::LinearisedOrbit linear(*model, recorder.take(), moment, true, inputs.names);
+  return evaluate(card, inputs, network, saved, [&](double f) { return steady::linear_response(linear, network.signals.size(), f, inputs.amplitudes); });
+}
+
+std::string small_signal_csv(const SmallSignalResult& result) {
+  std::string text = "frequency";
+  const auto named = [](const std::string& signal, char part) {
+    const std::size_t open = signal.find('(');
+    return signal.substr(0, open) + part + (open == std::string::npos ? "" : signal.substr(open));
+  };
+  for (const std::string& signal : result.signals)
+    text += fmt::format(",{},{}", waveform::csv_field(named(signal, 'm')), waveform::csv_field(named(signal, 'p')));
+  text += '\n';
+  for (std::size_t k = 0; k < result.frequencies.size(); ++k) {
+    text += fmt::format("{}", result.frequencies[k]);
+    for (const Complex& value : result.values[k]) {
+      const bool is_finite = std::isfinite(value.real()) && std::isfinite(value.imag());
+      text += is_finite ? fmt::format(",{},{}", std::abs(value), degrees(value)) : ",,";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string small_signal_summary(const SmallSignalResult& result, const std::string& file) {
+  std::string text = fmt::format("ac response in {}: {} from {} to {}", file, counted(result.frequencies.size(), "point"),
+                                 quantity(result.frequencies.front(), "Hz"), quantity(result.frequencies.back(), "Hz"));
+  if (result.loop) {
+    for (const auto& at : result.loop->crossovers)
+      text += fmt::format("; crossover at {} with a phase margin of {:.4g} degrees", quantity(at.frequency, "Hz", 4), at.phase_margin);
+    for (const auto& at : result.loop->gain_margins)
+      text += fmt::format("; gain margin {:.4g} dB at {}", at.decibels, quantity(at.frequency, "Hz", 4));
+  }
+  return text + '\n';
+}
+
+void write_small_signals(JsonWriter& json, const SmallSignalResult* result) {
+  if (result == nullptr) return json.member("ac", "null");
+  const auto list_of = [&](const auto& numbers) {
+    std::vector<std::string> list;
+    for (const auto& number : numbers) list.push_back(json_number(number));
+    return json_line(list);
+  };
+  const auto parts_of = [&](const auto& value_at, std::size_t count, double (*part)(const Complex&)) {
+    std::vector<double> numbers;
+    for (std::size_t k = 0; k < count; ++k) numbers.push_back(part(value_at(k)));
+    return list_of(numbers);
+  };
+  const auto real = [](const Complex& c) { return c.real(); };
+  const auto imaginary = [](const Complex& c) { return c.imag(); };
+  json.key("ac");
+  json.begin_object();
+  json.member("frequencies", list_of(result->frequencies));
+  json.key("signals");
+  json.begin_array();
+  for (std::size_t s = 0; s < result->signals.size(); ++s) {
+    const auto at = [&](std::size_t k) { return result->values[k][s]; };
+    json.value(json_line({{"name", json_string(result->signals[s])},
+                          {"re", parts_of(at, result->frequencies.size(), real)},
+                          {"im", parts_of(at, result->frequencies.size(), imaginary)}}));
+  }
+  json.end_array();
+  json.key("loops");
+  json.begin_array();
+  if (result->loop) {
+    const LoopGain& loop = *result->loop;
+    const auto at = [&](std::size_t k) { return loop.values[k]; };
+    std::vector<std::string> crossovers, margins;
+    for (const auto& c : loop.crossovers)
+      crossovers.push_back(json_line({{"frequency", json_number(c.frequency)}, {"phase_margin", json_number(c.phase_margin)}}));
+    for (const auto& m : loop.gain_margins)
+      margins.push_back(json_line({{"frequency", json_number(m.frequency)}, {"decibels", json_number(m.decibels)}}));
+    json.value(json_line({{"source", json_string(loop.source)},
+                          {"re", parts_of(at, loop.values.size(), real)},
+                          {"im", parts_of(at, loop.values.size(), imaginary)},
+                          {"crossovers", json_line(crossovers)},
+                          {"gain_margins", json_line(margins)}}));
+  }
+  json.end_array();
+  json.end_object();
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,61 @@
+#pragma once
+/// `.ac`: small signals around the periodic steady state, or around the operating point of a linear circuit.
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/json.hpp"
+#include "circuit/compile.hpp"
+#include "engine/exact/march.hpp"
+#include "steady/orbit.hpp"
+
+namespace pwlsim::analysis {
+
+/// A loop gain T(f) = −v(n−)/v(n+) and where it crosses.
+struct LoopGain {
+  std::string source;
+  std::vector<std::complex<double>> values;
+  struct Crossover {
+    double frequency = 0.0, phase_margin = 0.0;  ///< Hz, degrees
+  };
+  struct GainMargin {
+    double frequency = 0.0, decibels = 0.0;
+  };
+  std::vector<Crossover> crossovers;
+  std::vector<GainMargin> gain_margins;
+};
+
+struct SmallSignalResult {
+  std::vector<std::string> signals;
+  std::vector<double> frequencies;                         ///< Hz
+  std::vector<std::vector<std::complex<double>>> values;  ///< a frequency, a signal; not finite where the response is infinite
+  std::optional<LoopGain> loop;
+  std::vector<double> singular;  ///< frequencies of an infinite response
+};
+
+/// What .ac adds to the network of the steady state.
+struct SmallSignalInputs {
+  std::string id, message;           ///< of an error: E-ac-no-input, …
+  std::vector<std::string> names;    ///< of the inputs in the network
+  std::vector<std::complex<double>> amplitudes;
+  int positive = -1, negative = -1;  ///< signals: n+ and n− of the source of a loop gain
+};
+/// `network` gets inputs, and signals behind its own.
+[[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
+
+/// Around an orbit of a model with these inputs; `saved`: signals that are wanted, the first so many.
+[[nodiscard]] SmallSignalResult small_signals(const circuit::SmallSignal& card, const SmallSignalInputs& inputs, const model::Network& network,
+                                              const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven, std::size_t saved);
+/// Of a linear circuit. `id` is E-ac-needs-pss where something in it switches.
+[[nodiscard]] SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message);
+
+/// The rows: frequency, magnitude and phase in degrees of every signal.
+[[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
+/// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
+[[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);
+/// The member `ac`.
+void write_small_signals(JsonWriter& json, const SmallSignalResult* result);
+
+}  // namespace pwlsim::analysis

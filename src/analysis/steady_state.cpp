@@ -1,0 +1,324 @@
+#include "analysis/steady_state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "analysis/orbit_names.hpp"
+#include "analysis/quantity.hpp"
+#include "analysis/repeated_pieces.hpp"
+#include "base/names.hpp"
+#include "engine/exact/exact_model.hpp"
+#include "steady/self_timed.hpp"
+#include "steady/subharmonic.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+using circuit::Compiled;
+using Trigger = circuit::SteadyState::Trigger;
+using steady::Orbit;
+using steady::Verdict;
+
+constexpr const char* watch_name = "when";
+
+/// A switch that closes where the signal rises above the level, across a resistor of its own; nothing else reads it.
+void add_watch(model::Network& network, const model::LinearForm& signal, double level) {
+  const auto node = static_cast<model::NodeIndex>(network.nodes.size());
+  network.nodes.push_back({watch_name, {}});
+  network.resistors.push_back({{watch_name, {}}, node, model::ground, 1.0});
+  model::Switch watch;
+  watch.label.name = watch_name;
+  watch.p = node;
+  watch.control = signal;
+  watch.on_level = watch.off_level = level;
+  watch.resistance = 1.0;
+  network.switches.push_back(std::move(watch));
+  network.signals.push_back({watch_name, {{model::Term::Kind::node_voltage, node, 1.0}}});
+}
+
+std::vector<model::Source> running_sources(const engine::ExactModel& model) {
+  std::vector<model::Source> sources;
+  for (const engine::IslandModel& island : model.islands)
+    sources.insert(sources.end(), island.island.network.sources.begin(), island.island.network.sources.end());
+  return sources;
+}
+
+class Finder {
+ public:
+  Finder(const Compiled& compiled, const std::atomic<int>& interrupt)
+      : compiled_(compiled), card_(*compiled.analyses.steady_state), interrupt_(interrupt) {}
+
+  SteadyState run() {
+    if (!prepare() || !choose_period()) return std::move(state_);
+    if (state_.common.seconds == 0.0 && task_.period == 0.0)
+      find_self_timed();
+    else
+      find_driven();
+    judge();
+    if (state_.is_found || state_.has_best_attempt) describe();
+    return std::move(state_);
+  }
+
+ private:
+  bool fail(std::string id, std::string message, bool is_wrong_input = false) {
+    state_.id = std::move(id);
+    state_.message = std::move(message);
+    state_.is_wrong_input = is_wrong_input;
+    return false;
+  }
+  void say(Severity severity, std::string id, std::string text) {
+    state_.messages.push_back({severity, std::move(id), {}, std::move(text)});
+  }
+
+  bool prepare() {
+    Diagnostics diagnostics;
+    const auto original = engine::prepare(compiled_.network, diagnostics);
+    if (!original) return fail("E-pss-not-converged", "the circuit has no model");
+    state_.common = steady::common_period(running_sources(*original));
+    for (const std::string& name : state_.common.settled)
+      say(Severity::note, "N-pss-source-settled", fmt::format("{} is not periodic: the steady state takes it at its last value", name));
+    state_.compiled = compiled_;
+    state_.compiled.network = steady::with_settled_sources(compiled_.network);
+    if (card_.trigger == Trigger::crosses) {
+      const auto probe = static_cast<std::size_t>(compiled_.orbit_measurements.probe_signals[static_cast<std::size_t>(card_.probe)]);
+      add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level);
+      ++state_.compiled.measured_signals;
+    }
+    if (compiled_.analyses.small_signal) {
+      const std::size_t signals = state_.compiled.network.signals.size();
+      state_.inputs = add_small_signal_inputs(*compiled_.analyses.small_signal, state_.compiled.network);
+      state_.compiled.measured_signals += state_.compiled.network.signals.size() - signals;
+    }
+    model_ = engine::prepare(state_.compiled.network, diagnostics);
+    engine::March::Options options;
+    options.interrupt = &interrupt_;
+    options.non_unique = request_of_choice(compiled_.analyses.non_unique);
+    march_ = std::make_shared<engine::March>(*model_, options);
+    return true;
+  }
+
+  static engine::NonUnique request_of_choice(circuit::NonUniqueChoice choice) {
+    return choice == circuit::NonUniqueChoice::first  ? engine::NonUnique::first
+           : choice == circuit::NonUniqueChoice::stay ? engine::NonUnique::stay
+                                                      : engine::NonUnique::error;
+  }
+
+  /// E-pss-no-period and what is wrong with period=.
+  bool choose_period() {
+    task_.multiple = state_.multiple = card_.multiple;
+    task_.tolerance = card_.tolerance;
+    if (card_.most_iterations) task_.most_iterations = *card_.most_iterations;
+    if (card_.most_periods) task_.most_periods = *card_.most_periods;
+    const steady::CommonPeriod& common = state_.common;
+    if (common.sources.empty()) return true;
+    if (card_.is_free)
+      return fail("E-pss-free", fmt::format("free asks for a self-timed orbit, and {} is periodic; try without free, or a constant source", common.sources.front().name), true);
+    double period = common.seconds;
+    if (!common.failure.empty()) {
+      if (!card_.period || card_.is_hint) return fail("E-pss-no-period", common.failure);
+      period = *card_.period;
+    } else if (card_.period && !card_.is_hint) {
+      const std::int64_t whole = steady::whole_multiple(*card_.period, period);
+      if (whole == 0)
+        return fail("E-pss-not-a-multiple",
+                    fmt::format("period={} is not a multiple of {}, the common period of the sources; try period={}",
+                                quantity(*card_.period, "s"), quantity(period, "s"), period),
+                    true);
+      task_.multiple = state_.multiple = static_cast<int>(whole) * card_.multiple;
+    }
+    state_.common.seconds = period;
+    task_.period = period * task_.multiple;
+    if (card_.settling_time) task_.periods_before = static_cast<int>(std::min(1e6, std::ceil(*card_.settling_time / period)));
+    return true;
+  }
+
+  engine::RunState start() {
+    const engine::Start from = card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
+    for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
+    return engine::state_of(from);
+  }
+
+  void find_driven() { state_.orbit = steady::find_driven_orbit(*march_, start(), task_); }
+
+  void find_self_timed() {
+    steady::SelfTimedTask task;
+    task.orbit = task_;
+    task.hint = card_.period.value_or(card_.longest_period.value_or(0.0));
+    if (compiled_.analyses.transient) task.horizon = compiled_.analyses.transient->stop.seconds;
+    if (card_.settling_time) task.settling_time = *card_.settling_time;
+    if (card_.trigger != Trigger::none) {
+      std::optional<steady::Section> section = section_of_card();
+      if (!section) return;
+      task.section = std::move(*section);
+    }
+    state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
+  }
+
+  std::optional<steady::Section> section_of_card() {
+    const bool crosses = card_.trigger == Trigger::crosses;
+    const bool closes = crosses ? !card_.is_falling : card_.trigger == Trigger::closes;
+    const std::string name = crosses ? watch_name : card_.element;
+    if (auto section = steady::section_of(*model_, name, closes)) return section;
+    fail("E-pss-no-trigger", fmt::format("{} is no switch or diode whose state is followed; try {}=S1, or when v(node)=level", card_.element, closes ? "on" : "off"));
+    return std::nullopt;
+  }
+
+  void judge() {
+    Orbit& orbit = state_.orbit;
+    if (!state_.id.empty()) return;
+    switch (orbit.verdict) {
+      case Verdict::found:
+        state_.is_found = true;
+        return remark_on_orbit();
+      case Verdict::no_orbit:
+        fail("E-pss-no-orbit", fmt::format("there is no periodic orbit: each period adds {}, and nothing stops it", drift_text()));
+        return;
+      case Verdict::drifts:
+        fail("E-pss-not-converged", fmt::format("no orbit was found: each period still adds {} after {} periods", drift_text(), orbit.periods_simulated));
+        break;
+      case Verdict::not_converged: {
+        std::vector<double> last(orbit.residuals.end() - static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, orbit.residuals.size())), orbit.residuals.end());
+        fail("E-pss-not-converged",
+             fmt::format("no orbit of period {} was found in {} Newton steps and {} periods; the last residuals are {:.2g}; try k={}, tstab=, or maxperiods=",
+                         quantity(orbit.period, "s"), orbit.iterations, orbit.periods_simulated, fmt::join(last, ", "), 2 * card_.multiple));
+        break;
+      }
+      case Verdict::no_event:
+        if (card_.trigger == Trigger::none)
+          fail("E-pss-no-oscillation", "the circuit has no periodic source and comes to rest; try .op for the point where it rests");
+        else
+          fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(), quantity(orbit.answer.time, "s")));
+        return;
+      case Verdict::run_failed:
+        fail(orbit.answer.id, "on the way to the orbit, " + orbit.answer.message);
+        return;
+      case Verdict::interrupted:
+        fail("E-interrupted", "interrupted before the orbit was found; nothing was written");
+        return;
+    }
+    state_.has_best_attempt = !orbit.trace.steps.empty();
+  }
+
+  [[nodiscard]] std::string trigger_text() const {
+    if (card_.trigger == Trigger::crosses) return fmt::format("when {}={} {}", card_.element, card_.level, card_.is_falling ? "fall" : "rise");
+    return fmt::format("{}={}", card_.trigger == Trigger::closes ? "on" : "off", card_.element);
+  }
+
+  [[nodiscard]] std::string drift_text() const {
+    const NamedState added = largest_change(*model_, state_.orbit.drift);
+    return fmt::format("{} to {}", quantity(added.value, added.unit), added.name);
+  }
+
+  void remark_on_orbit() {
+    const Orbit& orbit = state_.orbit;
+    if (!orbit.kink.empty())
+      say(Severity::warning, "W-pss-graze", fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
+    if (!orbit.free_directions.empty() && orbit.kink.empty()) {
+      std::vector<std::string> names;
+      for (const steady::Vector& direction : orbit.free_directions) names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);
+      say(Severity::note, "N-pss-not-unique",
+          fmt::format("the orbit is one of a family (multiplier 1): the offset of {} is not determined; it is kept from the start", fmt::join(names, ", ")));
+    }
+    if (orbit.has_shorter_period)
+      say(Severity::note, "N-pss-shorter-period",
+          fmt::format("the orbit found for k={} repeats after fewer periods of the sources: its period is a fraction of {}", state_.multiple, quantity(orbit.period, "s")));
+    if (spectral_radius(orbit) > 1.0 + marginal_multiplier) say(Severity::warning, "W-pss-unstable", instability_text(orbit));
+  }
+
+  static std::string instability_text(const Orbit& orbit) {
+    const auto worst = std::find_if(orbit.multipliers.begin(), orbit.multipliers.end(), [](const auto& m) { return !m.trivial; });
+    const std::complex<double> value = worst->value;
+    const double growth = 100.0 * (std::abs(value) - 1.0);
+    if (value.imag() != 0.0)
+      return fmt::format("the orbit is unstable: multiplier {:.4g}{:+.4g}j, a slow oscillation of {} grows by {:.3g} % a period", value.real(), value.imag(),
+                         quantity(std::abs(std::arg(value)) / (2.0 * std::numbers::pi * orbit.period), "Hz", 3), growth);
+    if (value.real() < 0.0)
+      return fmt::format("the orbit is unstable: multiplier {:.4g}, the period doubles; try slope compensation, or k=2 for the doubled orbit", value.real());
+    return fmt::format("the orbit is unstable: multiplier {:.4g}, a deviation runs away by {:.3g} % a period", value.real(), growth);
+  }
+
+  void describe() {
+    const Orbit& orbit = state_.orbit;
+    state_.model = model_;
+    state_.modes = orbit_modes(*model_, compiled_.hidden, orbit.trace);
+    state_.states = states_after_start(*model_, orbit.trace);
+    Compiled& own = state_.compiled;
+    own.measurements = compiled_.orbit_measurements;
+    circuit::Transient& run = own.analyses.transient.emplace();
+    run.stop = {orbit.period, ""};
+    constexpr int points_when_omitted = 1000;
+    if (card_.points != points_when_omitted) run.step = {orbit.period / card_.points, ""};
+    run.use_initial_conditions = true;
+    run.span = card_.span;
+    state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period](engine::Request request, engine::RowSink& sink) {
+      RepeatedPieces pieces(request.probes, period);
+      request.probes = pieces.probes();
+      engine::Answer answer = march->run(begin, request, sink);
+      if (answer.outcome == engine::Outcome::completed) answer.probed = pieces.repeat(answer.probed);
+      return answer;
+    };
+  }
+
+  const Compiled& compiled_;
+  const circuit::SteadyState& card_;
+  const std::atomic<int>& interrupt_;
+  SteadyState state_;
+  steady::OrbitTask task_;
+  std::shared_ptr<const engine::ExactModel> model_;
+  std::shared_ptr<engine::March> march_;
+};
+
+}  // namespace
+
+SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) { return Finder(compiled, interrupt).run(); }
+
+Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
+  std::shared_ptr<const engine::ExactModel> model = engine::prepare(compiled.network, diagnostics);
+  if (!model) return {};
+  return [model, begin = state.orbit.begin](const engine::Request& request, engine::RowSink& sink) {
+    engine::RunState from = begin;
+    from.xi.resize(model->islands.size());
+    from.on.resize(model->switches.size());
+    from.active.resize(model->islands.size());
+    engine::March march(*model, {request.non_unique, request.interrupt});
+    return march.run(from, request, sink);
+  };
+}
+
+measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt) {
+  class Nowhere : public waveform::RowWriter {
+   public:
+    bool write(std::span<const double>) override { return true; }
+    bool flush() override { return true; }
+  } nowhere;
+  RunControl control;
+  control.interrupt = &interrupt;
+  control.longest_window = most_periods_measured * state.orbit.period;
+  return run_rows(state.compiled, state.simulate, nowhere, control).measurements;
+}
+
+SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
+  return small_signals(*compiled.analyses.small_signal, *state.inputs, state.compiled.network, *state.model, state.orbit,
+                       !state.common.sources.empty(), compiled.saved_signals());
+}
+
+std::string orbit_summary(const SteadyState& state, const std::string& output) {
+  const Orbit& orbit = state.orbit;
+  const double radius = steady::spectral_radius(orbit);
+  std::string stability = "its stability is not known";
+  if (orbit.kink.empty()) {
+    stability = radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal";
+    stability += fmt::format(", largest multiplier {:.3g}", radius);
+    if (radius < 1.0 - marginal_multiplier && radius > 0.01)
+      stability += fmt::format(" (settles in {} to 1 %)", counted(static_cast<std::uint64_t>(std::ceil(std::log(0.01) / std::log(radius))), "period"));
+  }
+  return fmt::format("orbit of {}: period {}, {}, {}, residual {:.1g}; {}\n", output, quantity(orbit.period, "s"),
+                     counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),
+                     counted(static_cast<std::uint64_t>(orbit.periods_simulated), "period"), orbit.residual, stability);
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,65 @@
+#pragma once
+/// `.pss`: from a compiled deck to its periodic orbit, and what there is to say about it.
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/json.hpp"
+#include "analysis/orbit_names.hpp"
+#include "analysis/small_signal.hpp"
+#include "analysis/transient.hpp"
+#include "circuit/compile.hpp"
+#include "engine/exact/march.hpp"
+#include "steady/orbit.hpp"
+#include "steady/period.hpp"
+
+namespace pwlsim::analysis {
+
+/// Of | |λ| − 1 |: the orbit is neither stable nor unstable.
+inline constexpr double marginal_multiplier = 1e-9;
+
+struct SteadyState {
+  bool is_found = false;
+  bool has_best_attempt = false;  ///< not found, but there is a run over one period that shows how far it came
+  bool is_wrong_input = false;    ///< the card asks for what cannot be
+  std::string id, message;        ///< of the error where it is not found
+  std::vector<Diagnostic> messages;
+  std::shared_ptr<const engine::ExactModel> model;
+  steady::CommonPeriod common;
+  steady::Orbit orbit;
+  int multiple = 1;
+  std::vector<NamedState> states;  ///< right of t = 0
+  std::vector<OrbitMode> modes;
+  std::optional<SmallSignalInputs> inputs;  ///< of .ac, in the model
+  circuit::Compiled compiled;  ///< of the orbit: settled sources, one period, its own measurements
+  Simulate simulate;           ///< runs over the period from the orbit
+};
+
+/// Networks beyond the exact engine's reach end with an error. `compiled.analyses.steady_state` must be there.
+[[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, const std::atomic<int>& interrupt);
+
+/// A run of the deck's own .tran that starts on the orbit.
+[[nodiscard]] Simulate from_orbit(const circuit::Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics);
+
+/// The orbit's own measurements.
+[[nodiscard]] measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt);
+
+/// A window of a measurement may hold so many periods.
+inline constexpr double most_periods_measured = 1e4;
+
+/// Why the sparse engine cannot.
+inline constexpr const char* orbit_needs_exact_engine =
+    "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
+
+/// Small signals around the orbit.
+[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
+
+/// "orbit of buck.csv: period 5 µs, …".
+[[nodiscard]] std::string orbit_summary(const SteadyState& state, const std::string& output);
+
+/// The member `pss`; null where there is none.
+void write_orbit(JsonWriter& json, const SteadyState* state);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,172 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/name_list.hpp"
+#include "circuit/commands.hpp"
+#include "circuit/items.hpp"
+#include "circuit/measured_expression.hpp"
+#include "circuit/save_request.hpp"
+
+namespace pwlsim::circuit {
+namespace {
+
+using netlist::Card;
+using netlist::Item;
+using ItemKind = Item::Kind;
+using Trigger = SteadyState::Trigger;
+
+constexpr std::string_view pss_usage =
+    ".pss [period=T | freq=f] [k=N] [on=S1 | off=S1 | when v(a)=b [rise|fall]] [tstab=t] [points=N] [maxiter=N] [maxperiods=N] [tol=x] [uic]";
+constexpr double largest_count = 1e9;
+
+/// .pss as pwlsim and as ngspice have it, and .pop.
+class SteadyStateReader {
+ public:
+  SteadyStateReader(const Card& card, Scope& scope, Reporter& reporter, Circuit& circuit)
+      : card_(card), scope_(scope), reporter_(reporter), circuit_(circuit) {
+    state_.span = card.span;
+  }
+
+  std::optional<SteadyState> read() {
+    for (std::size_t k = 0; k < card_.items.size() && ok_; ++k) {
+      const Item& item = card_.items[k];
+      if (item.kind == ItemKind::assignment)
+        take_assignment(item);
+      else if (is_word(item, "uic"))
+        state_.use_initial_conditions = true;
+      else if (is_word(item, "free"))
+        state_.is_free = true;
+      else if (is_word(item, "when"))
+        is_when_ = true;
+      else if (is_word(item, "rise") || is_word(item, "fall"))
+        take_edge(item);
+      else
+        take_positional(item);
+    }
+    if (is_when_ && state_.trigger != Trigger::crosses) fail("E-missing-value", card_.span, "WHEN names no signal and level");
+    return ok_ ? std::optional(state_) : std::nullopt;
+  }
+
+ private:
+  void fail(std::string id, SourceSpan span, std::string_view what) {
+    reporter_.error(std::move(id), span, fmt::format("{}; usage: {}", what, pss_usage));
+    ok_ = false;
+  }
+
+  std::optional<double> number(const Item& item) {
+    const std::optional<Number> value = scope_.number(item);
+    ok_ &= value.has_value();
+    return value ? std::optional(value->value) : std::nullopt;
+  }
+
+  double positive(const Item& item, std::string_view name) {
+    const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
+    if (item.items.empty()) fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+    if (value && !(*value > 0.0 && std::isfinite(*value))) fail("E-range", item.span, fmt::format("{} must be positive, not {}", name, *value));
+    return value.value_or(1.0);
+  }
+
+  int count(const Item& item, std::string_view name, std::string_view id) {
+    const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
+    if (value && (*value < 1.0 || *value > largest_count || *value != std::floor(*value)))
+      fail(std::string(id), item.span, fmt::format("{} must be 1, 2, ..., not {}", name, *value));
+    if (item.items.empty()) fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+    return ok_ && value ? static_cast<int>(*value) : 1;
+  }
+
+  void take_assignment(const Item& item) {
+    const auto is = [&](std::string_view name) { return same_name(item.text, name); };
+    if (item.items.size() > 1) return take_crossing(item);
+    if (is("period") || is("max_period")) {
+      (is("period") ? state_.period : state_.longest_period) = positive(item, item.text);
+    } else if (is("freq")) {
+      state_.period = 1.0 / positive(item, "freq");
+    } else if (is("k")) {
+      state_.multiple = count(item, "k", "E-pss-bad-multiple");
+    } else if (is("on") || is("trig_gate")) {
+      take_trigger(item, Trigger::closes);
+    } else if (is("off")) {
+      take_trigger(item, Trigger::opens);
+    } else if (is("trig_cond")) {
+      state_.trigger = !item.items.empty() && item.items[0].text.starts_with("1") ? Trigger::opens : Trigger::closes;
+    } else if (is("tstab")) {
+      const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
+      if (value && !(*value >= 0.0)) fail("E-range", item.span, "tstab must not be negative");
+      state_.settling_time = value;
+    } else if (is("points")) {
+      state_.points = count(item, "points", "E-range");
+    } else if (is("maxiter")) {
+      state_.most_iterations = count(item, "maxiter", "E-range");
+    } else if (is("maxperiods") || is("cycles_before_pop")) {
+      state_.most_periods = count(item, item.text, "E-range");
+    } else if (is("tol")) {
+      state_.tolerance = positive(item, "tol");
+    } else if (!is("td_run_after_pop_fails")) {
+      fail("E-unexpected", item.span,
+           fmt::format("unknown parameter '{}'{}", item.text,
+                       suggestion(item.text, {"period", "freq", "k", "on", "off", "tstab", "points", "maxiter", "maxperiods", "tol"})));
+    }
+  }
+
+  void take_trigger(const Item& item, Trigger trigger) {
+    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("an element is missing behind {}=", item.text));
+    if (state_.trigger == Trigger::none) state_.trigger = trigger;
+    state_.element = item.items[0].kind == ItemKind::expression ? reporter_.text(item.items[0].span) : item.items[0].text;
+    state_.element_span = item.items[0].span;
+  }
+
+  void take_crossing(const Item& item) {
+    if (!is_when_) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
+    std::optional<SaveRequest> signal = save_request(item.items[1], reporter_);
+    const std::optional<double> level = number(item.items[0]);
+    ok_ &= signal.has_value() && signal->kind != SaveRequest::Kind::all;
+    if (!ok_ || !level) return;
+    state_.trigger = Trigger::crosses;
+    state_.element = signal->column;
+    state_.level = *level;
+    state_.probe = add_probe(circuit_, std::move(*signal));
+  }
+
+  void take_edge(const Item& item) {
+    if (!is_when_) return fail("E-unexpected", item.span, fmt::format("{} stands behind WHEN only", item.text));
+    state_.is_falling = is_word(item, "fall");
+  }
+
+  /// ngspice: gfreq tstab oscnode psspoints harms [sciter steadycoeff]
+  void take_positional(const Item& item) {
+    const int place = positional_++;
+    if (place == 2) return;  // the node that oscillates: the events tell
+    if (place > 6) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
+    const std::optional<double> value = number(item);
+    if (!value) return;
+    if (!(*value >= 0.0)) return fail("E-range", item.span, fmt::format("a number of .pss must not be negative, not {}", *value));
+    if (place == 0 && *value > 0.0) {
+      state_.period = 1.0 / *value;
+      state_.is_hint = true;
+    }
+    if (place == 1) state_.settling_time = *value;
+    if (place == 3 && *value >= 1.0) state_.points = static_cast<int>(std::min(*value, largest_count));
+  }
+
+  const Card& card_;
+  Scope& scope_;
+  Reporter& reporter_;
+  Circuit& circuit_;
+  SteadyState state_;
+  bool ok_ = true, is_when_ = false;
+  int positional_ = 0;
+};
+
+}  // namespace
+
+void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+  const auto& cards = definitions.steady_states;
+  for (std::size_t k = 0; k + 1 < cards.size(); ++k)
+    reporter.warning("W-second-pss", cards[k]->name_span,
+                     fmt::format("this {} is not run: the last one counts, at {}", cards[k]->name, reporter.where(cards.back()->span)));
+  if (cards.empty() || cards.back()->damaged) return;
+  circuit.analyses.steady_state = SteadyStateReader(*cards.back(), scope, reporter, circuit).read();
+}
+
+}  // namespace pwlsim::circuit

@@ -1,0 +1,109 @@
+#include "elements/dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pwlsim::elements {
+namespace {
+
+using model::LinearForm;
+
+LinearForm scaled(const LinearForm& form, double factor) {
+  LinearForm result;
+  model::accumulate(result, form, factor);
+  return result;
+}
+
+std::string name_of(std::string_view part, std::string_view role) { return fmt::format("{}{}{}", part, part.empty() ? "" : " ", role); }
+
+/// An inner node with 1 F to ground: its voltage is a state, whose derivative is what is injected.
+model::NodeIndex add_state(Emission& emission, std::string_view name) {
+  const model::NodeIndex node = emission.inner_node(name);
+  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
+  return node;
+}
+
+void inject(Emission& emission, model::NodeIndex node, LinearForm current) {
+  emission.builder().add(model::Injection{emission.label(), model::ground, node, std::move(current)});
+}
+
+/// A stop for the state: an input u ≥ 0 pushes while sign·(state − bound) is 0.
+void add_stop(Emission& emission, LinearForm& rate, model::NodeIndex state, double bound, double sign) {
+  if (std::isinf(bound)) return;
+  LinearForm slack = model::voltage_between(state, model::ground, sign);
+  slack.push_back(model::constant(-sign * bound));
+  const int index = emission.builder().add(model::Complementarity{emission.label(), std::move(slack)});
+  rate.push_back({Quantity::slack_input, index, sign});
+}
+
+/// Ascending powers of s, in units of `rate`.
+std::vector<double> ascending(std::vector<double> list, double rate) {
+  std::reverse(list.begin(), list.end());
+  double power = 1.0;
+  for (double& coefficient : list) {
+    coefficient *= power;
+    power *= rate;
+  }
+  return list;
+}
+
+/// The rate that makes the largest coefficient of the monic denominator one.
+double rate_of(const std::vector<double>& descending) {
+  double rate = 0.0;
+  for (std::size_t k = 1; k < descending.size(); ++k)
+    rate = std::max(rate, std::pow(std::abs(descending[k] / descending[0]), 1.0 / static_cast<double>(k)));
+  return rate > 0.0 ? rate : 1.0;
+}
+
+}  // namespace
+
+LinearForm add_integral(Emission& emission, std::string_view part, LinearForm input, const Integral& integral) {
+  const model::NodeIndex state = add_state(emission, name_of(part, "output"));
+  model::Capacitor& capacitor = emission.builder().network().capacitors.back();
+  capacitor.has_initial = true;
+  capacitor.initial_voltage = integral.start;
+  emission.builder().add(model::NodeCondition{emission.label(), state, integral.start});
+  add_stop(emission, input, state, integral.least, 1.0);
+  add_stop(emission, input, state, integral.most, -1.0);
+  inject(emission, state, std::move(input));
+  return model::voltage_between(state, model::ground);
+}
+
+LinearForm add_derivative(Emission& emission, std::string_view part, const LinearForm& input) {
+  const model::NodeIndex node = emission.inner_node(name_of(part, "input"));
+  emission.builder().add(model::Branch{emission.label(), node, model::ground, input});
+  const int capacitor = emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
+  return quantity(Quantity::capacitor_current, capacitor);
+}
+
+CanonicalForm canonical_form(const Fraction& fraction) {
+  const double rate = rate_of(fraction.den);
+  CanonicalForm form{rate, ascending(fraction.num, rate), ascending(fraction.den, rate)};
+  form.num.resize(form.den.size(), 0.0);
+  return form;
+}
+
+/// Controllable canonical form in p = s/rate:  x_k' = rate·x_{k+1},  x_n' = rate·(u − Σ a_k x_{k+1}),  y = Σ b_k x_{k+1} + b_n·(…).
+LinearForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit, const LinearForm& input) {
+  const auto [rate, num, den] = canonical_form(fraction);
+  const std::size_t order = den.size() - 1;
+  LinearForm highest = scaled(input, 1.0 / den[order]);
+  std::vector<LinearForm> state;
+  std::vector<model::NodeIndex> node;
+  for (std::size_t k = 0; k < order; ++k) {
+    node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1))));
+    state.push_back(model::voltage_between(node[k], model::ground));
+    if (den[k] != 0.0) model::accumulate(highest, state[k], -den[k] / den[order]);
+  }
+  state.push_back(highest);
+  LinearForm output;
+  for (std::size_t k = 0; k <= order; ++k) {
+    if (k < order) inject(emission, node[k], scaled(state[k + 1], rate * unit));
+    if (num[k] != 0.0) model::accumulate(output, state[k], num[k]);
+  }
+  return output;
+}
+
+}  // namespace pwlsim::elements

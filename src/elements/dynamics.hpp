@@ -1,0 +1,36 @@
+#pragma once
+/// Integrals, derivatives and rational functions of s: of what A elements and expressions compute. A state is the voltage of 1 F at an inner node, whose
+/// derivative is what is injected there. `part` names the inner nodes of an element that has several of them.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "elements/emission.hpp"
+#include "elements/twin.hpp"
+
+namespace pwlsim::elements {
+
+/// ∫ input dt, from `start` at the operating point and at the start with uic. The integral stops at the bounds until the input turns.
+struct Integral {
+  double start = 0.0, least = -infinite, most = infinite;
+};
+[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, model::LinearForm input, const Integral& integral);
+[[nodiscard]] std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral);
+
+[[nodiscard]] model::LinearForm add_derivative(Emission& emission, std::string_view part, const model::LinearForm& input);
+[[nodiscard]] std::string twin_derivative(Twin& twin, std::string_view part, std::string_view input);
+
+/// The fraction in p = s/(rate·unit), powers ascending, both of length order + 1.
+struct CanonicalForm {
+  double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one
+  std::vector<double> num, den;
+};
+[[nodiscard]] CanonicalForm canonical_form(const Fraction& fraction);
+
+/// A proper fraction, s in units of `unit` 1/s; its states start at rest.
+[[nodiscard]] model::LinearForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit,
+                                             const model::LinearForm& input);
+[[nodiscard]] std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fraction, double unit, std::string_view input);
+
+}  // namespace pwlsim::elements

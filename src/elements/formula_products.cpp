@@ -1,0 +1,60 @@
+/// Products of signals, of which one takes two values only: that is known when all elements are there.
+#include "elements/formula.hpp"
+
+namespace pwlsim::elements {
+namespace {
+
+using Kind = FormulaPart::Kind;
+
+}  // namespace
+
+AffineSum FormulaBuilder::open_product(const AffineSum& a, const AffineSum& b) {
+  return part({.kind = Kind::product, .above = a, .below = b});
+}
+
+/// The same part of this builder, whose arguments `now` gives.
+std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, const Translation& now) {
+  switch (part.kind) {
+    case Kind::voltage:
+    case Kind::current:
+    case Kind::time:
+      return this->part(part);
+    case Kind::positive:
+      return positive(now(part.argument));
+    case Kind::step:
+      return step(now(part.argument), part.at_zero);
+    case Kind::choice:
+      return hysteresis(now(part.argument), part.on_level, part.off_level, now(part.above), now(part.below));
+    case Kind::integral:
+      return integral(now(part.argument), part.start);
+    case Kind::derivative:
+      return derivative(now(part.argument));
+    case Kind::transfer:
+      return transfer(now(part.argument), part.fraction);
+    case Kind::product:
+      return product(now(part.above), now(part.below));
+  }
+  return std::nullopt;
+}
+
+std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, int& failed) {
+  FormulaBuilder builder(levels);
+  std::vector<AffineSum> sums;
+  const auto now = [&](const AffineSum& old) {
+    AffineSum sum = constant_sum(old.constant);
+    for (const auto& [part, coefficient] : old.terms) sum = sum + coefficient * sums[static_cast<std::size_t>(part)];
+    return sum;
+  };
+  for (const FormulaPart& part : formula.parts) {
+    std::optional<AffineSum> sum = builder.same_part(part, now);
+    if (!sum) {
+      failed = static_cast<int>(sums.size());
+      return std::nullopt;
+    }
+    sums.push_back(std::move(*sum));
+  }
+  AffineSum value = now(formula.value);
+  return std::move(builder).finish(std::move(value));
+}
+
+}  // namespace pwlsim::elements

@@ -1,0 +1,169 @@
+#include "steady/linearised.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pwlsim::steady {
+namespace {
+
+using engine::Cause;
+using engine::Change;
+using model::Mode;
+using model::System;
+
+/// (ξ, ζ)′ where the mode is at y.
+Vector speed(const System& system, const Mode& mode, const std::vector<double>& y) {
+  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
+  Vector x(system.size());
+  model::from_mode(system, mode, rate.data(), x.data());
+  return x;
+}
+
+Vector outputs_of(const Mode& mode, const std::vector<double>& y) {
+  return mode.outputs * Eigen::Map<const Vector>(y.data(), mode.ny);
+}
+
+/// How a control that sources alone decide stands just before an instant.
+struct ClockValue {
+  double value = 0.0, slope = 0.0, size = 0.0;
+};
+
+ClockValue clock_value(const System& system, const model::Control& control, double time) {
+  const model::Exosystem& sources = *system.exosystem;
+  ClockValue at;
+  if (sources.constant() >= 0) at.value = control.value.state[system.n + sources.constant()];
+  at.size = std::abs(at.value);
+  for (const auto& track : sources.tracks()) {
+    const double gain = control.value.state[system.n + sources.blocks()[static_cast<std::size_t>(track.block)].first];
+    if (gain == 0.0) continue;
+    const model::Track::Cursor cursor = track.track.before(time);
+    at.value += gain * cursor.at(time);
+    at.slope += gain * cursor.slope;
+    at.size += std::abs(gain) * cursor.size_at(time);
+  }
+  return at;
+}
+
+template <class Form>
+void superpose(Form& form, int source, int input) {
+  const std::size_t terms = form.size();
+  for (std::size_t i = 0; i < terms; ++i)
+    if (form[i].kind == model::Term::Kind::source && form[i].index == source)
+      form.push_back({model::Term::Kind::source, input, form[i].coefficient});
+}
+
+}  // namespace
+
+int add_input(model::Network& network, const std::string& name) {
+  model::Source source;
+  source.label.name = name;
+  // Zero from t = 0 on, and a ramp before, so that there is a column for its slope.
+  source.function = model::Pwl{{{-3.0, 0.0}, {-2.0, 1.0}, {-1.0, 0.0}}, 0.0, 0.0};
+  network.sources.push_back(std::move(source));
+  return static_cast<int>(network.sources.size()) - 1;
+}
+
+void superpose_input(model::Network& network, int source, int input) {
+  for (auto& branch : network.branches) superpose(branch.voltage, source, input);
+  for (auto& injection : network.injections) superpose(injection.current, source, input);
+  for (auto& item : network.complementarities) superpose(item.slack, source, input);
+  for (auto& item : network.switches) superpose(item.control, source, input);
+  for (auto& signal : network.signals) superpose(signal.form, source, input);
+}
+
+LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
+                                 const std::vector<std::string>& inputs)
+    : model_(model), stacking_(model), period_(period), inputs_(inputs.size()) {
+  for (const engine::IslandModel& island : model.islands) {
+    std::vector<InputColumns>& own = columns_.emplace_back(inputs.size());
+    const model::Exosystem& sources = *island.extraction.system.exosystem;
+    for (std::size_t k = 0; k < inputs.size(); ++k)
+      for (const model::Exosystem::Block& block : sources.blocks())
+        if (block.source >= 0 && island.island.network.sources[static_cast<std::size_t>(block.source)].label.name == inputs[k])
+          own[k] = {block.first, block.first + 1, block.rate};
+  }
+  for (std::size_t i = 0; i < trace.steps.size(); ++i) {
+    const TraceStep& step = trace.steps[i];
+    if (i > 0) {
+      take_step(step, step.changes);
+      take_clocks(trace.steps[i - 1].on, step.on, instants_.back());
+      continue;
+    }
+    // The wrap: what is left of t = 0 is the end of the period. In a self-timed orbit the last instant has been it already.
+    std::vector<Change> changes = step.changes;
+    for (Change& change : changes)
+      for (const TraceSegment& segment : trace.tail)
+        if (is_driven && segment.island == change.island) {
+          change.before = segment.mode;
+          change.y_before = segment.y1;
+          change.cause = Cause::time;
+        }
+    take_step(step, changes);
+    if (is_driven) take_clocks(trace.steps.back().on, step.on, instants_.back());
+  }
+  for (const TraceSegment& s : trace.tail) tail_.push_back({s.island, s.mode, s.begin, s.length});
+}
+
+void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<Change>& changes) {
+  LinearInstant& instant = instants_.emplace_back();
+  instant.time = step.time;
+  instant.on_w.assign(inputs_, 0.0);
+  instant.on_slope.assign(inputs_, 0.0);
+  for (const TraceSegment& s : step.segments) instant.segments.push_back({s.island, s.mode, s.begin, s.length});
+  for (const Change& change : changes) {
+    const System& system = stacking_.system(change.island);
+    const int n = stacking_.count(change.island);
+    if (change.cause == Cause::guard && instant.island < 0) take_guard(change, instant);
+    LinearChange& linear = instant.changes.emplace_back();
+    linear.island = change.island;
+    linear.by_way_of = change.by_way_of;
+    linear.d = Vector::Zero(n);
+    linear.outputs = Vector::Zero(static_cast<Eigen::Index>(system.outputs.size()));
+    if (change.before == nullptr || change.y_before.empty()) continue;
+    Vector before = speed(system, *change.before, change.y_before);
+    for (const Mode* mode : change.by_way_of)
+      if (mode->constrained) before = mode->projector * before;
+    linear.d = (before - speed(system, *change.after, change.y_after)).head(n);
+    linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
+  }
+}
+
+void LinearisedOrbit::take_guard(const Change& change, LinearInstant& instant) {
+  const Mode& mode = *change.before;
+  if (change.before == change.after) return;
+  const auto row = mode.guards.row(change.guard);
+  const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+  if (fall == 0.0) return;
+  instant.island = static_cast<int>(change.island);
+  const Eigen::RowVectorXd on_c = row.head(mode.n1) * (-1.0 / fall);
+  instant.on_state = mode.constrained ? Eigen::RowVectorXd(on_c * mode.basis.transpose()) : on_c;
+  for (std::size_t k = 0; k < inputs_; ++k) {
+    const InputColumns& column = columns_[change.island][k];
+    if (column.value < 0) continue;
+    instant.on_w[k] = -row[mode.n1 + column.value] / fall;
+    instant.on_slope[k] = -row[mode.n1 + column.slope] / (fall * column.rate);
+  }
+}
+
+/// A switch that sources alone drive, and that one of them crosses rather than jumps past: inputs among these sources move its time.
+void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant) {
+  constexpr double on_level = 1e-9;  // of the terms
+  if (instant.island >= 0) return;
+  const double time = instant.time > 0.0 ? instant.time : period_;
+  for (std::size_t island = 0; island < stacking_.islands(); ++island) {
+    const System& system = stacking_.system(island);
+    for (const model::Control& control : system.clocked) {
+      const auto driven = static_cast<std::size_t>(control.driven);
+      if (on_before[driven] == on[driven]) continue;
+      const ClockValue at = clock_value(system, control, time);
+      const double level = on_before[driven] != 0 ? control.off_level : control.on_level;
+      if (at.slope == 0.0 || std::abs(at.value - level) > on_level * (at.size + std::abs(level))) continue;
+      for (std::size_t k = 0; k < inputs_; ++k)
+        if (const InputColumns& column = columns_[island][k]; column.value >= 0)
+          instant.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
+      return;
+    }
+  }
+}
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,80 @@
+#pragma once
+/// An orbit with small inputs: what a segment and an instant make of a deviation of the state and of inputs w_k.
+///
+/// Inputs are sources of value zero in the model (add_input), so that every matrix that the model makes holds a column for w and one for w′: how an input
+/// enters a guard, a jump, an output comes from there and nowhere else.
+
+#include <string>
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "steady/orbit_trace.hpp"
+#include "steady/variation.hpp"
+
+namespace pwlsim::steady {
+
+/// Adds such a source to the network and returns its number; it is to be added to forms that it moves.
+[[nodiscard]] int add_input(model::Network& network, const std::string& name);
+/// Adds it to every form that reads this source, so that it moves what the source moves.
+void superpose_input(model::Network& network, int source, int input);
+
+/// Columns of an island's ζ for one input: w = ζ_value, w′ = rate·ζ_slope. −1: the island does not read it.
+struct InputColumns {
+  int value = -1, slope = -1;
+  double rate = 1.0;
+};
+
+/// One island in one mode for a while.
+struct LinearSegment {
+  std::size_t island = 0;
+  const model::Mode* mode = nullptr;
+  double begin = 0.0, length = 0.0;  ///< s
+};
+
+/// δξ⁺ = p·δξ⁻ + p_w·w + d·δt of one island.
+struct LinearChange {
+  std::size_t island = 0;
+  std::vector<const model::Mode*> by_way_of;
+  Vector d;           ///< (P f⁻ − f⁺): n
+  Vector outputs;     ///< y⁻ − y⁺ of its outputs
+};
+
+/// δt = on_state·δξ + on_w·w of the guard that is passed; zero where the time is fixed.
+struct LinearInstant {
+  double time = 0.0;  ///< s
+  std::vector<LinearSegment> segments;  ///< that end here
+  int island = -1;                      ///< whose deviation decides δt; −1: none
+  Eigen::RowVectorXd on_state;          ///< of that island's ξ
+  std::vector<double> on_w, on_slope;   ///< of each input and its derivative
+  std::vector<int> flips;               ///< switches of the model that change here
+  std::vector<LinearChange> changes;
+};
+
+/// A whole period.
+class LinearisedOrbit {
+ public:
+  /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: what happens there has the period's end on its left.
+  LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven, const std::vector<std::string>& inputs);
+
+  [[nodiscard]] const Stacking& stacking() const { return stacking_; }
+  [[nodiscard]] double period() const { return period_; }
+  [[nodiscard]] const std::vector<LinearInstant>& instants() const { return instants_; }
+  [[nodiscard]] const std::vector<LinearSegment>& tail() const { return tail_; }
+  [[nodiscard]] std::size_t inputs() const { return inputs_; }
+  [[nodiscard]] const InputColumns& columns(std::size_t island, std::size_t input) const { return columns_[island][input]; }
+
+ private:
+  void take_step(const TraceStep& step, const std::vector<engine::Change>& changes);
+  void take_guard(const engine::Change& change, LinearInstant& instant);
+  void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
+
+  const engine::ExactModel& model_;
+  Stacking stacking_;
+  double period_;
+  std::size_t inputs_;
+  std::vector<std::vector<InputColumns>> columns_;
+  std::vector<LinearInstant> instants_;
+  std::vector<LinearSegment> tail_;
+};
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,304 @@
+#include "steady/orbit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pwlsim::steady {
+namespace {
+
+using engine::RunState;
+
+constexpr double rounding = 2.220446049250313e-16;
+constexpr double singular = 1e-11;       ///< a singular value of I − Φ below this share of the largest (or of 1) is zero
+constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
+constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
+constexpr double zero_multiplier = 1e-13;
+constexpr double lone_drift = 1e-6;  ///< of the residual: what else moves beside a drift
+constexpr double progress_per_phase = 0.1;  ///< of the residual
+constexpr int most_steps_without_progress = 5;
+constexpr int most_halvings = 5, most_drifts = 12;
+
+/// One period from a state.
+struct Lap {
+  bool is_complete = false;
+  bool is_interrupted = false;
+  RunState end;
+  double time = 0.0;
+  Trace trace;
+  engine::Answer answer;
+};
+
+class Search {
+ public:
+  Search(engine::March& march, const OrbitTask& task) : march_(march), task_(task), stacking_(march.model()) {}
+
+  Orbit run(const RunState& start) {
+    RunState state = start;
+    if (!simulate(state, task_.periods_before * task_.multiple)) return std::move(orbit_);
+    lap_ = lap(state);
+    state_ = state;
+    int patience = 1;
+    while (lap_.is_complete && orbit_.periods_simulated < task_.most_periods && orbit_.iterations < task_.most_iterations) {
+      take_size();
+      const Vector f = residual(state_, lap_);
+      orbit_.residuals.push_back(f.norm() / orbit_.largest);
+      if (!keeps_switches()) {
+        go_on();
+        continue;
+      }
+      if (is_small(f)) return finish(f);
+      const Progress progress = wanders(f) ? Progress::stuck : step(f);
+      if (progress == Progress::done) return finish(f);
+      if (progress == Progress::failed) return std::move(orbit_);
+      if (progress == Progress::stuck) {
+        if (!simulate_on(patience)) return std::move(orbit_);
+        patience *= 2;
+        steps_ = 0;
+      }
+    }
+    if (!lap_.is_complete) return fail(lap_);
+    orbit_.begin = state_;
+    orbit_.trace = std::move(lap_.trace);
+    orbit_.period = lap_.time;
+    return std::move(orbit_);
+  }
+
+ private:
+  enum class Progress { stepped, stuck, done, failed };
+
+  [[nodiscard]] bool is_driven() const { return task_.period > 0.0; }
+
+  Lap lap(const RunState& from) {
+    Lap lap;
+    lap.end = from;
+    orbit_.periods_simulated += task_.multiple;
+    if (is_driven()) {
+      TraceRecorder recorder(from.on);
+      lap.answer = march_.advance(lap.end, task_.period, &recorder);
+      lap.trace = recorder.take();
+      lap.time = task_.period;
+      lap.is_complete = lap.answer.outcome == engine::Outcome::completed;
+      return lap;
+    }
+    int left = task_.multiple;
+    TraceRecorder recorder(from.on, [&](const engine::InstantView& view, const std::vector<char>& before) {
+      return view.time > 0.0 && task_.section.is_passed(view, before) && --left == 0;
+    });
+    lap.answer = march_.advance(lap.end, task_.longest, &recorder);
+    lap.trace = recorder.take();
+    lap.time = lap.answer.time;
+    lap.is_complete = recorder.has_ended();
+    return lap;
+  }
+
+  Orbit fail(const Lap& lap) {
+    orbit_.answer = lap.answer;
+    orbit_.verdict = lap.answer.outcome == engine::Outcome::interrupted ? Verdict::interrupted
+                     : lap.answer.outcome == engine::Outcome::completed ? Verdict::no_event
+                                                                        : Verdict::run_failed;
+    return std::move(orbit_);
+  }
+
+  bool simulate(RunState& state, int periods) {
+    for (int done = 0; done < periods; done += task_.multiple) {
+      Lap next = lap(state);
+      if (!next.is_complete) {
+        fail(next);
+        return false;
+      }
+      state = std::move(next.end);
+    }
+    return true;
+  }
+
+  void go_on() {
+    state_ = lap_.end;
+    lap_ = lap(state_);
+  }
+
+  bool simulate_on(int periods) {
+    RunState state = lap_.end;
+    if (!simulate(state, (periods - 1) * task_.multiple)) return false;
+    state_ = state;
+    lap_ = lap(state_);
+    return true;
+  }
+
+  [[nodiscard]] bool keeps_switches() const { return lap_.end.on == state_.on; }
+
+  void take_size() {
+    orbit_.largest = std::max({stacking_.stacked(state_.xi).norm(), stacking_.stacked(lap_.end.xi).norm(), 1e-300});
+    std::vector<double> square(stacking_.islands(), 0.0);
+    const auto take = [&](const TraceSegment& s) {
+      Vector x(stacking_.system(s.island).size());
+      model::from_mode(stacking_.system(s.island), *s.mode, s.y1.data(), x.data());
+      square[s.island] = std::max(square[s.island], x.head(stacking_.count(s.island)).squaredNorm());
+    };
+    for (const TraceStep& step : lap_.trace.steps)
+      for (const TraceSegment& segment : step.segments) take(segment);
+    for (const TraceSegment& segment : lap_.trace.tail) take(segment);
+    double sum = 0.0;
+    for (const double s : square) sum += s;
+    orbit_.largest = std::max(orbit_.largest, std::sqrt(sum));
+  }
+
+  [[nodiscard]] Vector residual(const RunState& from, const Lap& to) const { return stacking_.stacked(to.end.xi) - stacking_.stacked(from.xi); }
+
+  [[nodiscard]] bool is_small(const Vector& f) const {
+    const double floor = rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
+    return f.norm() <= std::max(floor, task_.tolerance) * orbit_.largest;
+  }
+
+  [[nodiscard]] RunState moved(const Vector& by) const {
+    RunState state = state_;
+    state.xi = stacking_.apart(stacking_.stacked(state_.xi) + by);
+    state.active = lap_.end.active;
+    return state;
+  }
+
+  /// A damped step of Newton's method. `done`: no step lessens the residual, which is rounding.
+  Progress step(const Vector& f) {
+    const Variation v = variation(stacking_, lap_.trace);
+    orbit_.kink = v.kink;
+    if (!v.kink.empty()) return f.norm() <= close * orbit_.largest && stands_still(f) ? Progress::done : Progress::stuck;
+    const Eigen::Index n = stacking_.size();
+    const Matrix phi = is_driven() ? v.x : v.return_map();
+    const Eigen::JacobiSVD<Matrix> svd(Matrix::Identity(n, n) - phi, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Vector& s = svd.singularValues();
+    const double least = singular * std::max(1.0, n > 0 ? s[0] : 0.0);
+    const Eigen::Index rank = (s.array() > least).count();
+    if (rank < n) {
+      const Vector outside = svd.matrixU().rightCols(n - rank).transpose() * f;
+      if (outside.norm() > inconsistent * orbit_.largest) return drift(f, svd.matrixU().rightCols(n - rank), svd.matrixV().rightCols(n - rank));
+    }
+    const auto solve = [&](const Vector& b) {
+      const Vector c = (svd.matrixU().leftCols(rank).transpose() * b).cwiseQuotient(s.head(rank));
+      return Vector(svd.matrixV().leftCols(rank) * c);
+    };
+    ++orbit_.iterations;
+    const Vector delta = solve(f);
+    double lambda = 1.0;
+    for (int halving = 0; halving < most_halvings; ++halving, lambda *= 0.5) {
+      RunState trial = moved(lambda * delta);
+      Lap next = lap(trial);
+      if (next.answer.outcome == engine::Outcome::interrupted) {
+        fail(next);
+        return Progress::failed;
+      }
+      if (!next.is_complete || next.end.on != trial.on) continue;
+      const Vector f_next = residual(trial, next);
+      if (solve(f_next).norm() > (1.0 - lambda / 4.0) * delta.norm()) {
+        if (f.norm() <= close * orbit_.largest) return f_next.norm() < f.norm() ? accept(std::move(trial), std::move(next)) : Progress::done;
+        continue;
+      }
+      return accept(std::move(trial), std::move(next));
+    }
+    return Progress::stuck;
+  }
+
+  /// Steps that pass the test one by one may still go round in a circle, from one sequence of modes to another.
+  bool wanders(const Vector& f) {
+    if (steps_++ == 0 || f.norm() <= progress_per_phase * phase_residual_) {
+      phase_residual_ = f.norm();
+      steps_ = 1;
+    }
+    return steps_ > most_steps_without_progress;
+  }
+
+  Progress accept(RunState state, Lap next) {
+    state_ = std::move(state);
+    lap_ = std::move(next);
+    return Progress::stepped;
+  }
+
+  bool stands_still(const Vector& f) {
+    const bool still = last_residual_ >= 0.0 && f.norm() >= 0.5 * last_residual_;
+    last_residual_ = f.norm();
+    return still;
+  }
+
+  /// I − Φ is singular, and the residual has a part that no step can take away: each period adds the same. Where that moves no guard there is no orbit.
+  Progress drift(const Vector& f, const Matrix& left, const Matrix& right) {
+    const Matrix overlap = left.transpose() * right;
+    const Eigen::FullPivLU<Matrix> lu(overlap);
+    orbit_.drift = lu.isInvertible() ? Vector(right * lu.solve(left.transpose() * f)) : Vector(left * (left.transpose() * f));
+    const bool is_free = !moves_a_guard(stacking_, lap_.trace, orbit_.drift);
+    const bool is_alone = (f - orbit_.drift).norm() <= lone_drift * f.norm();  // everything else has settled
+    if (!(is_free && is_alone) && drifts_ < most_drifts) {
+      ++drifts_;
+      return simulate_on(4 << std::min(drifts_, 6)) ? Progress::stepped : Progress::failed;
+    }
+    orbit_.verdict = is_free ? Verdict::no_orbit : Verdict::drifts;
+    orbit_.begin = state_;
+    orbit_.trace = std::move(lap_.trace);
+    orbit_.period = lap_.time;
+    return Progress::failed;
+  }
+
+  Orbit finish(const Vector& f) {
+    orbit_.verdict = Verdict::found;
+    orbit_.begin = state_;
+    orbit_.begin.active = lap_.end.active;
+    orbit_.period = lap_.time;
+    orbit_.answer = std::move(lap_.answer);
+    orbit_.residual = f.norm() / orbit_.largest;
+    const Variation v = variation(stacking_, lap_.trace);
+    orbit_.kink = v.kink;
+    orbit_.trace = std::move(lap_.trace);
+    if (v.kink.empty()) take_multipliers(v);
+    return std::move(orbit_);
+  }
+
+  void take_multipliers(const Variation& v) {
+    const Eigen::Index n = stacking_.size();
+    orbit_.monodromy = v.x;
+    if (n == 0) return;
+    const Matrix phi = is_driven() ? v.x : v.return_map();
+    const Eigen::JacobiSVD<Matrix> svd(Matrix::Identity(n, n) - phi, Eigen::ComputeFullV);
+    const Vector& s = svd.singularValues();
+    orbit_.condition = s[n - 1];
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (s[i] <= singular * std::max(1.0, s[0])) orbit_.free_directions.emplace_back(svd.matrixV().col(i));
+    const Eigen::EigenSolver<Matrix> eigen(v.x);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Multiplier m;
+      m.value = eigen.eigenvalues()[i];
+      if (std::abs(m.value) <= zero_multiplier) continue;
+      m.direction = eigen.eigenvectors().col(i);
+      orbit_.multipliers.push_back(std::move(m));
+    }
+    auto& list = orbit_.multipliers;
+    if (!is_driven() && !list.empty())
+      std::min_element(list.begin(), list.end(), [](const auto& a, const auto& b) {
+        return std::abs(a.value - 1.0) < std::abs(b.value - 1.0);
+      })->trivial = true;
+    std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return std::abs(a.value) > std::abs(b.value); });
+  }
+
+  engine::March& march_;
+  const OrbitTask& task_;
+  Stacking stacking_;
+  Orbit orbit_;
+  RunState state_;
+  Lap lap_;
+  double last_residual_ = -1.0;
+  double phase_residual_ = 0.0;  ///< the least that counted as progress
+  int steps_ = 0;                ///< since then
+  int drifts_ = 0;
+};
+
+}  // namespace
+
+Orbit find_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task) { return Search(march, task).run(start); }
+
+double spectral_radius(const Orbit& orbit) {
+  double radius = 0.0;
+  for (const Multiplier& m : orbit.multipliers)
+    if (!m.trivial) radius = std::max(radius, std::abs(m.value));
+  return radius;
+}
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,68 @@
+#pragma once
+/// Periodic orbits: Newton's method on the exact map over a period, with its exact derivative.
+///
+/// Driven: x ↦ φ_T(x) from t = 0⁻ to T⁻, T the common period of the sources, times k. Self-timed: the return map of an event, right of it.
+/// Globalised by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, §3.3) and by periods that are simulated.
+
+#include <complex>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/exact/march.hpp"
+#include "steady/orbit_trace.hpp"
+#include "steady/variation.hpp"
+
+namespace pwlsim::steady {
+
+/// Where events of a self-timed circuit are counted from: true at the instant that begins a period.
+struct Section {
+  std::string name;  ///< "S1 closes"
+  EndsAt is_passed;
+};
+
+struct OrbitTask {
+  double period = 0.0;  ///< s, of a driven circuit: k times the common period; 0: self-timed
+  int multiple = 1;     ///< k
+  Section section;      ///< self-timed
+  double longest = 0.0;  ///< s, self-timed: without an event for so long there is none
+  int most_iterations = 100;
+  int most_periods = 4000;  ///< simulated
+  int periods_before = 4;   ///< simulated before the first step
+  double tolerance = 0.0;   ///< of ‖φ(x) − x‖ against the largest state; 0: rounding
+};
+
+enum class Verdict { found, no_orbit, drifts, not_converged, no_event, run_failed, interrupted };
+
+struct Multiplier {
+  std::complex<double> value;
+  bool trivial = false;
+  Eigen::VectorXcd direction;  ///< its eigenvector, of the stacked state
+};
+
+struct Orbit {
+  Verdict verdict = Verdict::not_converged;
+  engine::Answer answer;  ///< of the last run
+  engine::RunState begin;
+  double period = 0.0;  ///< s
+  Trace trace;          ///< of one period, `multiple` periods of the sources
+  Matrix monodromy;
+  std::string kink;      ///< why there are no multipliers; "" where there are
+  double residual = 0.0;  ///< ‖φ(x) − x‖ against the largest state on the orbit
+  double largest = 0.0;   ///< that state's norm, √J
+  int iterations = 0, periods_simulated = 0;
+  double condition = 0.0;               ///< smallest singular value of I − Φ
+  std::vector<Vector> free_directions;  ///< of a family of orbits
+  Vector drift;                         ///< of ξ in a period, where it drifts
+  std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
+  std::vector<double> residuals;        ///< of the iterations
+  std::string section;                  ///< self-timed: the event that begins the period
+  bool has_shorter_period = false;      ///< driven, k > 1: the orbit found repeats sooner
+};
+
+[[nodiscard]] Orbit find_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);
+
+/// Largest magnitude of the multipliers but the trivial one; 0 where there is none.
+[[nodiscard]] double spectral_radius(const Orbit& orbit);
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,55 @@
+#pragma once
+/// A run, remembered: its segments and instants in order, for what is to be computed along them.
+
+#include <functional>
+#include <vector>
+
+#include "engine/exact/observer.hpp"
+
+namespace pwlsim::steady {
+
+struct TraceSegment {
+  std::size_t island = 0;
+  const model::Mode* mode = nullptr;
+  double begin = 0.0, length = 0.0;  ///< s
+  std::vector<double> y0, y1;        ///< (c, ζ) at its begin and end
+};
+
+/// Segments that end at an instant, and the instant.
+struct TraceStep {
+  std::vector<TraceSegment> segments;
+  double time = 0.0;
+  bool has_jump = false;
+  std::vector<engine::Change> changes;
+  std::vector<char> on;  ///< switches right of the instant
+};
+
+struct Trace {
+  std::vector<TraceStep> steps;    ///< the first is t = 0
+  std::vector<TraceSegment> tail;  ///< segments that the end of the run cuts
+  [[nodiscard]] std::size_t segments() const;
+};
+
+/// Whether the run is to end at this instant, given the switches left of it.
+using EndsAt = std::function<bool(const engine::InstantView&, const std::vector<char>& on_before)>;
+
+class TraceRecorder : public engine::Observer {
+ public:
+  /// `ends_at` may be empty. `on`: switches at the start.
+  explicit TraceRecorder(std::vector<char> on, EndsAt ends_at = {}) : on_(std::move(on)), ends_at_(std::move(ends_at)) {}
+
+  void segment(const engine::SegmentView& view) override;
+  bool instant(const engine::InstantView& view) override;
+  /// What has been seen; the recorder is empty afterwards.
+  [[nodiscard]] Trace take();
+  [[nodiscard]] bool has_ended() const { return has_ended_; }
+
+ private:
+  std::vector<char> on_;
+  EndsAt ends_at_;
+  bool has_ended_ = false;
+  std::vector<TraceSegment> segments_;
+  Trace trace_;
+};
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,187 @@
+#include "steady/self_timed.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/names.hpp"
+
+namespace pwlsim::steady {
+namespace {
+
+using engine::InstantView;
+using engine::RunState;
+
+constexpr int recurrences = 5;         ///< of an event before its orbit is looked for
+constexpr double growth = 16.0;        ///< of the time that is looked at, as long as too little happens
+constexpr int most_extensions = 6;
+constexpr double time_constants = 8.0;  ///< the first look
+constexpr double periods_per_hint = 50.0;
+constexpr double at_rest = 1e-7;  ///< of the state's size, per run
+
+/// What an instant changes: the modes and switches right of it, where something changed.
+std::string signature(const InstantView& view, const std::vector<char>& before) {
+  std::string text;
+  for (const engine::Change& change : view.changes) {
+    if (change.before == nullptr || change.before->active == change.after->active) continue;
+    text += fmt::format("{}:", change.island);
+    const int ports = change.after->guards.rows() > 0 ? static_cast<int>(change.after->k.rows()) : 0;
+    for (int i = 0; i < ports; ++i) {
+      const bool was = change.before->active.contains(i), is = change.after->active.contains(i);
+      if (was != is) text += fmt::format("{}{}", is ? '+' : '-', i);
+    }
+  }
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] != view.on[i]) text += fmt::format(";{}{}", view.on[i] != 0 ? '+' : '-', i);
+  return text;
+}
+
+/// Ends a run when an event has recurred often enough, and remembers which.
+class Counter {
+ public:
+  bool operator()(const InstantView& view, const std::vector<char>& before) {
+    const std::string what = signature(view, before);
+    if (what.empty() || view.time <= 0.0) return false;
+    last_time_ = view.time;
+    if (++count_[what] < recurrences) return false;
+    found_ = what;
+    return true;
+  }
+  [[nodiscard]] const std::string& found() const { return found_; }
+  [[nodiscard]] double last_time() const { return last_time_; }
+
+ private:
+  std::map<std::string, int> count_;
+  std::string found_;
+  double last_time_ = 0.0;
+};
+
+/// s: the slowest motion of the modes that the trace ends in.
+double slowest(const Trace& trace) {
+  double longest = 0.0;
+  const auto look = [&](const TraceSegment& segment) {
+    const model::Mode& mode = *segment.mode;
+    if (mode.n1 == 0) return;
+    const Eigen::EigenSolver<Matrix> eigen(mode.flow.a().topLeftCorner(mode.n1, mode.n1), false);
+    const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
+    for (const auto& value : eigen.eigenvalues())
+      if (std::abs(value) > 1e-9 * largest) longest = std::max(longest, 1.0 / std::abs(value));
+  };
+  for (const TraceSegment& segment : trace.tail) look(segment);
+  return longest;
+}
+
+class Finder {
+ public:
+  Finder(engine::March& march, const SelfTimedTask& task) : march_(march), task_(task) {}
+
+  Orbit run(const RunState& start) {
+    RunState state = start;
+    if (task_.settling_time > 0.0) march_.advance(state, task_.settling_time, nullptr);
+    double horizon = task_.hint > 0.0 ? periods_per_hint * task_.hint : task_.horizon;
+    if (horizon <= 0.0) horizon = first_horizon(state);
+    for (int extension = 0; extension < most_extensions && horizon > 0.0; ++extension, horizon *= growth) {
+      RunState at = state;
+      const std::optional<Section> section = recurring(at, horizon);
+      if (failed_) return std::move(orbit_);
+      if (!section) continue;
+      OrbitTask task = task_.orbit;
+      task.section = *section;
+      task.longest = horizon;
+      task.periods_before = 0;
+      Orbit orbit = find_orbit(march_, at, task);
+      orbit.periods_simulated += recurrences;
+      orbit.section = section->name;
+      return orbit;
+    }
+    orbit_.verdict = Verdict::no_event;
+    return std::move(orbit_);
+  }
+
+ private:
+  double first_horizon(const RunState& state) {
+    RunState at = state;
+    TraceRecorder recorder(at.on);
+    constexpr double instant = 1e-12;
+    march_.advance(at, instant, &recorder);
+    return time_constants * slowest(recorder.take());
+  }
+
+  /// Runs to where an event has recurred, `state` then being right of it.
+  std::optional<Section> recurring(RunState& state, double horizon) {
+    Counter counter;
+    int count = 0;
+    const EndsAt ends = [&](const InstantView& view, const std::vector<char>& before) {
+      if (!task_.section) return counter(view, before);
+      return view.time > 0.0 && task_.section->is_passed(view, before) && ++count == recurrences;
+    };
+    TraceRecorder recorder(state.on, ends);
+    const engine::Answer answer = march_.advance(state, horizon, &recorder);
+    orbit_.answer = answer;
+    failed_ = answer.outcome != engine::Outcome::completed;
+    if (failed_) orbit_.verdict = answer.outcome == engine::Outcome::interrupted ? Verdict::interrupted : Verdict::run_failed;
+    if (!recorder.has_ended()) return std::nullopt;
+    if (task_.section) return task_.section;
+    return Section{event_text(recorder), [what = counter.found()](const InstantView& view, const std::vector<char>& before) {
+                     return signature(view, before) == what;
+                   }};
+  }
+
+  std::string event_text(TraceRecorder& recorder) {
+    const Trace trace = recorder.take();
+    const TraceStep& last = trace.steps.back();
+    const std::vector<char>& before = trace.steps.size() > 1 ? trace.steps[trace.steps.size() - 2].on : last.on;
+    for (std::size_t i = 0; i < last.on.size(); ++i)
+      if (before[i] != last.on[i]) return fmt::format("{} {}", march_.model().switches[i].name, last.on[i] != 0 ? "closes" : "opens");
+    for (const engine::Change& change : last.changes) {
+      if (change.before == nullptr) continue;
+      const model::System& system = march_.model().islands[change.island].extraction.system;
+      for (int i = 0; i < system.ports; ++i) {
+        const bool is = change.after->active.contains(i);
+        const model::Port& port = system.port[static_cast<std::size_t>(i)];
+        if (change.before->active.contains(i) != is) return fmt::format("{} {}", port.name, is == port.input_is_current ? "conducts" : "blocks");
+      }
+    }
+    return "a change of mode";
+  }
+
+  engine::March& march_;
+  const SelfTimedTask& task_;
+  Orbit orbit_;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+Orbit find_self_timed_orbit(engine::March& march, const engine::RunState& start, const SelfTimedTask& task) {
+  return Finder(march, task).run(start);
+}
+
+std::optional<Section> section_of(const engine::ExactModel& model, std::string_view element, bool closes) {
+  const std::string name = fmt::format("{} {}", element, closes ? "closes" : "opens");
+  for (std::size_t i = 0; i < model.switches.size(); ++i)
+    if (same_name(model.switches[i].name, element) && model.switches[i].island >= 0)
+      return Section{name, [i, closes](const InstantView& view, const std::vector<char>& before) {
+                       return before[i] != view.on[i] && (view.on[i] != 0) == closes;
+                     }};
+  for (std::size_t island = 0; island < model.islands.size(); ++island) {
+    const model::System& system = model.islands[island].extraction.system;
+    for (int i = 0; i < system.diodes; ++i) {
+      const model::Port& port = system.port[static_cast<std::size_t>(i)];
+      if (!same_name(port.name, element)) continue;
+      const bool active = closes == port.input_is_current;
+      return Section{name, [island, i, active](const InstantView& view, const std::vector<char>&) {
+                       return std::any_of(view.changes.begin(), view.changes.end(), [&](const engine::Change& change) {
+                         return change.island == island && change.before != nullptr && change.before->active.contains(i) != active &&
+                                change.after->active.contains(i) == active;
+                       });
+                     }};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace pwlsim::steady

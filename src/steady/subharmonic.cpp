@@ -1,0 +1,60 @@
+#include "steady/subharmonic.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace pwlsim::steady {
+namespace {
+
+constexpr double same_state = 1e-8;         ///< of the largest state
+constexpr int periods_of_long_run = 50;     ///< times k
+constexpr double push = 1e-2;               ///< of the largest state
+constexpr int periods_after_push = 20;      ///< times k
+
+/// Whether the orbit closes after a divisor of its periods.
+bool repeats_sooner(engine::March& march, const Orbit& orbit, const OrbitTask& task) {
+  const Stacking stacking(march.model());
+  for (int part = 1; part <= task.multiple / 2; ++part) {
+    if (task.multiple % part != 0) continue;
+    engine::RunState state = orbit.begin;
+    const engine::Answer answer = march.advance(state, task.period * part / task.multiple, nullptr);
+    if (answer.outcome != engine::Outcome::completed) continue;
+    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return true;
+  }
+  return false;
+}
+
+/// The orbit moved along its most unstable direction.
+engine::RunState beside(const engine::March& march, const Orbit& orbit) {
+  const Stacking stacking(march.model());
+  engine::RunState state = orbit.begin;
+  if (orbit.monodromy.size() == 0) return state;
+  const Eigen::EigenSolver<Matrix> eigen(orbit.monodromy);
+  Eigen::Index most = 0;
+  eigen.eigenvalues().cwiseAbs().maxCoeff(&most);
+  const Vector direction = eigen.eigenvectors().col(most).real().normalized();
+  state.xi = stacking.apart(stacking.stacked(state.xi) + push * orbit.largest * direction);
+  return state;
+}
+
+}  // namespace
+
+Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task) {
+  Orbit orbit = find_orbit(march, start, task);
+  if (task.multiple == 1 || orbit.verdict != Verdict::found || !repeats_sooner(march, orbit, task)) return orbit;
+  const auto again = [&](const engine::RunState& from, int periods) {
+    OrbitTask further = task;
+    further.periods_before = periods;
+    Orbit other = find_orbit(march, from, further);
+    other.periods_simulated += orbit.periods_simulated;
+    return other;
+  };
+  Orbit other = again(start, periods_of_long_run);
+  if (other.verdict != Verdict::found || repeats_sooner(march, other, task)) other = again(beside(march, orbit), periods_after_push);
+  if (other.verdict == Verdict::found && !repeats_sooner(march, other, task)) return other;
+  orbit.periods_simulated = other.periods_simulated;
+  orbit.has_shorter_period = true;
+  return orbit;
+}
+
+}  // namespace pwlsim::steady

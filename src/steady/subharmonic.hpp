@@ -1,0 +1,12 @@
+#pragma once
+/// Orbits of driven circuits, those of several source periods among them.
+
+#include "steady/orbit.hpp"
+
+namespace pwlsim::steady {
+
+/// Newton's method on k periods also finds orbits that repeat sooner. Where it has, the search starts anew from a run of many periods, then from beside
+/// that orbit, along its eigenvector of the largest negative multiplier.
+[[nodiscard]] Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);
+
+}  // namespace pwlsim::steady

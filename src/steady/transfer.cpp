@@ -1,0 +1,221 @@
+#include "steady/transfer.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pwlsim::steady {
+namespace {
+
+using model::Mode;
+using model::System;
+
+constexpr Complex j{0.0, 1.0};
+/// Reciprocal condition of (A − jω)τ below which it is not inverted: a lossless mode in resonance.
+constexpr double resonant = 1e-7;
+/// Of I − e^{−jωT}Φ.
+constexpr double singular = 1e-12;
+
+/// ∫ e^{−jωt} dt from `begin` on.
+Complex phase_integral(double omega, double begin, double length) {
+  if (omega == 0.0) return length;
+  return (std::exp(-j * omega * (begin + length)) - std::exp(-j * omega * begin)) / (-j * omega);
+}
+
+/// e^M by scaling and squaring of its Taylor series.
+ComplexMatrix exponential(const ComplexMatrix& m) {
+  const double norm = m.cwiseAbs().rowwise().sum().maxCoeff();
+  const int halvings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+  const ComplexMatrix scaled = m / std::ldexp(1.0, halvings);
+  ComplexMatrix sum = ComplexMatrix::Identity(m.rows(), m.cols()), term = sum;
+  constexpr int terms = 18;
+  for (int k = 1; k <= terms; ++k) {
+    term = scaled * term / static_cast<double>(k);
+    sum += term;
+  }
+  for (int k = 0; k < halvings; ++k) sum = sum * sum;
+  return sum;
+}
+
+ComplexMatrix shifted(const Mode& mode, double omega) {
+  ComplexMatrix m = mode.flow.a().topLeftCorner(mode.n1, mode.n1).cast<Complex>();
+  m.diagonal().array() -= j * omega;
+  return m;
+}
+
+/// Columns of the mode's matrix for inputs of these amplitudes: w and w′ = jωw.
+template <class Rows>
+auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows& rows, int first, double omega, const std::vector<Complex>& amplitudes) {
+  ComplexVector sum = ComplexVector::Zero(rows.rows());
+  for (std::size_t k = 0; k < orbit.inputs(); ++k) {
+    const InputColumns& column = orbit.columns(island, k);
+    if (column.value < 0 || amplitudes[k] == 0.0) continue;
+    sum += amplitudes[k] * (rows.col(first + column.value).template cast<Complex>() +
+                            j * omega / column.rate * rows.col(first + column.slope).template cast<Complex>());
+  }
+  return sum;
+}
+
+}  // namespace
+
+/// One period at one frequency.
+struct Transfer::Pass {
+  double omega = 0.0, omega_out = 0.0;  ///< of the input; m·ω_s of the harmonic asked for
+  const std::vector<Complex>& amplitudes;
+  const TimeShifts& shifts;
+  ComplexVector r;       ///< of all islands
+  ComplexVector sums;    ///< T·c_m of the signals
+  bool collects = false;
+  std::map<const Mode*, Eigen::PartialPivLU<ComplexMatrix>> inverse, inverse_out;
+};
+
+Transfer::Transfer(const LinearisedOrbit& orbit, std::size_t signals) : orbit_(orbit), signals_(signals) {
+  // Φ column by column, by passes without inputs at ω = 0.
+  const Eigen::Index n = orbit.stacking().size();
+  monodromy_ = Matrix::Zero(n, n);
+  const std::vector<Complex> none(orbit.inputs(), 0.0);
+  const TimeShifts still;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Pass pass{0.0, 0.0, none, still, ComplexVector::Zero(n), {}, false, {}, {}};
+    pass.r[k] = 1.0;
+    run(pass);
+    monodromy_.col(k) = pass.r.real();
+  }
+}
+
+const Matrix& Transfer::propagator(const Mode& mode, double length) {
+  Matrix& known = propagators_[{&mode, length}];
+  if (known.size() == 0) {
+    known = mode.flow.minus_identity(length).topLeftCorner(mode.n1, mode.n1);
+    known.diagonal().array() += 1.0;
+  }
+  return known;
+}
+
+void Transfer::segment(const LinearSegment& s, Pass& pass) {
+  const Mode& mode = *s.mode;
+  const Stacking& stacking = orbit_.stacking();
+  const System& system = stacking.system(s.island);
+  auto block = pass.r.segment(stacking.first(s.island), stacking.count(s.island));
+  const ComplexVector b = input_columns(orbit_, s.island, mode.flow.a(), mode.n1, pass.omega, pass.amplitudes).head(mode.n1);
+  const ComplexVector c0 = mode.constrained ? ComplexVector(mode.basis.transpose() * block) : ComplexVector(block);
+  ComplexVector c1 = std::exp(-j * pass.omega * s.length) * (propagator(mode, s.length) * c0);
+  ComplexVector mean = ComplexVector::Zero(mode.n1);  // ∫ e^{−jω_out t} c dt
+  const bool moves = !b.isZero(0.0) || pass.collects;
+  if (mode.n1 > 0 && moves) {
+    const double total = pass.omega + pass.omega_out;
+    const auto lu_of = [&](auto& known, double omega) -> const Eigen::PartialPivLU<ComplexMatrix>& {
+      auto it = known.find(&mode);
+      if (it == known.end()) it = known.emplace(&mode, Eigen::PartialPivLU<ComplexMatrix>(shifted(mode, omega))).first;
+      return it->second;
+    };
+    const auto& lu = lu_of(pass.inverse, pass.omega);
+    const auto& lu_out = pass.omega_out == 0.0 ? lu : lu_of(pass.inverse_out, total);
+    const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + s.length));
+    if (lu.rcond() > resonant && lu_out.rcond() > resonant) {
+      c1 += lu.solve(ComplexVector(std::exp(-j * pass.omega * s.length) * (propagator(mode, s.length) * b) - b));
+      if (pass.collects)
+        mean = lu_out.solve(ComplexVector(turn1 * c1 - turn0 * c0 - phase_integral(pass.omega_out, s.begin, s.length) * b));
+    } else {
+      // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
+      const Eigen::Index n = mode.n1;
+      ComplexMatrix m = ComplexMatrix::Zero(2 * n + 1, 2 * n + 1);
+      m.topLeftCorner(n, n) = shifted(mode, total);
+      m.block(0, n, n, 1) = b;
+      m(n, n) = -j * pass.omega_out;
+      m.bottomLeftCorner(n, n).setIdentity();
+      ComplexVector start = ComplexVector::Zero(2 * n + 1);
+      start.head(n) = turn0 * c0;
+      start[n] = turn0;
+      const ComplexVector end = exponential(m * s.length) * start;
+      c1 = end.head(n) / turn1;
+      mean = end.tail(n);
+    }
+  }
+  if (pass.collects) {
+    const ComplexVector direct = input_columns(orbit_, s.island, mode.outputs, mode.n1, pass.omega, pass.amplitudes);
+    const ComplexVector sum = mode.outputs.leftCols(mode.n1) * mean + phase_integral(pass.omega_out, s.begin, s.length) * direct;
+    for (std::size_t k = 0; k < system.outputs.size(); ++k) pass.sums[system.output_signal[k]] += sum[static_cast<Eigen::Index>(k)];
+  }
+  if (!mode.constrained)
+    block = c1;
+  else
+    block = mode.basis * c1 + input_columns(orbit_, s.island, mode.lift, 0, pass.omega, pass.amplitudes);
+}
+
+void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass) {
+  const Stacking& stacking = orbit_.stacking();
+  Complex delta = shift;
+  for (std::size_t k = 0; k < orbit_.inputs(); ++k) delta += pass.amplitudes[k] * (at.on_w[k] + j * pass.omega * at.on_slope[k]);
+  if (at.island >= 0) {
+    const auto island = static_cast<std::size_t>(at.island);
+    delta += (at.on_state.cast<Complex>() * pass.r.segment(stacking.first(island), stacking.count(island))).value();
+  }
+  const Complex turn = std::exp(-j * pass.omega_out * at.time);
+  for (const LinearChange& change : at.changes) {
+    const int n = stacking.count(change.island);
+    const System& system = stacking.system(change.island);
+    auto block = pass.r.segment(stacking.first(change.island), n);
+    for (const Mode* mode : change.by_way_of) {
+      if (!mode->constrained || n == 0) continue;
+      block = mode->projector.topLeftCorner(n, n) * block +
+              input_columns(orbit_, change.island, mode->projector, n, pass.omega, pass.amplitudes).head(n);
+    }
+    block += change.d * delta;
+    if (!pass.collects) continue;
+    for (std::size_t k = 0; k < system.outputs.size(); ++k)
+      pass.sums[system.output_signal[k]] += turn * delta * change.outputs[static_cast<Eigen::Index>(k)];
+  }
+}
+
+void Transfer::run(Pass& pass) {
+  for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
+    const LinearInstant& at = orbit_.instants()[i];
+    for (const LinearSegment& s : at.segments) segment(s, pass);
+    instant(at, i < pass.shifts.size() ? pass.shifts[i] : Complex(0.0), pass);
+  }
+  for (const LinearSegment& s : orbit_.tail()) segment(s, pass);
+}
+
+Transfer::Response Transfer::at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts) {
+  const Eigen::Index n = orbit_.stacking().size();
+  const double omega = 2.0 * std::numbers::pi * frequency;
+  const double period = orbit_.period();
+  Pass pass{omega, 2.0 * std::numbers::pi * harmonic / period, amplitudes, shifts, ComplexVector::Zero(n), {}, false, {}, {}};
+  run(pass);
+  Response response;
+  ComplexMatrix closing = -std::exp(-j * omega * period) * monodromy_.cast<Complex>();
+  closing.diagonal().array() += 1.0;
+  const Eigen::PartialPivLU<ComplexMatrix> lu(closing);
+  response.signals = ComplexVector::Zero(static_cast<Eigen::Index>(signals_));
+  response.is_singular = n > 0 && !(lu.rcond() > singular);
+  if (response.is_singular) {
+    response.signals.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return response;
+  }
+  pass.r = n > 0 ? ComplexVector(lu.solve(pass.r)) : pass.r;
+  pass.collects = true;
+  pass.sums = response.signals;
+  run(pass);
+  response.signals = pass.sums / period;
+  return response;
+}
+
+ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency, const std::vector<Complex>& amplitudes) {
+  const double omega = 2.0 * std::numbers::pi * frequency;
+  ComplexVector response = ComplexVector::Zero(static_cast<Eigen::Index>(signals));
+  for (const LinearSegment& s : orbit.tail()) {
+    const Mode& mode = *s.mode;
+    const System& system = orbit.stacking().system(s.island);
+    ComplexVector y = input_columns(orbit, s.island, mode.outputs, mode.n1, omega, amplitudes);
+    if (mode.n1 > 0) {
+      const ComplexVector b = input_columns(orbit, s.island, mode.flow.a(), mode.n1, omega, amplitudes).head(mode.n1);
+      y -= mode.outputs.leftCols(mode.n1) * shifted(mode, omega).partialPivLu().solve(b);
+    }
+    for (std::size_t k = 0; k < system.outputs.size(); ++k) response[system.output_signal[k]] += y[static_cast<Eigen::Index>(k)];
+  }
+  return response;
+}
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,52 @@
+#pragma once
+/// Response of an orbit to inputs ε·Re a_k e^{jωt}: δy(t) = ε·Re Σ_m c_m e^{j(ω + mω_s)t}, exact at every frequency.
+///
+/// With r = e^{−jωt}δξ a segment is r′ = (A − jω) r + B̂, an instant r⁺ = P r⁻ + P_w ŵ + (P f⁻ − f⁺) δt̂, and a period ends where it began. An output that
+/// jumps by y⁻ − y⁺ at an instant that moves adds (y⁻ − y⁺)·δt̂. Floquet theory of piecewise linear systems; Middlebrook & Ćuk 1976 is its average.
+
+#include <complex>
+#include <map>
+#include <vector>
+
+#include "steady/linearised.hpp"
+
+namespace pwlsim::steady {
+
+using Complex = std::complex<double>;
+using ComplexVector = Eigen::VectorXcd;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+/// What moves instants of itself, beside state and inputs: of each instant of the orbit δt̂, s.
+using TimeShifts = std::vector<Complex>;
+
+class Transfer {
+ public:
+  /// `signals`: number of signals of the model.
+  Transfer(const LinearisedOrbit& orbit, std::size_t signals);
+
+  struct Response {
+    ComplexVector signals;     ///< c_m of each; not finite where the response is infinite
+    bool is_singular = false;  ///< e^{jωT} is a multiplier, and the input reaches its direction
+  };
+  /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes and, where there are any, these shifts.
+  [[nodiscard]] Response at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts = {});
+
+ private:
+  struct Resolvent;
+  struct Pass;
+  void run(Pass& pass);
+  void segment(const LinearSegment& s, Pass& pass);
+  void instant(const LinearInstant& at, const Complex& shift, Pass& pass);
+  [[nodiscard]] ComplexVector input_of(const LinearSegment& s, const Pass& pass) const;
+  const Matrix& propagator(const model::Mode& mode, double length);
+
+  const LinearisedOrbit& orbit_;
+  std::size_t signals_;
+  Matrix monodromy_;
+  std::map<std::pair<const model::Mode*, double>, Matrix> propagators_;
+};
+
+/// A linear circuit without switches and diodes, in the mode that it is in for good.
+[[nodiscard]] ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency, const std::vector<Complex>& amplitudes);
+
+}  // namespace pwlsim::steady

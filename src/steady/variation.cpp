@@ -1,0 +1,191 @@
+#include "steady/variation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+namespace pwlsim::steady {
+namespace {
+
+using model::Mode;
+using model::System;
+
+/// A guard that falls slower than this, against its row and the state's speed, touches zero rather than passes it.
+constexpr double touching = 1e-9;
+/// What a direction does to a guard below this is rounding.
+constexpr double still = 1e-9;
+
+/// ∂ξ in coordinates of the mode, and back.
+Matrix to_coordinates(const Mode& mode, const Matrix& x) { return mode.constrained ? Matrix(mode.basis.transpose() * x) : x; }
+Matrix from_coordinates(const Mode& mode, const Matrix& c) { return mode.constrained ? Matrix(mode.basis * c) : c; }
+
+/// (ξ, ζ)′ where the mode is at y.
+Vector speed(const System& system, const Mode& mode, const std::vector<double>& y) {
+  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
+  Vector x(system.size());
+  model::from_mode(system, mode, rate.data(), x.data());
+  return x;
+}
+
+/// e^{A₁τ} − I on the mode's own coordinates; segments of one mode and length share it.
+class Propagators {
+ public:
+  const Matrix& of(const Mode& mode, double length) {
+    Matrix& known = known_[{&mode, length}];
+    if (known.size() == 0) known = mode.flow.minus_identity(length).topLeftCorner(mode.n1, mode.n1);
+    return known;
+  }
+
+ private:
+  std::map<std::pair<const Mode*, double>, Matrix> known_;
+};
+
+class Walk {
+ public:
+  explicit Walk(const Stacking& stacking) : stacking_(stacking) {
+    result_.x = Matrix::Identity(stacking.size(), stacking.size());
+    result_.end_time = Eigen::RowVectorXd::Zero(stacking.size());
+    result_.flow = Vector::Zero(stacking.size());
+  }
+
+  void segment(const TraceSegment& s) {
+    auto block = result_.x.middleRows(stacking_.first(s.island), stacking_.count(s.island));
+    const Mode& mode = *s.mode;
+    if (mode.n1 == 0) return;
+    const Matrix c = to_coordinates(mode, block);
+    block = from_coordinates(mode, Matrix(c + propagators_.of(mode, s.length) * c));
+  }
+
+  void step(const TraceStep& step) {
+    const Eigen::RowVectorXd shift = time_shift(step);
+    result_.end_time = shift;
+    for (const engine::Change& change : step.changes) pass(change, own_shift(change, shift));
+  }
+
+  void take_flow(std::size_t island, const Mode& mode, const std::vector<double>& y) {
+    result_.flow.segment(stacking_.first(island), stacking_.count(island)) =
+        speed(stacking_.system(island), mode, y).head(stacking_.count(island));
+  }
+
+  Variation take() { return std::move(result_); }
+
+ private:
+  void kink(std::string why) {
+    if (result_.kink.empty()) result_.kink = std::move(why);
+  }
+
+  /// δt of the instant: that of the first guard that is passed, where no source or clock fixes it.
+  Eigen::RowVectorXd time_shift(const TraceStep& step) {
+    for (const engine::Change& change : step.changes)
+      if (change.cause == engine::Cause::guard) return shift_of(change, step.time);
+    for (const engine::Change& change : step.changes) {
+      if (change.cause == engine::Cause::accumulation) kink(fmt::format("events accumulate at t = {} s", step.time));
+      if (change.cause == engine::Cause::undecided && change.before != change.after)
+        kink(fmt::format("the event at t = {} s could not be told from others", step.time));
+    }
+    return Eigen::RowVectorXd::Zero(stacking_.size());
+  }
+
+  Eigen::RowVectorXd own_shift(const engine::Change& change, const Eigen::RowVectorXd& shift) {
+    return change.cause == engine::Cause::time ? Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(stacking_.size())) : shift;
+  }
+
+  Eigen::RowVectorXd shift_of(const engine::Change& change, double time) {
+    const Mode& mode = *change.before;
+    const auto row = mode.guards.row(change.guard);
+    const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny);
+    const double fall = row.dot(rate);
+    if (change.before == change.after || mode.n1 == 0) return Eigen::RowVectorXd::Zero(stacking_.size());
+    if (std::abs(fall) <= touching * mode.guard_norm[change.guard] * rate.norm()) {
+      kink(fmt::format("a guard is touched, not passed, at t = {} s", time));
+      return Eigen::RowVectorXd::Zero(stacking_.size());
+    }
+    const auto block = result_.x.middleRows(stacking_.first(change.island), stacking_.count(change.island));
+    return row.head(mode.n1) * to_coordinates(mode, block) * (-1.0 / fall);
+  }
+
+  void pass(const engine::Change& change, const Eigen::RowVectorXd& shift) {
+    const System& system = stacking_.system(change.island);
+    const int n = stacking_.count(change.island);
+    if (n == 0) return;
+    auto block = result_.x.middleRows(stacking_.first(change.island), n);
+    Vector before = Vector::Zero(system.size());
+    if (change.before && !change.y_before.empty()) before = speed(system, *change.before, change.y_before);
+    for (const Mode* mode : change.by_way_of) {
+      if (!mode->constrained) continue;
+      block = mode->projector.topLeftCorner(n, n) * block;
+      before = mode->projector * before;
+    }
+    const Vector after = speed(system, *change.after, change.y_after);
+    if (change.before) block += (before - after).head(n) * shift;
+    result_.flow.segment(stacking_.first(change.island), n) = after.head(n);
+  }
+
+  const Stacking& stacking_;
+  Propagators propagators_;
+  Variation result_;
+};
+
+}  // namespace
+
+Stacking::Stacking(const engine::ExactModel& model) {
+  for (const engine::IslandModel& island : model.islands) {
+    first_.push_back(size_);
+    systems_.push_back(&island.extraction.system);
+    size_ += island.extraction.system.n;
+  }
+  first_.push_back(size_);
+}
+
+Vector Stacking::stacked(const std::vector<Vector>& xi) const {
+  Vector x(size_);
+  for (std::size_t i = 0; i < xi.size(); ++i) x.segment(first(i), count(i)) = xi[i];
+  return x;
+}
+
+std::vector<Vector> Stacking::apart(const Vector& x) const {
+  std::vector<Vector> xi;
+  for (std::size_t i = 0; i < islands(); ++i) xi.emplace_back(x.segment(first(i), count(i)));
+  return xi;
+}
+
+Variation variation(const Stacking& stacking, const Trace& trace) {
+  Walk walk(stacking);
+  for (const TraceStep& step : trace.steps) {
+    for (const TraceSegment& segment : step.segments) walk.segment(segment);
+    walk.step(step);
+  }
+  for (const TraceSegment& segment : trace.tail) {
+    walk.segment(segment);
+    walk.take_flow(segment.island, *segment.mode, segment.y1);
+  }
+  return walk.take();
+}
+
+bool moves_a_guard(const Stacking& stacking, const Trace& trace, const Vector& direction) {
+  Vector v = direction;
+  const auto moves = [&](const TraceSegment& s) {
+    const Mode& mode = *s.mode;
+    auto block = v.segment(stacking.first(s.island), stacking.count(s.island));
+    if (mode.n1 == 0) return false;
+    Vector c = to_coordinates(mode, block);
+    const auto moves_now = [&] {
+      for (Eigen::Index i = 0; i < mode.guards.rows(); ++i)
+        if (std::abs(mode.guards.row(i).head(mode.n1).dot(c)) > still * mode.guard_norm[i] * direction.norm()) return true;
+      return false;
+    };
+    if (moves_now()) return true;
+    c += mode.flow.minus_identity(s.length).topLeftCorner(mode.n1, mode.n1) * c;
+    block = from_coordinates(mode, c);
+    return moves_now();
+  };
+  for (const TraceStep& step : trace.steps)
+    for (const TraceSegment& segment : step.segments)
+      if (moves(segment)) return true;
+  for (const TraceSegment& segment : trace.tail)
+    if (moves(segment)) return true;
+  return false;
+}
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,53 @@
+#pragma once
+/// The exact derivative of a run's end to its start: matrix exponentials over segments, and at instants
+///
+///     S = P + (f⁺ − P f⁻) n′/(n f⁻)      (saltation; P the product of the jumps' projections, n the guard that is passed),
+///     S = P                               (where the time is fixed).
+///
+/// Aizerman & Gantmacher 1958; Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), §7.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/exact/exact_model.hpp"
+#include "steady/orbit_trace.hpp"
+
+namespace pwlsim::steady {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+/// Where the islands' ξ lie in the stacked state.
+class Stacking {
+ public:
+  explicit Stacking(const engine::ExactModel& model);
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int first(std::size_t island) const { return first_[island]; }
+  [[nodiscard]] int count(std::size_t island) const { return first_[island + 1] - first_[island]; }
+  [[nodiscard]] const model::System& system(std::size_t island) const { return *systems_[island]; }
+  [[nodiscard]] std::size_t islands() const { return systems_.size(); }
+  [[nodiscard]] Vector stacked(const std::vector<Vector>& xi) const;
+  [[nodiscard]] std::vector<Vector> apart(const Vector& x) const;
+
+ private:
+  std::vector<int> first_;
+  std::vector<const model::System*> systems_;
+  int size_ = 0;
+};
+
+struct Variation {
+  Matrix x;                   ///< ∂(state at the end)/∂(state at the start), the time of the end being fixed
+  Eigen::RowVectorXd end_time;  ///< ∂(time of the last instant)/∂(start)
+  Vector flow;                ///< ξ′ right of the end
+  std::string kink;           ///< why there is no derivative; "" where there is one
+  /// ∂(state at the last instant)/∂(start): of the map from event to event.
+  [[nodiscard]] Matrix return_map() const { return x + flow * end_time; }
+};
+
+[[nodiscard]] Variation variation(const Stacking& stacking, const Trace& trace);
+
+/// Whether a direction that goes through all of the run unchanged moves a guard of some segment: one of a diode or of a control, by more than rounding.
+[[nodiscard]] bool moves_a_guard(const Stacking& stacking, const Trace& trace, const Vector& direction);
+
+}  // namespace pwlsim::steady

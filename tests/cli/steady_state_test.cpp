@@ -1,0 +1,176 @@
+// .pss: orbits, multipliers and messages as a user sees them, against closed forms.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Json steady_state_of(const Scratch& scratch, const std::string& deck, int status = 0) {
+  scratch.write("deck.net", deck);
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  REQUIRE(finished.status == status);
+  return read_json(finished.out);
+}
+
+double state(const Json& pss, const std::string& name) {
+  for (const Json& s : pss["states"].array)
+    if (s["name"].string == name) return s["value"].number;
+  FAIL("no state " << name);
+  return 0.0;
+}
+
+double measured(const Json& result, const std::string& name) {
+  for (const Json& m : result["measurements"].array)
+    if (m["name"].string == name) return m["value"].number;
+  FAIL("no measurement " << name);
+  return 0.0;
+}
+
+// Deane & Hamill's buck: 24.51657282856338 V is where its period doubles (shared contract of the project, 60 digits; 24.516 in Fossas & Olivar 1996).
+std::string deane_hamill(const std::string& vin, const std::string& card) {
+  return "buck under voltage-mode control\nVin in 0 " + vin +
+         "\nVr r 0 PULSE(3.8 8.2 0 400u 0 0 400u)\nBc c 0 V=8.4*(v(out)-11.3)\nS1 in sw r c SX\nD1 0 sw DX\n"
+         "L1 sw out 20m\nC1 out 0 47u\nR1 out 0 22\n.model SX SW(Ron=0 Vt=0)\n.model DX D\n" +
+         card + "\n.end\n";
+}
+
+}  // namespace
+
+TEST_CASE("an RC circuit under a square wave: orbit and multiplier are exponentials", "[unit]") {
+  // From v₀ towards 1 V for T/2, then towards 0: v₀ = (1 − a)a/(1 − a²), a = e^{−T/2RC}; the multiplier is a².
+  const Scratch scratch;
+  const Json result = steady_state_of(scratch,
+                                      "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss\n"
+                                      ".meas pss mean AVG v(b)\n.meas pss t PERIOD\n.meas pss three INTEG v(b) FROM=0.25m TO=3.25m\n.end\n");
+  const Json& pss = result["pss"];
+  const double a = std::exp(-0.5);
+  CHECK(pss["kind"].string == "driven");
+  CHECK(pss["period"].number == 1e-3);
+  CHECK(pss["stability"].string == "stable");
+  CHECK(pss["unique"].truth == true);
+  CHECK(state(pss, "v(C1)") == Approx((1.0 - a) * a / (1.0 - a * a)).epsilon(1e-13));
+  REQUIRE(pss["multipliers"].array.size() == 1);
+  CHECK(pss["multipliers"][0]["re"].number == Approx(a * a).epsilon(1e-13));
+  CHECK(measured(result, "mean") == Approx(0.5).epsilon(1e-13));
+  CHECK(measured(result, "t") == 1e-3);
+  CHECK(measured(result, "three") == Approx(1.5e-3).epsilon(1e-13));  // three whole periods
+}
+
+TEST_CASE("Deane and Hamill's buck has the multiplier -1 where its period doubles", "[unit]") {
+  const Scratch scratch;
+  const Json edge = steady_state_of(scratch, deane_hamill("24.51657282856338", ".pss uic"));
+  const Json& multipliers = edge["pss"]["multipliers"];
+  REQUIRE(multipliers.array.size() == 2);
+  CHECK(multipliers[0]["re"].number == Approx(-1.0).epsilon(1e-11));
+  CHECK(edge["pss"]["stability"].string == "marginal");
+  // Liouville: the product of both is e^{−T/RC}, whatever the switch does; |λ| = e^{−T/2RC} where they are a pair.
+  const double product = multipliers[0]["re"].number * multipliers[1]["re"].number;
+  CHECK(product == Approx(std::exp(-400e-6 / (22.0 * 47e-6))).epsilon(1e-11));
+  const Json below = steady_state_of(scratch, deane_hamill("20", ".pss uic"));
+  CHECK(below["pss"]["stability"].string == "stable");
+  CHECK(below["pss"]["multipliers"][0]["abs"].number == Approx(std::exp(-200e-6 / (22.0 * 47e-6))).epsilon(1e-11));
+}
+
+TEST_CASE("an unstable orbit is found, called unstable, and ends with status 0; k=2 finds the doubled one", "[unit]") {
+  const Scratch scratch;
+  scratch.write("unstable.net", deane_hamill("25", ".pss uic"));
+  const Finished finished = run_in(scratch, {"unstable.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("warning[W-pss-unstable]") && Contains("the period doubles") && Contains("k=2"));
+  const Json doubled = steady_state_of(scratch, deane_hamill("25", ".pss uic k=2"));
+  CHECK(doubled["pss"]["stability"].string == "stable");
+  CHECK(doubled["pss"]["period"].number == 8e-4);
+}
+
+TEST_CASE("a self-timed circuit gives its period: the 555", "[unit]") {
+  // ln 2·(R1 + 2 R2)·C
+  const Scratch scratch;
+  const std::string timer = "timer\nVcc vcc 0 9\nR1 vcc d 1k\nR2 d c 10k\nC1 c 0 100n\nS1 d 0 c 0 SX\n.model SX SW(Vt=4.5 Vh=1.5 Ron=0)\n";
+  for (const char* card : {".pss", ".pss on=S1", ".pss off=S1", ".pss when v(c)=4 rise", ".pss 700 0 c 1000 10", ".pop trig_gate=S1 trig_cond=0_to_1 max_period=2m"}) {
+    INFO(card);
+    const Json result = steady_state_of(scratch, timer + card + "\n.meas pss t PERIOD\n.end\n");
+    CHECK(result["pss"]["kind"].string == "autonomous");
+    CHECK(result["pss"]["period"].number == Approx(std::log(2.0) * 21e3 * 100e-9).epsilon(1e-12));
+    CHECK(measured(result, "t") == result["pss"]["period"].number);
+  }
+}
+
+TEST_CASE("a relay around an RLC circuit: the second half of the orbit is minus the first", "[unit]") {
+  // x = (i, v): x(h) = x_s + e^{Ah}(x₀ − x_s) with x_s = (0, −1 V) right of the closing of S1; by symmetry x(h) = −x₀, the period is 2h, and v(0) = 0.1 V.
+  // e^{Ah} = e^{−σh}(cos ωh·I + sin ωh/ω·(A + σI)), σ = R/2L, ω² = 1/LC − σ².
+  const Scratch scratch;
+  const Json result = steady_state_of(scratch,
+                                      "relay\nVp p 0 1\nS1 p q c 0 SX\nRq q 0 1k\nB1 a 0 V=1-2*V(q)\nR1 a b 10\nL1 b c 1m\nC1 c 0 10u ic=0.2\n"
+                                      ".model SX SW(Vt=0 Vh=0.1 Ron=0)\n.pss on=S1 uic\n.end\n");
+  const Json& pss = result["pss"];
+  const double l = 1e-3, c = 10e-6, sigma = 10.0 / (2.0 * l), omega = std::sqrt(1.0 / (l * c) - sigma * sigma);
+  const double h = 0.5 * pss["period"].number, i0 = state(pss, "i(L1)"), v0 = state(pss, "v(C1)");
+  CHECK(v0 == Approx(0.1).epsilon(1e-12));
+  const double decay = std::exp(-sigma * h), cosine = decay * std::cos(omega * h), sine = decay * std::sin(omega * h) / omega;
+  const double di = i0, dv = v0 + 1.0;  // x₀ − x_s
+  const double i1 = cosine * di + sine * (-sigma * di - dv / l), v1 = -1.0 + cosine * dv + sine * (di / c + sigma * dv);
+  CHECK(i1 == Approx(-i0).epsilon(1e-11));
+  CHECK(v1 == Approx(-v0).epsilon(1e-10));
+  // The trivial multiplier is 1.
+  bool has_trivial = false;
+  for (const Json& m : pss["multipliers"].array)
+    if (m["trivial"].truth == true) {
+      has_trivial = true;
+      CHECK(m["re"].number == Approx(1.0).epsilon(1e-10));
+    }
+  CHECK(has_trivial);
+}
+
+TEST_CASE("charge that nothing takes away: no orbit, with the amount", "[unit]") {
+  const Scratch scratch;
+  scratch.write("drift.net", "drift\nI1 0 a SIN(1m 1m 1k)\nC1 a 0 1u\n.pss\n.end\n");
+  const Finished finished = run_in(scratch, {"drift.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-no-orbit]") && Contains("1 µC to C1"));  // 1 mA for 1 ms
+}
+
+TEST_CASE("a family of orbits is one of them, with a note", "[unit]") {
+  const Scratch scratch;
+  scratch.write("family.net", "family\nI1 0 a SIN(0 1m 1k)\nC1 a 0 1u ic=3\n.pss uic\n.meas pss mean AVG v(a)\n.end\n");
+  const Finished finished = run_in(scratch, {"family.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("note[N-pss-not-unique]") && Contains("v(C1)"));
+  // 3 V + ∫ 1 mA sin dt/C: the mean lies 1 mA/(2πf·C) above the start.
+  CHECK(value_of(finished.out, "mean") == Approx(3.0 + 1e-3 / (2.0 * M_PI * 1e3 * 1e-6)).epsilon(1e-6));
+}
+
+TEST_CASE("what a card asks for and cannot be had is refused by name", "[unit]") {
+  const Scratch scratch;
+  const auto ends = [&](const std::string& deck, int status, const std::string& id) {
+    scratch.write("bad.net", "bad\n" + deck + "\n.end\n");
+    const Finished finished = run_in(scratch, {"bad.net"});
+    INFO(deck);
+    CHECK(finished.status == status);
+    CHECK_THAT(finished.err, Contains("[" + id + "]"));
+  };
+  const std::string rc = "V1 a 0 PULSE(0 1 0 0 0 5m 10m)\nR1 a b 1k\nC1 b 0 1u\n";
+  ends(rc + ".pss period=15m", 2, "E-pss-not-a-multiple");
+  ends(rc + ".pss k=0", 2, "E-pss-bad-multiple");
+  ends(rc + ".pss perid=10m", 2, "E-unexpected");
+  ends("V1 a 0 SIN(0 1 50)\nV2 c 0 SIN(0 1 70.710678118654755)\nR1 a b 1k\nR2 c b 1k\nC1 b 0 1u\n.pss", 1, "E-pss-no-period");
+  ends("V1 a 0 5\nR1 a b 1k\nC1 b 0 1u\n.pss", 1, "E-pss-no-oscillation");
+  ends("V1 a 0 5\nR1 a b 1k\nC1 b 0 1u\nS1 b 0 b 0 SX\n.model SX SW(Vt=9)\n.pss on=S1 uic", 1, "E-pss-no-trigger");
+}
+
+TEST_CASE("rows hold one period; beside .tran they have a file of their own, and the run starts on the orbit", "[unit]") {
+  const Scratch scratch;
+  scratch.write("rc.net", "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss points=10\n.save v(b)\n.tran 0.5m 2m\n.end\n");
+  CHECK(run_in(scratch, {"rc.net"}).status == 0);
+  const std::string orbit = read_file(scratch / "rc.pss.csv"), rows = read_file(scratch / "rc.csv");
+  CHECK(std::count(orbit.begin(), orbit.end(), '\n') == 12);
+  CHECK(std::count(rows.begin(), rows.end(), '\n') == 6);
+  // On the orbit from the first row on: v(b) = a/(1 + a) at whole periods.
+  const double a = std::exp(-0.5);
+  CHECK(std::stod(rows.substr(rows.find("\n0,") + 3)) == Approx(a / (1.0 + a)).epsilon(1e-12));
+}
