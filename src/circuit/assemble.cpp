@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/dangling.hpp"
 #include "circuit/floating.hpp"
 #include "circuit/gate_drives.hpp"
 #include "circuit/names.hpp"
@@ -37,6 +38,7 @@ class Assembler {
     if (!reporter_.failed()) check_complete();
     std::vector<model::NodeIndex> to_tie;
     if (!circuit_.has_gaps) to_tie = report_floating(circuit_, reporter_);
+    if (!circuit_.has_gaps) warn_of_dangling(circuit_, reporter_);
     if (reporter_.failed()) return std::nullopt;
     emit();
     tie_to_ground(to_tie);

@@ -13,6 +13,7 @@
 #include "circuit/card_cursor.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/formula_reader.hpp"
+#include "circuit/number_cure.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
 #include "netlist/number.hpp"
@@ -61,10 +62,7 @@ class CardBinding {
   /// A resistor whose resistance is an expression of time or of signals: the current v/R.
   void bind_resistance(const netlist::Expression& resistance) {
     if (!terminals()) return;
-    const auto name_of = [&](std::size_t k) {
-      return netlist::Expression{netlist::Expression::Kind::name, 0.0, card_.items[k].text, {}, card_.items[k].span};
-    };
-    const netlist::Expression voltage{netlist::Expression::Kind::call, 0.0, "v", {name_of(0), name_of(1)}, resistance.span};
+    const netlist::Expression voltage = voltage_between(card_.items[0], card_.items[1], resistance.span);
     const netlist::Expression current{netlist::Expression::Kind::binary, 0.0, "/", {voltage, resistance}, resistance.span};
     (void)FormulaReader(binder_, place_, instance_).read(current, true);
   }
@@ -80,6 +78,7 @@ class CardBinding {
 
   bool missing(std::string id, std::string_view what) {
     reporter().error(std::move(id), card_.span, fmt::format("{} needs {}; usage: {}", card_.name, what, kind_.usage));
+    binder_.leave_gap();
     return false;
   }
 
@@ -150,7 +149,8 @@ class CardBinding {
     const Parameter& parameter = kind_.parameters[0];
     const std::optional<double> factor = model_value();
     const bool model_behind = !factor && at_model(1);
-    if (cursor_.positional_left() > (model_behind ? 2 : 1)) return too_many();
+    if (const std::size_t most = model_behind ? 2 : 1; cursor_.positional_left() > most)
+      return too_many(*cursor_.peek(most - 1), *cursor_.peek(most));
     if (cursor_.at_positional()) {
       ValueReader(place_.scope, reporter(), card_.name).positional(*cursor_.next(), parameter, instance_.values);
       if (model_behind) (void)model_value();  // the value on the card rules
@@ -177,9 +177,12 @@ class CardBinding {
     return index < 0 ? 1.0 : binder_.models().at(index).values.get(kind_.parameters[0].name);
   }
 
-  bool too_many() {
+  bool too_many(const Item& value, const Item& surplus) {
     const std::string nodes = kind_.terminals == 0 ? "" : fmt::format("{} nodes and ", kind_.terminals);
-    reporter().error("E-node-count", card_.span, fmt::format("{} takes {}one value; usage: {}", card_.name, nodes, kind_.usage));
+    reporter().error("E-node-count", surplus.span,
+                     fmt::format("{} takes {}one value, and '{}' is one more; {}", card_.name, nodes, reporter().text(surplus.span),
+                                 surplus_cure(value, surplus, reporter(), kind_.usage)));
+    binder_.leave_gap();
     return false;
   }
 
@@ -188,7 +191,21 @@ class CardBinding {
     return parameter != nullptr && parameter->use == elements::Use::refused;
   }
 
+  /// The last of the nodes is a model, and none follows.
+  bool has_node_too_few() const {
+    const Item* last = cursor_.previous();
+    return last != nullptr && last->kind == ItemKind::word && Models::known(place_.scope, *last) &&
+           (!cursor_.at(ItemKind::word) || at_flag());
+  }
+
   bool model() {
+    if (has_node_too_few()) {
+      reporter().error(
+          "E-node-count", card_.span,
+          fmt::format("{} has a node too few before its model {}; usage: {}", card_.name, cursor_.previous()->text, kind_.usage));
+      binder_.leave_gap();
+      return false;
+    }
     if (!cursor_.at(ItemKind::word)) return missing("E-missing-model", "a model");
     const Item& name = *cursor_.next();
     if (!Models::known(place_.scope, name) && cursor_.at(ItemKind::word) && Models::known(place_.scope, *cursor_.peek())) {
@@ -262,6 +279,13 @@ class CardBinding {
     if (is_laplace(item)) return transfer_of_expression(item);
     const Item* value = item.kind == ItemKind::assignment ? (item.items.empty() ? nullptr : &item.items[0]) : cursor_.next();
     return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
+  }
+
+  static netlist::Expression voltage_between(const Item& p, const Item& n, SourceSpan span) {
+    const auto name_of = [](const Item& word) {
+      return netlist::Expression{netlist::Expression::Kind::name, 0.0, word.text, {}, word.span};
+    };
+    return {netlist::Expression::Kind::call, 0.0, "v", {name_of(p), name_of(n)}, span};
   }
 
   bool expression(const Item& item, bool is_current) {

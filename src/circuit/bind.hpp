@@ -35,6 +35,8 @@ class Binder {
   [[nodiscard]] bool is_global(const std::string& key) const { return definitions_.global_nodes.contains(key); }
   /// A source with a DC value and a waveform: other simulators read .op from the first.
   void note_two_values(const netlist::Card& card);
+  /// A card lacks something: what it was to connect is not known.
+  void leave_gap() { circuit_.has_gaps = true; }
   [[nodiscard]] Reporter& reporter() { return reporter_; }
   [[nodiscard]] Models& models() { return models_; }
 

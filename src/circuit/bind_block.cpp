@@ -24,9 +24,21 @@ class BlockBinding {
   BlockBinding(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
       : binder_(binder), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
 
-  bool bind() { return port(cursor_, instance_.inputs, true) && output() && model() && check_inputs(); }
+  bool bind() {
+    if (!is_foreign() && port(cursor_, instance_.inputs, true) && output() && model()) return check_inputs();
+    binder_.leave_gap();
+    return false;
+  }
 
  private:
+  /// A block of a type that is not known here has ports that are not known either: its type is the error.
+  bool is_foreign() {
+    const netlist::Item* last = nullptr;
+    for (const netlist::Item& item : card_.items)
+      if (item.kind == ItemKind::word) last = &item;
+    return last != nullptr && Models::known(place_.scope, *last) && binder_.models().use(place_.scope, *last, *instance_.kind) < 0;
+  }
+
   Reporter& reporter() { return binder_.reporter(); }
 
   bool fail(std::string id, SourceSpan span, std::string_view what) {

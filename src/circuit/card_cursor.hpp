@@ -16,6 +16,8 @@ class CardCursor {
   [[nodiscard]] const netlist::Item* peek(std::size_t ahead = 0) const {
     return at_ + ahead < items_.size() ? items_[at_ + ahead] : nullptr;
   }
+  /// What was taken last; null at the begin.
+  [[nodiscard]] const netlist::Item* previous() const { return at_ > 0 ? items_[at_ - 1] : nullptr; }
   const netlist::Item* next() { return at_ < items_.size() ? items_[at_++] : nullptr; }
   [[nodiscard]] bool at_end() const { return at_ == items_.size(); }
 

@@ -13,6 +13,7 @@ constexpr CardKind kinds[] = {
     {".ends", CardRole::end_of_subcircuit, "ends a subcircuit"},
     {".param", CardRole::parameter, "defines parameters"},
     {".params", CardRole::parameter, "defines parameters"},
+    {".global_param", CardRole::parameter, "defines parameters"},
     {".func", CardRole::function, "defines a function"},
     {".model", CardRole::model, "defines a model"},
     {".global", CardRole::global, "names nodes that are one in all subcircuits"},
@@ -30,6 +31,10 @@ constexpr CardKind kinds[] = {
     {".print", CardRole::print, "names the signals of the output"},
     {".backanno", CardRole::ltspice, "LTspice writes it into its netlists"},
     {".title", CardRole::silent, "means nothing here"},
+    {".protect", CardRole::silent, "means nothing here"},
+    {".unprotect", CardRole::silent, "means nothing here"},
+    {".prot", CardRole::silent, "means nothing here"},
+    {".unprot", CardRole::silent, "means nothing here"},
     {".nodeset", CardRole::ignored, "hints for an iteration that is not needed here"},
     {".temp", CardRole::ignored, "temperatures have no effect"},
     {".plot", CardRole::ignored, "line-printer plots"},
@@ -49,6 +54,7 @@ constexpr CardKind kinds[] = {
     {".wave", CardRole::ignored, "sound files"},
     {".ferret", CardRole::ignored, "downloads"},
     {".savebias", CardRole::ignored, "files of operating points"},
+    {".loadbias", CardRole::ignored, "files of operating points"},
     {".csparam", CardRole::ignored, "parameters of .control blocks"},
     {".mc", CardRole::ignored, "Monte Carlo runs"},
     {".wcase", CardRole::ignored, "worst-case runs"},
@@ -78,9 +84,11 @@ constexpr RefusedElement refused[] = {
 };
 
 constexpr std::string_view foreign_types[] = {
-    "CORE",       "URC",        "LTRA", "TRN",     "LPNP", "NMF",    "PMF",      "NIGBT",   "PIGBT",
-    "NHFET",      "PHFET",      "mult", "divide",  "slew", "climit", "ilimit",   "sidiode", "aswitch",
-    "adc_bridge", "dac_bridge", "core", "lcouple", "sine", "square", "triangle",
+    "CORE",     "URC",       "LTRA",       "TRN",      "LPNP",       "NMF",        "PMF",      "NIGBT",   "PIGBT",      "NHFET",
+    "PHFET",    "mult",      "divide",     "slew",     "climit",     "ilimit",     "sidiode",  "aswitch", "adc_bridge", "dac_bridge",
+    "core",     "lcouple",   "sine",       "square",   "triangle",   "oneshot",    "cmeter",   "lmeter",  "d_and",      "d_nand",
+    "d_or",     "d_nor",     "d_xor",      "d_xnor",   "d_buffer",   "d_inverter", "d_dff",    "d_jkff",  "d_tff",      "d_srff",
+    "d_dlatch", "d_srlatch", "d_tristate", "d_pullup", "d_pulldown", "d_open_c",   "d_source", "d_fdiv",  "d_state",    "d_ram",
 };
 
 }  // namespace

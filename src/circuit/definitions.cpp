@@ -220,17 +220,8 @@ class Reader {
     } else if (is_ground_name(item.text)) {
       here().ports.emplace_back(ground_port);
     } else if (!same_name(item.text, "params:")) {
-      read_port(item);
+      here().ports.push_back(without_case(item.text));
     }
-  }
-
-  void read_port(const Item& item) {
-    std::string key = without_case(item.text);
-    auto& ports = here().ports;
-    if (std::find(ports.begin(), ports.end(), key) != ports.end()) {
-      reporter_.error("E-duplicate-port", item.span, fmt::format("{} has a second port {}", here().name, item.text));
-    }
-    ports.push_back(std::move(key));
   }
 
   const Item* value_of(const Item& assignment) {

@@ -135,6 +135,16 @@ bool takes_type(char letter, std::string_view type) {
   }
 }
 
+/// The part a card of this letter means: PSpice's libraries write the letter before the number, as in D1N4148 and Q2N2222.
+std::optional<Device> device_of_card(char letter, std::string_view name) {
+  const auto fits = [&](const std::optional<Device>& device) { return device && takes_type(letter, device->type); };
+  if (auto device = find_device(name); fits(device)) return device;
+  const bool is_prefixed = name.size() > 2 && lower_letter(name[0]) == letter && is_digit(name[1]);
+  if (!is_prefixed) return std::nullopt;
+  auto device = find_device(name.substr(1));
+  return fits(device) ? device : std::nullopt;
+}
+
 bool is_defined(const Definition& from, const std::string& key) {
   for (const Definition* at = &from; at != nullptr; at = at->parent)
     if (at->models.contains(key)) return true;
@@ -146,19 +156,18 @@ struct Wanted {
   Device device;
 };
 
-/// Behind the nodes of a D, Q, M or J card; null where its model is defined.
-const Item* find_device_name(const Definition& from, const Card& card) {
+/// Behind the nodes of a D, Q, M or J card; none where its model is defined.
+std::optional<Wanted> wanted_by(const Definition& from, const Card& card) {
   const char letter = lower_letter(card.name.front());
-  if (std::string_view("dqmj").find(letter) == std::string_view::npos) return nullptr;
+  if (std::string_view("dqmj").find(letter) == std::string_view::npos) return std::nullopt;
   const std::size_t nodes = letter == 'd' ? 2 : 3;
   for (std::size_t at = nodes; at < card.items.size(); ++at) {
     const Item& item = card.items[at];
     if (item.kind != Item::Kind::word) continue;
-    if (is_defined(from, without_case(item.text))) return nullptr;
-    const auto device = find_device(item.text);
-    if (device && takes_type(letter, device->type)) return &item;
+    if (is_defined(from, without_case(item.text))) return std::nullopt;
+    if (auto device = device_of_card(letter, item.text)) return Wanted{item.text, std::move(*device)};
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 std::vector<Wanted> wanted_by(const Definitions& definitions) {
@@ -166,8 +175,8 @@ std::vector<Wanted> wanted_by(const Definitions& definitions) {
   std::set<std::string> keys;
   for (const auto& definition : definitions.all) {
     for (const Card* card : definition->elements) {
-      const Item* name = find_device_name(*definition, *card);
-      if (name != nullptr && keys.insert(without_case(name->text)).second) list.push_back({name->text, *find_device(name->text)});
+      std::optional<Wanted> wanted = wanted_by(*definition, *card);
+      if (wanted && keys.insert(without_case(wanted->name)).second) list.push_back(std::move(*wanted));
     }
   }
   return list;

@@ -107,12 +107,21 @@ void Expander::connect(Place& place, const Card& card, const Item& name, Place& 
     const model::NodeIndex node = binder_.node(place, *nodes[k]);
     if (k >= called.ports.size()) continue;
     if (called.ports[k] != ground_port)
-      inner.nodes.emplace(called.ports[k], node);
+      connect_port(inner, card, *nodes[k], called.ports[k], node);
     else if (node != model::ground)
       reporter().warning("W-ground-port", nodes[k]->span,
                          fmt::format("{} is not connected to {}: this port of {} is ground itself, the same node everywhere",
                                      nodes[k]->text, card.name, called.name));
   }
+}
+
+/// A port that stands twice in the subcircuit's list (`.subckt scr 1 2 3 2`) is one node, so a call gives it one.
+void Expander::connect_port(Place& inner, const Card& card, const Item& word, const std::string& port, model::NodeIndex node) {
+  const auto [known, is_new] = inner.nodes.emplace(port, node);
+  if (is_new || known->second == node) return;
+  reporter().error("E-duplicate-port", word.span,
+                   fmt::format("{} gives {} a second node for the port {}, which stands twice in its list; try one node at both places",
+                               card.name, inner.scope.definition().name, port));
 }
 
 void Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {

@@ -18,6 +18,7 @@ class Expander {
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);
   void note_gate_outputs(const Place& inner);
   void connect(Place& place, const netlist::Card& card, const netlist::Item& name, Place& inner);
+  void connect_port(Place& inner, const netlist::Card& card, const netlist::Item& word, const std::string& port, model::NodeIndex node);
   [[nodiscard]] std::vector<const netlist::Item*> actual_nodes(const netlist::Card& card, const netlist::Item& name);
   void give_parameters(Place& place, const netlist::Card& card, const netlist::Item& name, Scope& inner);
   void give(Place& place, const netlist::Card& card, const netlist::Item& assignment, Scope& inner);

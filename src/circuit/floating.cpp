@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "circuit/names.hpp"
 #include "circuit/node_groups.hpp"
 
 namespace pwlsim::circuit {
@@ -65,6 +66,35 @@ bool is_fed(const Circuit& circuit, NodeGroups& groups, int root) {
   return false;
 }
 
+/// By node: whether some element has a terminal there. The others are only read, by a switch or an expression.
+std::vector<char> touched_nodes(const Circuit& circuit) {
+  std::vector<char> touched(circuit.nodes().size(), 0);
+  const auto touch = [&](NodeIndex node) {
+    if (node != model::ground) touched[static_cast<std::size_t>(node)] = 1;
+  };
+  for (const Instance& instance : circuit.instances) {
+    for (const NodeIndex node : instance.nodes) touch(node);
+    for (const elements::BlockInput& input : instance.inputs) {
+      if (!input.is_current) continue;
+      touch(input.nodes.p);
+      touch(input.nodes.n);
+    }
+  }
+  return touched;
+}
+
+void report_untouched(const Circuit& circuit, const std::vector<char>& touched, std::size_t node, Reporter& reporter) {
+  const model::Label& label = circuit.nodes()[node];
+  std::vector<std::string> others;
+  for (const std::string& name : NameIndex(circuit).node_names())
+    if (const auto index = circuit.find_node(name); index && *index != model::ground && touched[static_cast<std::size_t>(*index)] != 0)
+      others.push_back(name);
+  const std::string nearest = suggestion(label.name, others);
+  reporter.error("E-floating", label.span,
+                 fmt::format("the node {} is only read: no element connects to it{}", label.name,
+                             nearest.empty() ? "; try the name of another node, or a source from it to 0" : nearest));
+}
+
 }  // namespace
 
 std::vector<NodeIndex> report_floating(const Circuit& circuit, Reporter& reporter) {
@@ -75,7 +105,12 @@ std::vector<NodeIndex> report_floating(const Circuit& circuit, Reporter& reporte
   for (std::size_t k = 0; k < circuit.nodes().size(); ++k) {
     if (const int root = groups.root(static_cast<NodeIndex>(k)); root != 0) floating[root].push_back(k);
   }
+  const std::vector<char> touched = touched_nodes(circuit);
   for (const auto& [root, group] : floating) {
+    if (!circuit.written_by_ltspice && group.size() == 1 && touched[group[0]] == 0) {
+      report_untouched(circuit, touched, group[0], reporter);
+      continue;
+    }
     const model::Label& first = circuit.nodes()[group[0]];
     const std::string who =
         group.size() == 1 ? fmt::format("the node {} has", first.name) : fmt::format("the nodes {} have", some_names(circuit, group));

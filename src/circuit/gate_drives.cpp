@@ -68,7 +68,7 @@ void mark_gate_drives(Circuit& circuit) {
   constexpr std::size_t gate = 1, source = 2;
   Drives drives(circuit);
   for (Instance& instance : circuit.instances) {
-    if (!is_letter(instance, 'M') || instance.nodes.size() <= source) continue;
+    if (!(is_letter(instance, 'M') || is_letter(instance, 'J')) || instance.nodes.size() <= source) continue;
     const int at_gate = drives.group(instance.nodes[gate]), at_source = drives.group(instance.nodes[source]);
     instance.drive_is_apart = at_source != 0 && at_gate != at_source && !drives.leads_only_to(at_source, at_gate);
   }

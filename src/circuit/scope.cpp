@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/number_cure.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
@@ -121,9 +122,10 @@ std::vector<std::string> Scope::visible_names() const {
 
 void Scope::report_no_number(const netlist::Item& item) {
   const bool is_parameter = item.kind == ItemKind::word && find(item.text).second != nullptr;
-  const std::string cure = is_parameter ? fmt::format("; try {{{}}}", item.text) : "";
   const std::string_view text = session_.reporter.text(item.span);
-  session_.reporter.error("E-not-a-number", item.span, fmt::format("'{}' is not a number{}", text, cure));
+  session_.reporter.error(
+      "E-not-a-number", item.span,
+      fmt::format("'{}' is not a number{}", text, is_parameter ? fmt::format("; try {{{}}}", item.text) : number_cure(text, *this)));
 }
 
 std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_allowed) {

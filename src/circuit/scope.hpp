@@ -62,6 +62,8 @@ class Scope {
   [[nodiscard]] Scope& enclosing(const Definition& where);
   /// The models of this scope that have been evaluated, by card: what Models keeps of them.
   [[nodiscard]] std::unordered_map<const netlist::Card*, int>& evaluated_models() { return evaluated_models_; }
+  /// Whether a parameter of that name is seen here.
+  [[nodiscard]] bool knows(std::string_view name) { return find(name).second != nullptr; }
 
  private:
   friend class Evaluator;

@@ -135,7 +135,7 @@ struct Instance {
   int model = -1;            ///< index within the circuit's models
   std::optional<bool> flag;  ///< on / off as written
   bool drive_is_apart =
-      false;  ///< of a MOSFET: its gate is driven against another node than its source, whose potential its own current moves
+      false;  ///< of a MOSFET or JFET: its gate is driven against another node than its source, whose potential its own current moves
 };
 
 }  // namespace pwlsim::elements

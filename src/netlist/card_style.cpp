@@ -14,7 +14,8 @@ CardStyle::CardStyle(std::string_view name) {
   unread_ = is_one_of(unread, name);
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");
-  parameters_ = takes_params_ || same_name(name, ".param") || same_name(name, ".params");
+  static constexpr std::array<std::string_view, 3> parameter_cards{".param", ".params", ".global_param"};
+  parameters_ = takes_params_ || is_one_of(parameter_cards, name);
   source_values_ = std::string_view("befgh").find(letter) != std::string_view::npos;
   is_resistor_ = letter == 'r';
 }

@@ -37,7 +37,11 @@ bool report_unexpected(const char* at, const char* last, const ParseContext& con
 }
 
 /// Why `token` ended an expression that only its closing character may end.
-bool report_ended_by(const Token& token, const ParseContext& context) {
+bool report_ended_by(const Token& token, const char* opening, const ParseContext& context) {
+  if (token.text == "{") {  // no expression holds one: another begins
+    context.report("E-syntax-unclosed", part(opening, opening + 1), "'" + std::string(1, *opening) + "' is never closed");
+    return false;
+  }
   const std::string text(token.whole);
   const bool closes = token.kind == Token::Kind::close;
   context.report("E-syntax-expression", token.whole,
@@ -66,7 +70,7 @@ bool read_delimited(const char*& at, const char* last, const ParseContext& conte
       return builder.finish(token.whole.data(), result);
     }
     if (outcome != Outcome::taken) {
-      return outcome == Outcome::ended && report_ended_by(token, context);
+      return outcome == Outcome::ended && report_ended_by(token, opening, context);
     }
   }
   context.report("E-syntax-unclosed", part(opening, opening + 1), "'" + std::string(1, *opening) + "' is never closed");

@@ -25,7 +25,10 @@ int infix_precedence(std::string_view text) {
   return found == std::end(table) ? 0 : found->second;
 }
 
-bool is_prefix(std::string_view text) { return text == "-" || text == "+" || text == "!"; }
+bool is_prefix(std::string_view text) { return text == "-" || text == "+" || text == "!" || text == "~"; }
+
+/// PSpice and Xyce write ~ for it.
+std::string_view without_tilde(std::string_view prefix) { return prefix == "~" ? "!" : prefix; }
 
 std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
@@ -62,7 +65,7 @@ ExpressionBuilder::Outcome ExpressionBuilder::take_where_operand_expected(const 
       break;
     case Token::Kind::sign:
       if (is_prefix(token.text)) {
-        pending_.push_back({Pending::Kind::prefix, prefix_precedence, token.text, token.whole, 0});
+        pending_.push_back({Pending::Kind::prefix, prefix_precedence, without_tilde(token.text), token.whole, 0});
         return Outcome::taken;
       }
       break;

@@ -113,7 +113,7 @@ bool is_windows_path(std::string_view name) {
 bool is_standard_library(std::string_view name) {
   const std::string_view file = name.substr(name.find_last_of("/\\") + 1);
   constexpr std::array<std::string_view, 2> families{"standard.", "universalopamp"};
-  constexpr std::array<std::string_view, 4> files{"opamp.sub", "ltc.lib", "nom.lib", "eval.lib"};
+  constexpr std::array<std::string_view, 5> files{"opamp.sub", "ne555.sub", "ltc.lib", "nom.lib", "eval.lib"};
   const auto begins = [&](std::string_view prefix) {
     return file.size() > prefix.size() && same_name(file.substr(0, prefix.size()), prefix);
   };

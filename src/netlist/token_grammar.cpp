@@ -19,7 +19,7 @@ const auto name = x3::raw[ByteParser<name_first_byte>{} >> *ByteParser<name_rest
 const auto node = x3::raw[+ByteParser<node_byte>{}];
 const auto node_separator = (+blank >> -(',' >> *blank)) | (',' >> *blank);
 const auto signal_name = x3::raw[x3::no_case[x3::char_("vi")]];
-const auto sign = x3::raw[x3::lit("**") | "&&" | "||" | "==" | "!=" | "<=" | ">=" | x3::char_("-+*/^&|<>!")];
+const auto sign = x3::raw[x3::lit("**") | "&&" | "||" | "==" | "!=" | "<=" | ">=" | x3::char_("-+*/^&|<>!~")];
 
 /// Sets the token's kind and takes the text that was matched.
 constexpr auto set(Token::Kind kind) {

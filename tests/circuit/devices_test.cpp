@@ -11,6 +11,7 @@ using namespace pwlsim;
 using circuit::find_device;
 using test::compile_deck;
 using test::CompiledDeck;
+using test::named;
 
 namespace {
 
@@ -40,6 +41,17 @@ TEST_CASE("a name stands for itself and for itself with letters behind it", "[un
   CHECK(parameters_of("J201X") == "none");  // too short for anything but itself
   CHECK(parameters_of("1N4148_with_a_long_name") == "none");
   CHECK(parameters_of("") == "none");
+}
+
+TEST_CASE("the names of PSpice's libraries have the letter of their card before the number", "[unit]") {
+  const auto deck = compile_deck("V1 a 0 1\nD1 a b D1N4148\nR1 b 0 1\nQ1 a b 0 Q2N2222\nD2 b 0 D1N750\n.tran 1u 1m\n");
+  INFO(deck.messages());
+  REQUIRE(deck.compiled.has_value());
+  CHECK(deck.count("N-model-at-hand") == 3);
+  CHECK(named(deck.network().diodes, "D1").drop == 0.7);  // of the row 1N4148
+  // The letter of another element is none of the name's, nor one before letters.
+  CHECK(compile_deck("V1 a 0 1\nD1 a b Q1N4148\nR1 b 0 1\n.tran 1u 1m\n").count("E-unknown-model") == 1);
+  CHECK(compile_deck("V1 a 0 1\nD1 a b DBAT54\nR1 b 0 1\n.tran 1u 1m\n").count("E-unknown-model") == 1);
 }
 
 TEST_CASE("the voltage of a Zener diode stands in its name", "[unit]") {

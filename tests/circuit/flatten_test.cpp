@@ -44,6 +44,22 @@ D1 p n DL
   CHECK(test::columns(network) == std::vector<std::string>{"v(in)", "v(mid)", "v(X1.m)", "v(X2.m)", "i(V1)", "i(X1.X1.D1)", "i(X2.X1.D1)"});
 }
 
+// Rashid's textbook writes its thyristor as `.SUBCKT SCR 1 2 3 2`.
+TEST_CASE("a port that stands twice in a subcircuit's list takes one node", "[unit]") {
+  const auto deck = compile_deck("V1 a 0 1\nX1 a k 0 k s\nR2 k 0 1\n.subckt s 1 2 3 2\nR1 1 2 3\nR3 2 3 5\n.ends\n.tran 1m\n");
+  INFO(deck.messages());
+  REQUIRE(deck.compiled.has_value());
+  CHECK(named(deck.network().resistors, "X1.R1").n == node_named(deck.network(), "k"));
+  CHECK(named(deck.network().resistors, "X1.R3").p == node_named(deck.network(), "k"));
+}
+
+TEST_CASE("Xyce's global parameters and PSpice's ~ are read", "[unit]") {
+  const auto deck = compile_deck("V1 a 0 1\n.global_param r={2+!0} s=~0\nR1 a 0 {r+s+~5}\n.tran 1m\n");
+  INFO(deck.messages());
+  REQUIRE(deck.compiled.has_value());
+  CHECK(named(deck.network().resistors, "R1").resistance == 4.0);  // 2 + 1, and 1, and 0
+}
+
 TEST_CASE("a value of the call rules over .param in the body, and the outer parameters are seen from inside", "[unit]") {
   const auto deck = compile_deck(R"(V1 a 0 1
 .param top=5

@@ -130,3 +130,64 @@ TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
   const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
   CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
 }
+
+TEST_CASE("integrals and derivatives in expressions", "[unit]") {
+  const Scratch scratch;
+  // Of the step at t = 0 to 2 V: 2t, 5 + 2t; of the ramp of 3 V/ms: 3000 V/s; of that ramp's own integral the ramp again.
+  const Finished finished = run_deck(
+      scratch,
+      "integrals\nV1 a 0 PULSE(0 2 0 0 0 1 2)\nV2 r 0 PWL(0 0 1m 3)\nB1 b 0 V=idt(V(a))*1k\nB2 c 0 V=1+SDT(V(a),5)\nB3 0 d I=ddt(V(r))\n"
+      "Rd d 0 1\nX1 r e s\n.subckt s p q\nB1 q 0 V=ddt(idt(V(p)))\n.ends\nRb b 0 1\nRc c 0 1\nRe e 0 1\n.tran 0.5m 1m\n"
+      ".meas b FIND v(b) AT=1m\n.meas c FIND v(c) AT=1m\n.meas d FIND v(d) AT=0.5m\n.meas e FIND v(e) AT=0.5m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "b") == Approx(2.0).epsilon(1e-12));
+  CHECK(value_of(finished.out, "c") == Approx(6.002).epsilon(1e-12));
+  CHECK(value_of(finished.out, "d") == Approx(3000.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "e") == Approx(1.5).epsilon(1e-9));
+  CHECK_THAT(read_file(scratch / "d.csv"), Contains("time,v(a),v(r),v(b),v(c),v(d),v(e),i(V1),i(V2)\n"));  // nothing of what is inside
+}
+
+TEST_CASE("LAPLACE of a fraction of polynomials in s", "[unit]") {
+  const Scratch scratch;
+  // Steps of 1 V: 1 - exp(-t/τ); 1 + t/τ of (1+sτ)/(sτ), as a current into 1 Ω; 1 - (1 + t/τ) exp(-t/τ) of 1/(1+sτ)².
+  const Finished finished =
+      run_deck(scratch,
+               "transfer\n.param tau=1m\nV1 in 0 PULSE(0 1 0 0 0 1 2)\nE1 a 0 LAPLACE {V(in)} = {1/(1+s*tau)}\n"
+               "G1 0 b in 0 Laplace=(1+s*tau)/(s*tau)\nE2 c 0 LAPLACE {2*V(in)} {0.5*(1+s*1m)**-2}\nRa a 0 1\nRb b 0 1\n"
+               "Rc c 0 1\n.ic v(b)=0\n.tran 1m 2m uic\n.meas a FIND v(a) AT=2m\n.meas b FIND v(b) AT=2m\n.meas c FIND v(c) AT=2m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "a") == Approx(1.0 - std::exp(-2.0)).epsilon(1e-12));
+  CHECK(value_of(finished.out, "b") == Approx(3.0).epsilon(1e-12));
+  CHECK(value_of(finished.out, "c") == Approx(1.0 - 3.0 * std::exp(-2.0)).epsilon(1e-12));
+}
+
+TEST_CASE("an oscillator of an ideal comparator with hysteresis runs with the option that the message names", "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "schmitt\nB1 out 0 V=if(V(p)>V(n),1,-1)\nR1 out p 1k\nR2 p 0 1k\nR3 out n 1k\nC1 n 0 1u\n.ic v(n)=0.1\n.tran 10u 20m uic\n"
+      ".meas period TRIG v(out)=0 RISE=2 TARG v(out)=0 RISE=5\n";
+  const Finished refused = run_deck(scratch, deck);
+  CHECK(refused.status == 1);
+  const std::string option = ".options nonunique=stay";
+  CHECK_THAT(refused.err, Contains("error[E-not-unique]") && Contains(option));
+  const Finished finished = run_deck(scratch, deck + option + "\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "period") == Approx(3.0 * 2e-3 * std::log(3.0)).epsilon(1e-9));  // 2RC ln((1+β)/(1-β)) with β = 1/2
+}
+
+TEST_CASE("a JFET with a resistor in its source is a source of current", "[unit]") {
+  const Scratch scratch;
+  // The straight channel: i = (v(gate,source) + 3 V)/Ron with Ron = Rd + Rs + 1/(2 Beta |Vto|), and v(gate,source) = -470 Ω·i.
+  const double on = 1.0 + 1.0 + 1.0 / (2.0 * 1.304e-3 * 3.0);
+  const Finished finished = run_deck(
+      scratch,
+      "jfet\nV1 d 0 PWL(0 0 1m 20)\nJ1 d g s JN\nR1 s g 470\nRg g 0 1u\n.model JN NJF(Beta=1.304m Rd=1 Rs=1 Vto=-3)\n.tran 10u 1m\n"
+      ".meas i FIND i(R1) AT=1m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "i") == Approx(3.0 / (470.0 + on)).epsilon(1e-6));
+  CHECK_THAT(finished.err, Contains("a straight channel"));
+}

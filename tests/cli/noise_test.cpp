@@ -51,7 +51,7 @@ TEST_CASE("an error comes last, behind one line for all measurements that it pre
   CHECK(finished.err.find("warning[W-measurement-failed]", warning + 1) == std::string::npos);
   CHECK_THAT(finished.err, Contains("(and so did 2 other measurements)"));
   CHECK_THAT(finished.err,
-             Contains("the linear part is not passive with H1; try the other sign or a smaller gain there, or .options nonunique=first"));
+             Contains("the linear part is not passive with H1; try the other sign or a smaller gain there, or .options nonunique=stay"));
 }
 
 TEST_CASE("measurements have six digits on a terminal, and all elsewhere", "[unit]") {

@@ -13,6 +13,7 @@ constexpr Parameter parameters[] = {
     parallel_resistance,
     parallel_capacitance,
     {"Flux", "Wb", 0.0, Range::any, false, "Flux as a function of current.", Use::refused},
+    {"Hc", "A/m", 0.0, Range::any, false, "Coercive force of LTspice's core with hysteresis.", Use::refused},
     temperature_both,
     temperature_linear,
     temperature_square,

@@ -86,12 +86,15 @@ Junction gate_diode(const Instance& instance, const Model& model, std::string_vi
 void emit(Emission& emission) {
   const Instance& instance = emission.instance();
   const Channel channel = channel_of(instance, emission.model());
-  add_channel(emission, channel);
+  instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-drain diode", 0), -1.0);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-source diode", 2), 0.0);
-  note_idealised(emission, fmt::format("a switch closed while v(gate,source) {} {} V, Ron = {:.6g} ohm, and gate diodes, {}",
-                                       channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"),
-                                       words_of(law_of(instance, emission.model()))));
+  note_idealised(emission,
+                 fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm, and gate diodes, {}",
+                             instance.drive_is_apart ? "a straight channel (its gate is not driven against its source) that conducts"
+                                                     : "a switch closed",
+                             channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"),
+                             words_of(law_of(instance, emission.model()))));
 }
 
 void smooth_twin(Twin& twin) {

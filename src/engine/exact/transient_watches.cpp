@@ -187,7 +187,7 @@ std::string controlled_sources(const model::Network& network) {
 /// What may be wrong comes before the option that only chooses.
 std::string advice_of(const IslandRun& island) {
   const std::string active = island.system().passive ? "" : controlled_sources(island.model().island.network);
-  const std::string choice = ".options nonunique=first";
+  const std::string choice = ".options nonunique=stay";
   if (active.empty()) return "try " + choice;
   return fmt::format("the linear part is not passive with {}; try the other sign or a smaller gain there, or {}", active, choice);
 }

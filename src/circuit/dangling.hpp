@@ -1,0 +1,12 @@
+#pragma once
+/// Nodes that only one element of the deck touches and whose name is nearly that of another: most often a slip.
+
+#include "circuit/circuit.hpp"
+#include "circuit/reporter.hpp"
+
+namespace pwlsim::circuit {
+
+/// A warning for each R, C, L, D, S of the deck itself that hangs on such a node: it carries no current. Nodes that something reads or saves are meant.
+void warn_of_dangling(const Circuit& circuit, Reporter& reporter);
+
+}  // namespace pwlsim::circuit
