@@ -61,18 +61,25 @@ class SteadyStateReader {
   }
 
   double positive(const Item& item, std::string_view name) {
-    const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
-    if (item.items.empty()) fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
-    if (value && !(*value > 0.0 && std::isfinite(*value))) fail("E-range", item.span, fmt::format("{} must be positive, not {}", name, *value));
-    return value.value_or(1.0);
+    if (item.items.empty()) {
+      fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+      return 1.0;
+    }
+    const double value = number(item.items[0]).value_or(1.0);
+    if (!(value > 0.0 && std::isfinite(value))) fail("E-range", item.span, fmt::format("{} must be positive, not {}", name, value));
+    return value;
   }
 
   int count(const Item& item, std::string_view name, std::string_view id) {
-    const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
-    if (value && (*value < 1.0 || *value > largest_count || *value != std::floor(*value)))
-      fail(std::string(id), item.span, fmt::format("{} must be 1, 2, ..., not {}", name, *value));
-    if (item.items.empty()) fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
-    return ok_ && value ? static_cast<int>(*value) : 1;
+    if (item.items.empty()) {
+      fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+      return 1;
+    }
+    const std::optional<double> given = number(item.items[0]);
+    const double value = given.value_or(1.0);
+    if (value < 1.0 || value > largest_count || value != std::floor(value))
+      fail(std::string(id), item.span, fmt::format("{} must be 1, 2, ..., not {}", name, value));
+    return ok_ ? static_cast<int>(value) : 1;
   }
 
   void take_assignment(const Item& item) {
