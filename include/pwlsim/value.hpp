@@ -63,7 +63,7 @@ struct Pulse {
 [[nodiscard]] Waveform pulse(const Pulse& pulse);
 
 /// Straight lines through points (time in s, value); equal times are a jump. The first and the last value hold outside.
-/// With `repeat` what lies up to the last point is repeated for ever.
+/// With `repeat` what lies up to the last point is repeated forever.
 [[nodiscard]] Waveform straight_lines(const std::vector<std::pair<double, double>>& points, bool repeat = false);
 
 }  // namespace pwlsim

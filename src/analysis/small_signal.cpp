@@ -197,7 +197,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   SmallSignalInputs inputs;
   const auto fail = [&](const std::string& name) {
     inputs.id = "E-ac-no-input";
-    inputs.message = name.empty() ? "no source has an AC value; try AC 1 on a source, or from=V1" : fmt::format("{} is no source of the circuit", name);
+    inputs.message = name.empty() ? "no source has an AC value; try AC 1 on a source, or from=V1"
+                                  : fmt::format("{} is not a source of the circuit", name);
     return inputs;
   };
   if (!card.loop.empty() || card.input == SmallSignal::Input::source) {
@@ -214,7 +215,7 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
       const std::vector<int> sources = sources_named(network, name);
       if (sources.empty() || !std::holds_alternative<model::Pulse>(network.sources[static_cast<std::size_t>(sources.front())].function)) {
         inputs.id = "E-ac-no-input";
-        inputs.message = fmt::format("{} is no PULSE source of the circuit: only their edges are moved", name);
+        inputs.message = fmt::format("{} is not a PULSE source of the circuit: only edges of PULSE sources can be moved", name);
         return inputs;
       }
     }

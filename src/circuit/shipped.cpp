@@ -66,9 +66,11 @@ std::string text_of(std::string_view name) {
 /// It is not the deck's, and not called by the library's own names.
 void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
   if (!amplifier_level(name.text).empty())
-    reporter.note("N-universal-opamp", name.span,
-                  fmt::format("{} is the shipped one: Avol, GBW, Vos and Rin count, at level 2 Slew and Rail too; Ilimit, phimargin and noise do not",
-                              name.text));
+    reporter.note(
+        "N-universal-opamp", name.span,
+        fmt::format(
+            "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise do not",
+            name.text));
   const std::optional<Device> device = find_device(name.text);
   if (!device || device->type != amplifier_type) return;
   reporter.note("N-model-at-hand", name.span,

@@ -53,7 +53,7 @@ class SmallSignalReader {
   }
 
   void take_assignment(const Item& item) {
-    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", item.text));
+    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("a value is missing after {}=", item.text));
     const Item& value = item.items[0];
     if (is_named(item, "from")) {
       if (value.kind == ItemKind::group) return take_timing(value);
@@ -79,7 +79,8 @@ class SmallSignalReader {
   }
 
   void take_timing(const Item& group) {
-    if (!is_named(group, "freq") && !is_named(group, "duty")) return fail("E-unexpected", group.span, fmt::format("'{}' is no input", group.text));
+    if (!is_named(group, "freq") && !is_named(group, "duty"))
+      return fail("E-unexpected", group.span, fmt::format("'{}' is not an input", group.text));
     signal_.input = is_named(group, "freq") ? SmallSignal::Input::frequency : SmallSignal::Input::duty;
     signal_.input_span = group.span;
     for (const Item& source : group.items) signal_.sources.push_back(source.text);
@@ -137,7 +138,9 @@ class ColumnReader {
     const std::string_view letters = is_signal ? std::string_view(item.text).substr(1) : std::string_view();
     const auto* known = std::find_if(std::begin(part_names), std::end(part_names), [&](const PartName& part) { return same_name(part.letters, letters); });
     if (!is_signal || (!letters.empty() && known == std::end(part_names))) {
-      reporter_.error("E-unexpected", item.span, fmt::format("'{}' is no part of a signal; usage: .print ac vm(a) vp(a) vr(a) vi(a) vdb(a)", reporter_.text(item.span)));
+      reporter_.error(
+          "E-unexpected", item.span,
+          fmt::format("'{}' is not part of a signal; usage: .print ac vm(a) vp(a) vr(a) vi(a) vdb(a)", reporter_.text(item.span)));
       return;
     }
     Item signal = item;
@@ -169,7 +172,8 @@ void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& r
   const auto& cards = definitions.small_signals;
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
-    reporter.warning("W-ignored-card", cards[k]->name_span, fmt::format("this .ac is ignored: the last one counts, at {}", reporter.where(cards.back()->span)));
+    reporter.warning("W-ignored-card", cards[k]->name_span,
+                     fmt::format("this .ac is ignored: the last one is used, at {}", reporter.where(cards.back()->span)));
   std::optional<SmallSignal>& small_signal = circuit.analyses.small_signal;
   small_signal = SmallSignalReader(*cards.back(), scope, reporter).read();
   if (!small_signal) return;

@@ -77,7 +77,7 @@ void check_pwl(Model& model, const Settings&, Diagnostics& diagnostics) {
   for (std::size_t k = 1; k < x.size(); ++k)
     if (x[k] < x[k - 1])
       diagnostics.error("E-table-order", model.values.span("x_array"),
-                        fmt::format("the x of a table must not decrease: {} stands behind {}", x[k], x[k - 1]));
+                        fmt::format("the x of a table must not decrease: {} follows {}", x[k], x[k - 1]));
 }
 
 constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};

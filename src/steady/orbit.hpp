@@ -51,7 +51,7 @@ struct Orbit {
   double residual = 0.0;  ///< ‖φ(x) − x‖ against the largest state on the orbit
   double largest = 0.0;   ///< that state's norm, √J
   int iterations = 0, periods_simulated = 0;
-  double condition = 0.0;               ///< smallest singular value of I − Φ
+  double least_singular = 1.0;          ///< smallest singular value of I − Φ
   std::vector<Vector> free_directions;  ///< of a family of orbits
   Vector drift;                         ///< of ξ in a period, where it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out

@@ -44,7 +44,7 @@ void emit(Emission& emission) {
   const double capacitance = emission.value("C") * emission.value("m");
   if (capacitance == 0.0) {
     emission.diagnostics().note("N-zero-capacitance", emission.span_of("C"),
-                                emission.instance().name + " has no capacitance: it is left open");
+                                emission.instance().name + " has no capacitance: it is an open circuit");
   } else {
     const NodePair core = add_series_parts(emission);
     const int index =

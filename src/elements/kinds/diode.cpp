@@ -220,7 +220,7 @@ void report_gate(Emission& emission, bool has_gate) {
   const std::string &name = emission.instance().name, &model = emission.model().name;
   if (has_gate) {
     emission.diagnostics().error("E-wrong-model-type", emission.instance().span,
-                                 fmt::format("{} has a gate, and its model {} is that of a diode; try a model of type SCR", name, model));
+                                 fmt::format("{} has a gate, but its model {} is that of a diode; try a model of type SCR", name, model));
   } else {
     emission.diagnostics().error(
         "E-missing-node", emission.instance().span,
