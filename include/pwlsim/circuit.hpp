@@ -13,6 +13,7 @@
 
 #include <pwlsim/error.hpp>
 #include <pwlsim/result.hpp>
+#include <pwlsim/steady_state.hpp>
 #include <pwlsim/value.hpp>
 
 namespace pwlsim {
@@ -31,6 +32,7 @@ struct Options {
       {};  ///< of the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
   bool rows_at_events = false;  ///< further rows before and after every event
   bool events = true;           ///< keep a list of all events
+  bool evaluable = true;        ///< the result keeps the model, for Result::at and Result::report
   std::size_t run = 0;          ///< of those that the deck's `.step` asks for, from 0
 
   /// Called with each row, its time in s and the values of the signals in their order, by the thread that runs; the result keeps no rows then.
@@ -115,11 +117,25 @@ class Circuit {
   /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
   Circuit& cards(std::string_view lines);
 
+  /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
+  /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
+  Circuit& set_value(std::string_view element, const Waveform& value);
+  /// That value, with parameters evaluated; of elements in subcircuits too ("X1:R1"). Throws as run does, and E-unknown-element, E-no-value (a waveform).
+  [[nodiscard]] double value(std::string_view element) const;
+  /// Names of all elements, those of subcircuits as "X1:R1". Throws as run does.
+  [[nodiscard]] std::vector<std::string> elements() const;
+
   /// Runs it. Throws Error where the circuit is wrong, with all that is wrong with it; RunError where the run came to no end.
   /// A run that was interrupted is returned, not completed.
   [[nodiscard]] Result run(const Options& options = {}) const;
   /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
   [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
+  /// The periodic steady state, as `.pss` of the deck or as asked for (docs/reference/steady-state.md). Of `options`, `stop`, `step` and `start` are not used.
+  /// Throws as run does; RunError (E-pss-…) where no orbit was found.
+  [[nodiscard]] SteadyState steady_state(const SteadyStateOptions& what = {}, const Options& options = {}) const;
+  /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
+  [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
+                                       const SteadyStateOptions& around = {}, const Options& options = {}) const;
   /// How many runs the deck's `.step` asks for; 1 without. Throws as run does.
   [[nodiscard]] std::size_t runs() const;
   /// What was added in code, as cards below the title. Messages name it `code`.
@@ -132,8 +148,9 @@ class Circuit {
   friend class Compilation;
   enum class Base { none, file, text };
   Base base_ = Base::none;
-  std::string base_text_;  // path or deck
-  std::string text_;       // title, then cards
+  std::string base_text_;                                    // path or deck
+  std::string text_;                                         // title, then cards
+  std::vector<std::pair<std::string, std::string>> values_;  // of set_value
   bool has_ideal_diode_ = false;
 };
 

@@ -73,6 +73,12 @@ class Result {
   /// The values of one signal, V or A, as many as there are times. Names are compared without case. Throws Error (E-unknown-signal).
   [[nodiscard]] const std::vector<double>& signal(std::string_view name) const;
   [[nodiscard]] bool has_signal(std::string_view name) const;
+  /// The values of one signal at any times in [0, end()], s, in any order, from the closed form between events; right of a jump at its time. The run is
+  /// done again for it, from the model that it kept: ask for many times at once. Throws Error: E-unknown-signal, E-range, E-not-kept
+  /// (Options::evaluable = false).
+  [[nodiscard]] std::vector<double> at(std::string_view name, const std::vector<double>& times) const;
+  /// The run as one web page that needs no network, as `--report` writes it. Throws Error: E-not-kept.
+  [[nodiscard]] std::string report() const;
 
   /// All events, in order; none with Options::events = false.
   [[nodiscard]] const std::vector<Event>& events() const;
