@@ -54,7 +54,9 @@ void add_loop_signals(model::Network& network, const std::string& source, SmallS
 
 /// A second input; false where `name` is no current source at a node of the voltage source `loop`.
 bool add_loop_current(model::Network& network, const std::string& loop, const std::string& name, SmallSignalInputs& inputs) {
-  const auto is_named = [](const std::string& wanted) { return [&wanted](const auto& part) { return same_name(part.label.name, wanted); }; };
+  const auto is_named = [](const std::string& wanted) {
+    return [&wanted](const auto& part) { return same_name(part.label.name, wanted); };
+  };
   const auto injection = std::find_if(network.injections.begin(), network.injections.end(), is_named(name));
   const auto branch = std::find_if(network.branches.begin(), network.branches.end(), is_named(loop));
   const std::vector<int> sources = sources_named(network, name);
@@ -234,8 +236,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
     if (!card.loop.empty() && inputs.positive < 0) return fail(name);
     if (!card.loop_current.empty() && !add_loop_current(network, card.loop, card.loop_current, inputs)) {
       inputs.id = "E-ac-no-input";
-      inputs.message = fmt::format("{} is not a current source at a node of {}; try {} 0 n+ 0, n+ being that node of {}", card.loop_current, card.loop,
-                                   card.loop_current, card.loop);
+      inputs.message = fmt::format("{} is not a current source at a node of {}; try {} 0 n+ 0, n+ being that node of {}", card.loop_current,
+                                   card.loop, card.loop_current, card.loop);
     }
     return inputs;
   }
@@ -252,7 +254,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   }
   const std::size_t count = network.sources.size();
   for (std::size_t k = 0; k < count; ++k)
-    if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0) add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
+    if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0)
+      add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
   return inputs.names.empty() ? fail("") : inputs;
 }
 

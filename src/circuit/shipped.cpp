@@ -69,7 +69,7 @@ void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
     reporter.note(
         "N-universal-opamp", name.span,
         fmt::format(
-            "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise do not",
+            "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise are not",
             name.text));
   const std::optional<Device> device = find_device(name.text);
   if (!device || device->type != amplifier_type) return;
