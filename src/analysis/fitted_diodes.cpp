@@ -118,7 +118,7 @@ class Fit {
     if (moved == 0) return std::nullopt;
     if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
     return Diagnostic{Severity::note, "N-diode-current", first,
-                      fmt::format("a first run finds what exponential diodes carry; their tangents are taken there: {}", list)};
+                      fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list)};
   }
 
  private:

@@ -69,7 +69,7 @@ class SourceBinding {
     if (word_is(&item, "dc")) {
       cursor_.next();
       if (cursor_.at_positional()) return dc_seen_ ? unexpected(*cursor_.next()) : constant();
-      missing("a value behind DC");
+      missing("a value after DC");
       return false;
     }
     if (item.kind == ItemKind::group && is_constant_group(item)) return constant_group();

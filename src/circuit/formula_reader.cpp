@@ -41,8 +41,7 @@ bool is_finite(const AffineSum& sum) {
 bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter) {
   for (std::size_t k = 1; k < points.size(); ++k) {
     if (points[k].x >= points[k - 1].x) continue;
-    reporter.error("E-table-order", span,
-                   fmt::format("the x of a table must not decrease: {} stands behind {}", points[k].x, points[k - 1].x));
+    reporter.error("E-table-order", span, fmt::format("the x of a table must not decrease: {} follows {}", points[k].x, points[k - 1].x));
     return false;
   }
   return true;

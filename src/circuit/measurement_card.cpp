@@ -113,7 +113,7 @@ class CardReader {
   }
 
   bool read_kind(Measurement& measurement) {
-    if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it says nothing to measure");
+    if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it does not say what to measure");
     if (at_ + 1 < items_.size() && same_name(text(items_[at_]), "time") && is_word(items_[at_ + 1], "when")) ++at_;
     const Item& word = items_[at_];
     const auto* found =
@@ -206,7 +206,7 @@ class CardReader {
     crossing.last = take("last");
     if (crossing.last) return true;
     if (at_ >= items_.size() || is_keyword(items_[at_]))
-      return refuse("E-missing-value", word.span, fmt::format("a number is missing behind {}", word.text));
+      return refuse("E-missing-value", word.span, fmt::format("a number is missing after {}", word.text));
     const Item& item = items_[at_++];
     const std::optional<Number> number = scope_.number(item);
     if (!number) return false;
@@ -394,7 +394,7 @@ class Reader {
     }
     const Card& first = *announced_[static_cast<std::size_t>(entry->second)];
     reporter_.error("E-duplicate-measurement", name.span,
-                    fmt::format("a second measurement {}; the first stands at {}", name.text, reporter_.where(first.span)));
+                    fmt::format("a second measurement {}; the first is at {}", name.text, reporter_.where(first.span)));
   }
 
   bool check_fourier(const Card& card, const std::vector<double>& numbers, FourierAnalysis& analysis) {

@@ -118,7 +118,8 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     return std::nullopt;
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
-    reporter.error("E-unknown-signal", item.span, fmt::format("'{}' is no signal: they are {}{}", reporter.text(item.span), usage, cure));
+    reporter.error("E-unknown-signal", item.span,
+                   fmt::format("'{}' is not a signal; signals are {}{}", reporter.text(item.span), usage, cure));
     return std::nullopt;
   }
   if (request.kind != SaveRequest::Kind::all) {
@@ -144,7 +145,7 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
   const bool is_raw = !is_voltage && !is_current;
   const bool fits = is_voltage ? count == 1 || count == 2 : is_current ? count == 1 : count == 2 && is_whole_number(call.arguments[1].text);
   if (!fits) {
-    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is no signal: they are {}", reporter.text(call.span), usage));
+    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is not a signal; signals are {}", reporter.text(call.span), usage));
     return std::nullopt;
   }
   request.kind = is_voltage ? SaveRequest::Kind::voltage : is_current ? SaveRequest::Kind::current : SaveRequest::Kind::raw;
@@ -170,7 +171,8 @@ void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit) 
       const bool analysis_name = names_analysis && &item == &card->items[0] && is_word(item, "tran");
       if (analysis_name || is_word(item, "time")) continue;
       if (is_word(item, "dialogbox")) {
-        reporter.note("N-dialogbox", item.span, "LTspice asks here what to save: signals named on other cards are saved, or else all");
+        reporter.note("N-dialogbox", item.span,
+                      "LTspice opens a dialog here: the signals named on other cards are saved, or all if there are none");
         continue;
       }
       const Item plain = without_brackets(item);

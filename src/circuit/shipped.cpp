@@ -98,8 +98,9 @@ void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
   if (!amplifier_level(name.text).empty())
     reporter.note(
         "N-universal-opamp", name.span,
-        fmt::format("{} is the shipped one: Avol, GBW, Vos and Rin count, at level 2 Slew and Rail too; Ilimit, phimargin and noise do not",
-                    name.text));
+        fmt::format(
+            "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise are not",
+            name.text));
   const std::optional<Device> device = find_device(name.text);
   const Part* part = find_type<Part>(parts, device);
   if (part == nullptr && find_type<Packaged>(packaged_types, device) == nullptr) return;

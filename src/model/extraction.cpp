@@ -160,7 +160,7 @@ bool Extractor::reduce_index() {
     if (!take_constraints(null)) return false;
   }
   diagnostics_.error("E-index", network_.nodes.empty() ? SourceSpan{} : network_.nodes.front().span,
-                     "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its "
+                     "the network's equations need more differentiations than those of any passive circuit; try a small resistor in its "
                      "loops of controlled sources");
   return false;
 }
@@ -275,8 +275,9 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   }
   diagnostics_.error(
       contradiction ? "E-source-cutset" : "E-floating", node_span,
-      contradiction ? fmt::format("current sources force a current into node {} that has no way out; try a resistor to ground", node_names)
-                    : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+      contradiction
+          ? fmt::format("current sources force a current into node {} that has no return path; try a resistor to ground", node_names)
+          : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
 }
 
 void Extractor::solve_constraints() {

@@ -111,7 +111,7 @@ const auto check_comma = [](auto& context) {
   const bool nothing_before = before != state.context.line.begin() && (before[-1] == '(' || before[-1] == '[');
   const bool nothing_behind = after == state.context.line.end() || *after == ',' || *after == ')' || *after == ']';
   if (nothing_before || nothing_behind) {
-    state.context.report("E-syntax-comma", comma, nothing_before ? "a value is missing before ','" : "a value is missing behind ','");
+    state.context.report("E-syntax-comma", comma, nothing_before ? "a value is missing before ','" : "a value is missing after ','");
   }
 };
 
@@ -149,7 +149,7 @@ const auto without_value = [](auto& context) {
   Item& item = x3::_val(context);
   if (!item.items.empty()) {
     item.items.clear();
-    state_of(context).context.errors.report("E-syntax-value", item.text_span, "a value is missing behind '" + item.text + " ='");
+    state_of(context).context.errors.report("E-syntax-value", item.text_span, "a value is missing after '" + item.text + " ='");
   }
 };
 

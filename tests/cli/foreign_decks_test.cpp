@@ -128,7 +128,7 @@ TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
   }
   scratch.write("bad.txt", "0 0\n1m\n");
   const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
-  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
+  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is not a pair"));
 }
 
 TEST_CASE("integrals and derivatives in expressions", "[unit]") {

@@ -53,7 +53,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (values.has("Ron") || values.get("Vto") < 0.0) return;
   diagnostics.error(
       "E-not-idealised", model.span,
-      fmt::format("the {} {} is no switch: it is off at v(gate,source) = 0; try Ron= on the model", model.kind->text, model.name));
+      fmt::format("the {} {} is not a switch: it is off at v(gate,source) = 0; try Ron= on the model", model.kind->text, model.name));
 }
 
 constexpr ModelKind n_channel{"NJF", "junction FET", model_parameters, complete, nullptr, true};

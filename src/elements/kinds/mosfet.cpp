@@ -19,7 +19,7 @@ constexpr Parameter body_saturation{
     "Is", "A", 1e-14, Range::positive, false, "Saturation current of the body diode; read for its tangent at i0."};
 constexpr Parameter body_emission{
     "N", "", 1.0, Range::positive, false, "Emission coefficient of the body diode; read for its tangent at i0."};
-constexpr Parameter body_drop{"Vfwd", "V", 0.0, Range::not_negative, false, "Drop of the body diode; from Is and N where they are given."};
+constexpr Parameter body_drop{"Vfwd", "V", 0.0, Range::not_negative, false, "Drop of the body diode; from Is and N if given."};
 constexpr Parameter body_slope{"Rfwd", "ohm", 0.0, Range::not_negative, false, "Slope resistance of the body diode, likewise."};
 
 constexpr Parameter planar_parameters[] = {
@@ -38,8 +38,8 @@ constexpr Parameter planar_parameters[] = {
     body_emission,
     body_drop,
     body_slope,
-    {"W", "m", 1e-4, Range::positive, false, "Width of the channel; one of the element rules."},
-    {"L", "m", 1e-4, Range::positive, false, "Length of the channel; one of the element rules."},
+    {"W", "m", 1e-4, Range::positive, false, "Width of the channel; a value on the element takes precedence."},
+    {"L", "m", 1e-4, Range::positive, false, "Length of the channel; a value on the element takes precedence."},
     {"level", "", 1.0, Range::any, false, "1, 2 or 3: Shichman-Hodges, Grove-Frohman, semi-empirical."},
     without_effect("gamma"),
     without_effect("phi"),
@@ -104,8 +104,8 @@ constexpr Parameter vertical_parameters[] = {
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage of the body diode."},
     body_drop,
     body_slope,
-    {"nchan", "", 0.0, Range::any, false, "A word of its own: N channel, which it is anyway.", Use::honoured, false, true},
-    {"pchan", "", 0.0, Range::any, false, "A word of its own: P channel.", Use::honoured, false, true},
+    {"nchan", "", 0.0, Range::any, false, "A single word: N channel, the default.", Use::honoured, false, true},
+    {"pchan", "", 0.0, Range::any, false, "A single word: P channel.", Use::honoured, false, true},
     without_effect("phi"),
     without_effect("lambda"),
     without_effect("mtriode"),
@@ -215,7 +215,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (values.has("Ron") || overdrive(model) > 0.0) return;
   diagnostics.error(
       "E-not-idealised", model.span,
-      fmt::format("the {} {} is no switch: a drive of {} V does not reach its threshold Vto = {} V; try Ron= on the model, or "
+      fmt::format("the {} {} is not a switch: a drive of {} V does not reach its threshold Vto = {} V; try Ron= on the model, or "
                   ".options vdrive=",
                   model.kind->text, model.name, values.get("Vdrive"), values.get("Vto")));
 }

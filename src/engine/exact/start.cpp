@@ -242,7 +242,7 @@ Vector projected_initial_state(const IslandModel& island, const model::Island& v
   if (contradicts(values.network, full, d.store_state * x))
     remarks.push_back(
         {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
-                                          "as any jump, conserving charge and flux",
+                                          "like any jump, conserving charge and flux",
                                           island_elements(s))});
   return x.head(s.n);
 }

@@ -321,8 +321,8 @@ bool Transient::settle(Instant& instant, bool at_start) {
   std::vector<std::string> names;
   for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
   fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches {} find no rest at t = {} s: each position undoes its own condition; try {}", fmt::join(names, ", "),
-                   instant.time, cure_of(names)),
+       fmt::format("the switches {} keep toggling at t = {} s: each state violates its own condition; try {}",
+                   fmt::join(names, ", "), instant.time, cure_of(names)),
        names);
   return false;
 }

@@ -155,7 +155,7 @@ bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
 
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
-  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
+  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways", time,
                               fmt::join(differing_elements(island.system(), selected.details->continuations), ", "),
                               selected.details->continuations.size());
 }
@@ -198,7 +198,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   if (selected.choice == model::Choice::several) {
     const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
-         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; {}", time, fmt::join(names, ", "),
+         fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways; {}", time, fmt::join(names, ", "),
                      selected.details->continuations.size(), advice_of(island)),
          names);
     return;
@@ -213,7 +213,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   const bool jumps = selected.choice == model::Choice::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
-                   jumps ? "the state jumps without end" : "no solution continues", time, fmt::join(names, ", ")),
+                   jumps ? "the state keeps jumping" : "no solution continues", time, fmt::join(names, ", ")),
        names);
 }
 
@@ -245,12 +245,12 @@ void Transient::note_open_signals() {
     for (const std::size_t output : island.selector().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
   if (!names.empty())
-    answer_.remarks.push_back(Remark{
-        "N-indeterminate",
-        fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
-                    "the values of least norm",
-                    fmt::join(names, ", ")),
-        {names.begin(), names.end()}});
+    answer_.remarks.push_back(Remark{"N-indeterminate",
+                                     fmt::format("{}: the circuit does not determine how currents divide, or the potential of a floating "
+                                                 "part, in some of its modes; the rows hold "
+                                                 "the values of least norm",
+                                                 fmt::join(names, ", ")),
+                                     {names.begin(), names.end()}});
 }
 
 /// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.
@@ -290,8 +290,8 @@ void Transient::finish() {
     if (island.locator().sampled() > 0)
       answer_.remarks.push_back(
           {"W-events-sampled",
-           fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
-                       "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
+           fmt::format("in {} segments of the part with {} events were searched at {} points only: parts of it are too fast for "
+                       "guaranteed bounds; try larger Ron, or no Roff, beside small capacitors and inductors",
                        island.locator().sampled(), island.system().name, 1024)});
   }
   s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
