@@ -22,9 +22,9 @@ namespace pwlsim {
 enum class Engine { automatic, exact, sparse };
 
 struct Options {
-  double stop = 0.0;   ///< s; 0: use the deck's `.tran`; the next three are then ignored
-  double step = 0.0;   ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
-  double start = 0.0;  ///< s, of the first row; the run still begins at 0
+  double stop = 0.0;                    ///< s; 0: use the deck's `.tran`; the next three are then ignored
+  double step = 0.0;                    ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
+  double start = 0.0;                   ///< s, of the first row; the run still begins at 0
   bool use_initial_conditions = false;  ///< start from `ic=` and initial values, zero elsewhere, instead of the operating point (uic)
 
   Engine engine = Engine::automatic;
