@@ -90,10 +90,11 @@ TEST_CASE("what a function with memory that is refused is told to try is what do
 
 TEST_CASE("par('...') on output cards is a column, and a time measures as AT", "[unit]") {
   const Scratch scratch;
-  const Finished finished = run_deck(scratch,
-                                     "columns\nV1 a 0 PWL(0 0 10m 5)\nR1 a b 1\nR2 b 0 4\n.print tran par('v(a)-2*v(b)') twice=par('2*abs(i(v1))')\n"
-                                     ".save dialogbox\n.step temp 0 100 50\n.meas tran t TRIG time=1m TARG time=10m\n"
-                                     ".meas tran f FIND v(b) WHEN time=5m\n.meas tran late FIND v(b) WHEN time=11m\n.tran 5m 10m\n");
+  const Finished finished =
+      run_deck(scratch,
+               "columns\nV1 a 0 PWL(0 0 10m 5)\nR1 a b 1\nR2 b 0 4\n.print tran par('v(a)-2*v(b)') twice=par('2*abs(i(v1))')\n"
+               ".save dialogbox\n.step temp 0 100 50\n.meas tran t TRIG time=1m TARG time=10m\n"
+               ".meas tran f FIND v(b) WHEN time=5m\n.meas tran late FIND v(b) WHEN time=11m\n.tran 5m 10m\n");
   CHECK_THAT(finished.err, Contains("note[N-step-temperature]") && Contains("note[N-dialogbox]"));
   CHECK(value_of(finished.out, "t") == Approx(9e-3));
   CHECK(value_of(finished.out, "f") == Approx(2.0));  // four fifths of 2.5 V
