@@ -22,9 +22,9 @@ namespace pwlsim {
 enum class Engine { automatic, exact, sparse };
 
 struct Options {
-  double stop = 0.0;   ///< s; 0: use the deck's `.tran`; the next three are then ignored
-  double step = 0.0;   ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
-  double start = 0.0;  ///< s, of the first row; the run still begins at 0
+  double stop = 0.0;                    ///< s; 0: use the deck's `.tran`; the next three are then ignored
+  double step = 0.0;                    ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
+  double start = 0.0;                   ///< s, of the first row; the run still begins at 0
   bool use_initial_conditions = false;  ///< start from `ic=` and initial values, zero elsewhere, instead of the operating point (uic)
 
   Engine engine = Engine::automatic;
@@ -32,12 +32,8 @@ struct Options {
       {};  ///< for the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
   bool rows_at_events = false;  ///< further rows before and after every event
   bool events = true;           ///< keep a list of all events
-<<<<<<< HEAD
   bool evaluable = true;        ///< the result keeps the model, for Result::at and Result::report
-  std::size_t run = 0;          ///< of those that the deck's `.step` asks for, from 0
-=======
   std::size_t run = 0;          ///< number of the run of the deck's `.step`, from 0
->>>>>>> 3539b4d
 
   /// Called with each row, its time in s and the values of the signals in their order, in the thread of the run; the result then keeps no rows.
   /// For runs longer than memory. It must not throw.
@@ -121,7 +117,6 @@ class Circuit {
   /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
   Circuit& cards(std::string_view lines);
 
-<<<<<<< HEAD
   /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
   /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
   Circuit& set_value(std::string_view element, const Waveform& value);
@@ -130,8 +125,8 @@ class Circuit {
   /// Names of all elements, those of subcircuits as "X1:R1". Throws as run does.
   [[nodiscard]] std::vector<std::string> elements() const;
 
-  /// Runs it. Throws Error where the circuit is wrong, with all that is wrong with it; RunError where the run came to no end.
-  /// A run that was interrupted is returned, not completed.
+  /// Runs the circuit. Throws Error if the circuit has mistakes, with all of them; RunError if the run failed.
+  /// An interrupted run is returned; its result is not completed.
   [[nodiscard]] Result run(const Options& options = {}) const;
   /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
   [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
@@ -141,15 +136,7 @@ class Circuit {
   /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
   [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
                                        const SteadyStateOptions& around = {}, const Options& options = {}) const;
-  /// How many runs the deck's `.step` asks for; 1 without. Throws as run does.
-=======
-  /// Runs the circuit. Throws Error if the circuit has mistakes, with all of them; RunError if the run failed.
-  /// An interrupted run is returned; its result is not completed.
-  [[nodiscard]] Result run(const Options& options = {}) const;
-  /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
-  [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
   /// Number of runs of the deck's `.step`; 1 without `.step`. Throws as run does.
->>>>>>> 3539b4d
   [[nodiscard]] std::size_t runs() const;
   /// The cards added in code, below the title. Messages name this text `code`.
   [[nodiscard]] const std::string& text() const { return text_; }
