@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "analysis/inspection.hpp"
+#include "engine/exact/exact.hpp"
 #include "netlist/load.hpp"
 #include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
