@@ -20,7 +20,8 @@ using Kind = Measurement::Kind;
 using Results = std::unordered_map<std::string, int>;
 
 constexpr std::string_view usage =
-    ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
+    ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b "
+    "TARG "
     "c=d | "
     "AVG expr LAST=n PERIODS OF V1 | "
     "PARAM expr";
@@ -113,6 +114,7 @@ class CardReader {
 
   bool read_kind(Measurement& measurement) {
     if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it does not say what to measure");
+    if (at_ + 1 < items_.size() && same_name(text(items_[at_]), "time") && is_word(items_[at_ + 1], "when")) ++at_;
     const Item& word = items_[at_];
     const auto* found =
         std::find_if(std::begin(kind_names), std::end(kind_names), [&](const KindName& k) { return is_word(word, k.name); });

@@ -256,6 +256,14 @@ bool Loader::has_card(std::string_view name) const {
   return std::any_of(deck_.cards.begin(), deck_.cards.end(), [&](const Card& card) { return same_name(card.name, name); });
 }
 
+/// Whether arguments without quotes are the name of a file that is there.
+bool Loader::is_one_name(const File& from, const std::vector<FileArgument>& arguments) {
+  if (std::any_of(arguments.begin(), arguments.end(), [](const FileArgument& argument) { return argument.quoted; })) return false;
+  const char* const begin = arguments.front().whole.data();
+  const char* const end = arguments.back().whole.data() + arguments.back().whole.size();
+  return !find_file({begin, static_cast<std::size_t>(end - begin)}, from.directory).path.empty();
+}
+
 void Loader::request_file(const File& from, const ParseContext& context, std::string_view name,
                           const std::vector<FileArgument>& arguments) {
   const bool library = same_name(name, ".lib");
@@ -264,7 +272,8 @@ void Loader::request_file(const File& from, const ParseContext& context, std::st
     context.report("E-syntax-include", name, fmt::format("a file name is missing after '{}'", name));
     return;
   }
-  const bool has_blanks = library && arguments.size() > most && is_windows_path(arguments[0].text);  // LTspice's own: C:\Program Files\…
+  // LTspice's own: C:\Program Files\…
+  const bool has_blanks = arguments.size() > most && (is_windows_path(arguments[0].text) || is_one_name(from, arguments));
   if (arguments.size() > most && !has_blanks) {
     context.report("E-syntax-include", arguments[most].whole,
                    fmt::format("'{}' takes {}; try quotes around a name with blanks", name, library ? "a file and a section" : "one file"));

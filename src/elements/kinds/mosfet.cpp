@@ -188,10 +188,12 @@ double overdrive(const Model& model) {
 }
 
 void take_body_diode(Model& model, const Settings& settings) {
-  bool exponential = false;
-  for (std::string_view name : body_names) exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
-  if (!exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
-  const Tangent law = tangent(model.values.get("Is"), model.values.get("N"), optional(model, "Rb", 0.0), settings.tangent_current);
+  bool is_exponential = false;
+  for (std::string_view name : body_names) is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
+  if (!is_exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
+  const model::ExponentialLaw exponential = exponential_law(model.values.get("Is"), model.values.get("N"), optional(model, "Rb", 0.0));
+  const Tangent law = exponential.tangent(settings.tangent_current);
+  if (settings.finds_currents) model.law = exponential;
   model.values.set("Vfwd", law.drop);
   model.values.set("Rfwd", law.resistance);
 }
@@ -266,7 +268,8 @@ Junction body_diode(const Instance& instance, const Model& model, std::string_vi
           is_p_type(model),
           {bulk_of(instance, model), instance.nodes[terminal]},
           {v.get("Rfwd") / instance.values.get("m"), v.get("Vfwd")},
-          optional(model, "BV", infinite)};
+          optional(model, "BV", infinite),
+          in_parallel(model.law, instance.values.get("m"))};
 }
 
 void note(Emission& emission, const Channel& channel) {

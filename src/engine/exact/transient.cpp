@@ -24,6 +24,17 @@ constexpr double longest_wait = 0.1;  ///< s, of rows of such circuits for their
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+/// Of switches that find no rest. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
+std::string cure_of(const std::vector<std::string>& switches) {
+  const auto is_transistor = [](const std::string& name) {
+    const char letter = name[name.find_last_of('.') + 1];  // of none at the end: the first of all
+    return letter == 'M' || letter == 'm' || letter == 'J' || letter == 'j';
+  };
+  if (!std::any_of(switches.begin(), switches.end(), is_transistor)) return "a hysteresis Vh";
+  return "a capacitor from gate to source of the transistors, whose gates take no time here, or a source that drives them against their "
+         "own source";
+}
+
 }  // namespace
 
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
@@ -309,8 +320,8 @@ bool Transient::settle(Instant& instant, bool at_start) {
   std::vector<std::string> names;
   for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
   fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches {} keep toggling at t = {} s: each state violates its own condition; try a hysteresis Vh",
-                   fmt::join(names, ", "), instant.time),
+       fmt::format("the switches {} keep toggling at t = {} s: each state violates its own condition; try {}",
+                   fmt::join(names, ", "), instant.time, cure_of(names)),
        names);
   return false;
 }

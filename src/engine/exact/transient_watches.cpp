@@ -302,9 +302,10 @@ void Transient::finish() {
   if (several_ > 0)
     answer_.remarks.push_back(
         {"N-not-unique",
-         fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
+         fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
                      several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
-                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
+                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,",
+                     request_.non_unique == NonUnique::first ? "first" : "stay")});
   s.seconds_model = model_.seconds;
   const auto clock = std::chrono::steady_clock::now();
   if (!watching_.leaves_end_open) answer_.certificate = recorder_.check();
