@@ -70,7 +70,7 @@ TEST_CASE("in a circuit without ground a node is taken for it, with a note", "[u
   const Finished finished =
       run_deck(scratch, "no ground\nR1 p m 3\nR2 m q 1\nV1 p q 8\n.tran 1u 10u\n.meas a AVG v(m)\n.meas b AVG v(p,q)\n.meas c AVG v(q)\n");
   REQUIRE(finished.status == 0);
-  CHECK_THAT(finished.err, Contains("note[N-no-ground]: no element is connected to ground: the node q is taken for it"));
+  CHECK_THAT(finished.err, Contains("note[N-no-ground]: no element is connected to ground: the node q is used as ground"));
   CHECK(value_of(finished.out, "a") == Approx(2.0));
   CHECK(value_of(finished.out, "b") == Approx(8.0));
   CHECK(value_of(finished.out, "c") == 0.0);
