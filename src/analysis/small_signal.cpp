@@ -9,6 +9,7 @@
 
 #include "analysis/quantity.hpp"
 #include "base/names.hpp"
+#include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "steady/transfer.hpp"
 #include "waveform/csv.hpp"

@@ -106,7 +106,7 @@ TEST_CASE("an efficiency above one is warned about where its window holds no who
     return run_in(scratch, {"d.net"}).err;
   };
   CHECK_THAT(said("FROM=84u", "eta"),
-             Contains("warning[W-efficiency]: eta = 1.60") && Contains("holds 1.6 periods of Vg; try LAST=1 PERIODS OF Vg"));
+             Contains("warning[W-efficiency]: eta = 1.60") && Contains("contains 1.6 periods of Vg; try LAST=1 PERIODS OF Vg"));
   CHECK_THAT(said("FROM=84u TO=94u", "eff"), !Contains("periods of"));
   CHECK_THAT(said("FROM=84u", "ratio"), !Contains("W-efficiency"));
   CHECK_THAT(said("LAST=1 PERIODS OF Vg", "eta"), !Contains("periods of"));

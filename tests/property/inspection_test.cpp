@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/json.hpp"
+#include "engine/exact/exact.hpp"
 #include "model/build_mode.hpp"
 #include "model/subspaces.hpp"
 #include "property/random_network.hpp"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/exact/steering.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
@@ -15,8 +16,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Breakpoints and crossings closer than this fraction of the run are one instant.
-constexpr double merge_fraction = 1e-14;
 constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
@@ -55,7 +54,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   for (std::size_t i = 0; i < model_.islands.size(); ++i) islands_.emplace_back(model_.islands[i], selectors.of(i));
   if (request.watcher != nullptr)
     for (auto& island : islands_) island.selector().share_in_any_case();
-  tolerance_ = merge_fraction * request.stop;
+  tolerance_ = tolerance::merge * request.stop;
   make_clocks();
   make_groups();
   modes_before_.assign(islands_.size(), nullptr);

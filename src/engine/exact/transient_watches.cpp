@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "engine/exact/tolerances.hpp"
 #include "engine/exact/transient.hpp"
 #include "engine/remarks.hpp"
 
@@ -13,18 +14,8 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// Of the time from the first event of a sequence to its limit: so far ahead it is crossed once the limit is known to rounding; and so far
-/// where it is known to a fraction of what is ahead. There rounding begins to tell in states that shrink with the square of the time.
-constexpr double crossing_fraction = 1e-4;
-constexpr double last_crossing_fraction = 1e-5;
-constexpr double limit_tolerance = 1e-13;  ///< of the limit's time
-constexpr double known_fraction = 1e-2;
-/// A run whose certificate is worse than this says so.
-constexpr double doubtful_residual = 1e-6;
 /// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
-constexpr double crowd_fraction = 1e-9;
-constexpr double idle_crowd_fraction = 1e-6;  ///< the same where guards are passed and nothing happens
 
 /// Elements with a port that is meant; ports of one element stand side by side, and it is named once.
 template <typename IsMeant>
@@ -73,9 +64,9 @@ void Transient::watch_accumulation(const Instant& instant) {
 /// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
 bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
   const double ahead = limit.time - time;
-  const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
-  if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
-  if (limit.uncertainty > known_fraction * ahead) return false;
+  const bool known_exactly = limit.uncertainty <= tolerance::limit * limit.time;
+  if (!(ahead > 0.0) || ahead > (known_exactly ? tolerance::crossing : tolerance::last_crossing) * limit.span) return false;
+  if (limit.uncertainty > tolerance::known_limit * ahead) return false;
   if (limit.time >= request_.stop ||
       (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
     return false;
@@ -106,12 +97,12 @@ bool Transient::Crowd::note(double time, double length) {
 }
 
 bool Transient::watch_crowd(const Instant& instant) {
-  return !crowd_.note(instant.time, crowd_fraction * request_.stop) || fail_crowd(instant, crowd_);
+  return !crowd_.note(instant.time, tolerance::crowd * request_.stop) || fail_crowd(instant, crowd_);
 }
 
 /// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
 bool Transient::watch_idle_crowd(const Instant& instant) {
-  return !instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop) || fail_crowd(instant, idle_crowd_);
+  return !instant.crossing || !idle_crowd_.note(instant.time, tolerance::idle_crowd * request_.stop) || fail_crowd(instant, idle_crowd_);
 }
 
 /// The element whose guard was passed at the event at which the island was opened; empty where that is not known.
@@ -287,6 +278,14 @@ void Transient::finish() {
     s.lcp_pivots += island.selector().pivots();
     s.steps += island.locator().intervals();
     passive &= island.system().passive;
+    if (const std::uint64_t coarse = island.coarse_selections(); coarse > 0)
+      answer_.remarks.push_back(
+          {"N-coarse-selection",
+           fmt::format(
+               "at t = {} s{} the next mode of the part with {} was accepted only at {:.0e} times the rounding level: events there lie "
+               "within rounding of each other; the certificate counts what that leaves",
+               island.first_coarse(), coarse > 1 ? fmt::format(" (and {} more times)", coarse - 1) : "", island.system().name,
+               model::coarsest_relaxation)});
     if (island.locator().sampled() > 0)
       answer_.remarks.push_back(
           {"W-events-sampled",
@@ -315,7 +314,7 @@ void Transient::finish() {
     answer_.certificate.kcl_kvl = std::max(answer_.certificate.kcl_kvl, island.continuity().worst().share);
   }
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
-  if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
+  if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
   answer_.certificate.has_passivity = true;
   answer_.certificate.passive = passive;
   s.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
