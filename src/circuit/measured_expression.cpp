@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/expression_derivative.hpp"
 #include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
@@ -57,6 +58,8 @@ std::optional<MeasuredExpression> MeasuredExpressionReader::read(const netlist::
   const std::optional<Number> number = scope_.number(item);
   if (!number) return std::nullopt;
   result.steps.push_back(number_step(number->value));
+  result.steps.back().gradient = number->gradient;
+  scope_.claim(*number);
   return result;
 }
 
@@ -96,10 +99,15 @@ bool MeasuredExpressionReader::add(const Expression& expression, Scope& scope, c
 }
 
 bool MeasuredExpressionReader::add_number(const Expression& expression, Scope& scope, Steps& steps) {
+  Session& session = scope.session();
+  ++session.numbers;
   const std::optional<double> value = Evaluator(scope, 0).value(expression);
+  const Gradient gradient = value && !session.varied.empty() ? Differentiator(scope).of(expression) : Gradient();
+  --session.numbers;
   if (!value) return false;
   if (!std::isfinite(*value)) return fail("E-not-finite", expression, "inf is allowed only where a limit is meant");
   steps.push_back(number_step(*value));
+  steps.back().gradient = gradient;
   return true;
 }
 
