@@ -23,9 +23,10 @@ Step function_step(const BuiltinFunction* function, std::size_t operands) {
   return {.kind = StepKind::function, .index = static_cast<int>(operands), .function = function};
 }
 
+/// Those that depend on parameters of .sens stay apart.
 bool are_numbers(const std::vector<Step>& steps, std::size_t first, std::size_t count) {
   return steps.size() == first + count && std::all_of(steps.end() - static_cast<std::ptrdiff_t>(count), steps.end(),
-                                                      [](const Step& step) { return step.kind == StepKind::number; });
+                                                      [](const Step& step) { return step.kind == StepKind::number && step.gradient.empty(); });
 }
 
 }  // namespace

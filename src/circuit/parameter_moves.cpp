@@ -367,7 +367,10 @@ class Follower {
     std::vector<std::string> names;
     for (const Instance& instance : circuit_.instances) names.push_back(instance.name);
     for (const std::string& name : circuit_.parameter_names) names.push_back(name);
-    unknown(parameter, fmt::format("'{}' is neither a parameter nor an element{}", slot.element, suggestion(slot.element, names)));
+    std::string cure = suggestion(slot.element, names);
+    constexpr std::size_t most_named = 8;
+    if (cure.empty() && names.size() <= most_named) cure = fmt::format("; try {}", fmt::join(names, ", "));
+    unknown(parameter, fmt::format("'{}' is neither a parameter nor an element{}", slot.element, cure));
   }
 
   void follow_main(Sensitivities::Parameter& parameter, const Instance& instance) {

@@ -75,6 +75,7 @@ class Rest {
       right[n + j] = -(exact->c.row(port).tail(system_.n_zeta) * w.cast<Wide>()).value();
       for (Eigen::Index i = 0; i < ports; ++i) k(n + j, n + i) = exact->d(port, active[static_cast<std::size_t>(i)]);
     }
+    if (right.isZero(0.0)) return result;
     const WideVector solution = solve(k, right, result.failure);
     result.xi = solution.head(n).cast<double>();
     return result;
