@@ -17,7 +17,8 @@ using measure::GradientValue;
 using Kind = Measurement::Kind;
 
 constexpr double same_time = 1e-11;  ///< of the run: a place that near to an instant is at it
-constexpr double flat = 1e-12;       ///< of the terms of a rate: it is zero
+constexpr double flat = 1e-12;       ///< of values on both sides of an instant: they are one
+constexpr double same_side = 1e-7;   ///< of the derivatives to both sides: they are one
 
 class PieceKeeper : public engine::PieceSink {
  public:
@@ -81,6 +82,15 @@ MeasuredDerivatives::MeasuredDerivatives(const MeasuredPass& run, const steady::
       known_(run.measurements->list.size()),
       results_(run.measurements->list.size(), 0.0),
       signals_(run.measurements->probe_signals) {}
+
+/// Both sides, told apart where they differ by more than rounding.
+TwoSided MeasuredDerivatives::two_sided(double left, double right, std::string kink) {
+  TwoSided result = TwoSided::of(right);
+  if (std::abs(left - right) <= same_side * (std::abs(left) + std::abs(right))) return result;
+  result.left = left;
+  result.kink = std::move(kink);
+  return result;
+}
 
 TwoSided MeasuredDerivatives::of(std::size_t measurement) {
   if (known_[measurement]) return *known_[measurement];
@@ -194,11 +204,8 @@ TwoSided MeasuredDerivatives::of_place(std::size_t number) {
     if (std::abs(left.value - right.value) > flat * (std::abs(left.value) + std::abs(right.value)))
       return TwoSided::failed("the value jumps at that very time");
     const bool is_later = followed_.shifts[*instant] > 0.0;
-    result.right = is_later ? left.moved : right.moved;
-    result.left = is_later ? right.moved : left.moved;
-    if (std::abs(result.right - result.left) > flat * (std::abs(result.right) + std::abs(result.left)))
-      result.kink = fmt::format("an event lies at t = {} s", place.at);
-    return result;
+    return two_sided(is_later ? right.moved : left.moved, is_later ? left.moved : right.moved,
+                     fmt::format("an event lies at t = {} s", place.at));
   }
   if (moves != 0.0 || !measure::Program(measurement.expression).is_linear())
     return TwoSided::failed("DERIV has a derivative here only of sums of signals at a fixed time");
@@ -243,18 +250,13 @@ TwoSided MeasuredDerivatives::of_window(std::size_t number) {
   const double length = place.to - place.from, moved_length = to_moves(measurement) - from_moves(measurement);
   const double sum = integral(measurement, place, squares);
   const double value = run_.values[number];
-  TwoSided result;
   const double sides[2] = {sum + at_instants(measurement, place, squares, -1), sum + at_instants(measurement, place, squares, 1)};
   double finished[2];
   for (int k = 0; k < 2; ++k)
     finished[k] = measurement.kind == Kind::integral  ? sides[k]
                   : measurement.kind == Kind::average ? (sides[k] - value * moved_length) / length
                                                       : (sides[k] - value * value * moved_length) / (2.0 * value * length);
-  result.left = finished[0];
-  result.right = finished[1];
-  if (std::abs(finished[0] - finished[1]) > flat * (std::abs(finished[0]) + std::abs(finished[1])))
-    result.kink = "an event lies at an end of its window";
-  return result;
+  return two_sided(finished[0], finished[1], "an event lies at an end of its window");
 }
 
 const std::vector<std::vector<double>>& MeasuredDerivatives::moved_points(std::size_t number) {

@@ -62,6 +62,7 @@ class MeasuredDerivatives {
     bool has_kink = false;
   };
 
+  [[nodiscard]] static TwoSided two_sided(double left, double right, std::string kink);
   TwoSided compute(std::size_t measurement);
   [[nodiscard]] double of_constant(const circuit::MeasuredExpression& expression);
   [[nodiscard]] double of_results(const measure::GradientValue& gradient);

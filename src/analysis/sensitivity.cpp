@@ -148,9 +148,13 @@ steady::SensitivityInputs add_inputs(const Sensitivities& card, const model::Net
     for (steady::Wave& wave : own.waves) {
       if (wave.source < 0) continue;
       const model::Source& source = original.sources[static_cast<std::size_t>(wave.source)];
-      if (source.function.index() != wave.function.index() && own.failure.empty())
-        own.failure = fmt::format("{} is not periodic", source.label.name);
+      const bool is_settled = source.function.index() != wave.function.index();
       wave.function = source.function;
+      if (!is_settled) continue;
+      const std::optional<double> last = steady::last_value_derivative(wave);
+      if (!last && own.failure.empty()) own.failure = fmt::format("{} is not periodic", source.label.name);
+      wave.function = model::Dc{};
+      wave.derivative = model::Dc{last.value_or(0.0)};
     }
   }
   return inputs;

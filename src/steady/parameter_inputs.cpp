@@ -265,12 +265,12 @@ class Adder {
   }
 
   void add_inductances(const linalg::Matrix& moved, ParameterInputs& result) {
-    constexpr double singular = 1e-12;
+    constexpr double least_pivot = 1e-12;
     const linalg::Matrix m = inductance_matrix();
     const Eigen::ArrayXd size = m.diagonal().array().abs().sqrt().max(1e-300);
     const linalg::Matrix scaled = (m.array().colwise() / size).rowwise() / size.transpose();
     const Eigen::FullPivLU<linalg::Matrix> lu(scaled);
-    if (lu.rcond() < singular) {
+    if (lu.rcond() < least_pivot) {
       result.failure = "it moves inductors that are perfectly coupled";
       return;
     }

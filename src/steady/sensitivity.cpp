@@ -41,6 +41,7 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   }
   first_.push_back(segments_.size());
   for (const TraceSegment& segment : trace.tail) add(segment);
+  add_static_parts();
   for (const engine::IslandModel& island : model.islands) {
     const model::StoreValues values(island.island, island.extraction);
     auto& rows = stores_.emplace_back();
@@ -58,10 +59,42 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   }
 }
 
+namespace {
+
+/// Nothing but sources: runs evaluate them when they are read.
+bool is_static(const System& system) { return system.n == 0 && system.ports == 0; }
+
+}  // namespace
+
 void Sensitivity::add(const TraceSegment& segment) {
-  of_island_[segment.island].push_back(segments_.size());
+  if (!is_static(orbit_.stacking().system(segment.island))) of_island_[segment.island].push_back(segments_.size());
   segments_.push_back({segment.island, segment.mode, segment.begin, segment.length, &segment.y0, &segment.y1});
   length_ = std::max(length_, segments_.back().end());
+}
+
+void Sensitivity::add_static_parts() {
+  static_first_ = segments_.size();
+  length_ = std::max(length_, orbit_.period());
+  const double near = same_time * length_;
+  for (std::size_t island = 0; island < of_island_.size(); ++island) {
+    const System& system = orbit_.stacking().system(island);
+    if (!is_static(system) || trace_.steps.empty()) continue;
+    const Mode* mode = nullptr;
+    for (const Change& change : trace_.steps.front().changes)
+      if (change.island == island) mode = change.after;
+    if (mode == nullptr) continue;
+    model::Exosystem::Phase phase = system.exosystem->start();
+    for (double begin = 0.0; begin < length_;) {
+      if (phase.next <= begin + near) (void)system.exosystem->advance(phase, begin, near);
+      const double end = std::min(phase.next, length_);
+      for (const double time : {begin, end})
+        system.exosystem->evaluate(phase, time, sources_.emplace_back(static_cast<std::size_t>(mode->ny), 0.0).data());
+      of_island_[island].push_back(segments_.size());
+      segments_.push_back({island, mode, begin, end - begin, &sources_[sources_.size() - 2], &sources_.back()});
+      if (!(end > begin)) break;
+      begin = end;
+    }
+  }
 }
 
 /// A signal that drives an input must be that of the island which reads the input.
@@ -311,11 +344,12 @@ Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
   if (!followed.failure.empty()) return followed;
   Vector xi = start;
   for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
-    for (std::size_t s = first_[i]; s < (i + 1 < first_.size() ? first_[i + 1] : segments_.size()); ++s)
+    for (std::size_t s = first_[i]; s < (i + 1 < first_.size() ? first_[i + 1] : static_first_); ++s)
       pass_segment(parameter, s, xi, followed);
     pass_instant(parameter, i, xi, followed);
   }
-  for (std::size_t s = first_.back(); s < segments_.size(); ++s) pass_segment(parameter, s, xi, followed);
+  for (std::size_t s = first_.back(); s < static_first_; ++s) pass_segment(parameter, s, xi, followed);
+  for (std::size_t s = static_first_; s < segments_.size(); ++s) followed.begins[s] = begin_of(parameter, segments_[s], Vector());
   followed.end = xi;
   if (followed.failure.empty() && !xi.allFinite()) followed.failure = "its derivative leaves the range of numbers";
   return followed;

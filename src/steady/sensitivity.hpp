@@ -6,6 +6,7 @@
 /// Between instants state, inputs and derivative are one linear system, whose exponential is exact. The inputs w of a parameter are multiples of signals
 /// (steady/parameter_inputs.hpp), or functions of time (steady/wave.hpp).
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -72,6 +73,7 @@ class Sensitivity {
   };
 
   void add(const TraceSegment& segment);
+  void add_static_parts();
   [[nodiscard]] std::string check(std::size_t parameter) const;
   [[nodiscard]] const Flow& flow_of(std::size_t parameter, std::size_t island, const model::Mode& mode) const;
   void add_drives(std::size_t parameter, std::size_t island, const model::Mode& mode, Flow& flow) const;
@@ -96,6 +98,8 @@ class Sensitivity {
   bool is_settled_;
   double length_ = 0.0;
   std::vector<Segment> segments_;
+  std::size_t static_first_ = 0;                     ///< segments of parts that hold nothing but sources, which runs do not bring along
+  std::deque<std::vector<double>> sources_;          ///< their y
   std::vector<std::size_t> first_;                   ///< segment that ends at instant i; the last: of the tail
   std::vector<std::vector<std::size_t>> of_island_;  ///< its segments in order
   std::vector<std::map<std::string, Eigen::RowVectorXd>> stores_;

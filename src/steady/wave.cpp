@@ -206,6 +206,20 @@ double period_share(const Wave& wave) {
   return 0.0;
 }
 
+std::optional<double> last_value_derivative(const Wave& wave) {
+  if (const auto* d = std::get_if<model::Pulse>(&wave.derivative)) {
+    const auto& f = std::get<model::Pulse>(wave.function);
+    return f.width < forever || (f.period < forever && f.cycles < forever) ? d->initial : d->pulsed;
+  }
+  if (const auto* d = std::get_if<model::Pwl>(&wave.derivative)) return d->points.empty() ? 0.0 : d->points.back().value;
+  if (const auto* d = std::get_if<model::Sin>(&wave.derivative)) {
+    const auto& f = std::get<model::Sin>(wave.function);
+    const bool has_decayed = f.damping > 0.0 && f.cycles == forever;
+    return d->offset + (has_decayed ? 0.0 : d->amplitude * std::sin(f.phase) + f.amplitude * std::cos(f.phase) * d->phase);
+  }
+  return std::nullopt;
+}
+
 std::string wave_failure(const Wave& wave) {
   if (std::holds_alternative<model::Exp>(wave.derivative)) return "numbers of an EXP waveform have no derivative here";
   if (wave.function.index() != wave.derivative.index()) return "the waveform has no derivative here";

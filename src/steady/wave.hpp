@@ -25,6 +25,8 @@ using linalg::Vector;
 [[nodiscard]] std::optional<double> edge_shift(const Wave& wave, double time, double near, bool is_settled);
 /// Of a periodic function: how its period moves, as a share of it; 0 where it has none.
 [[nodiscard]] double period_share(const Wave& wave);
+/// Of a function that does not repeat: the derivative of its last value, which is what a steady state takes it for (steady/period.hpp).
+[[nodiscard]] std::optional<double> last_value_derivative(const Wave& wave);
 /// Why it has no such derivative; "" where it has.
 [[nodiscard]] std::string wave_failure(const Wave& wave);
 
