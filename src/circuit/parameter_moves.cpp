@@ -81,6 +81,7 @@ class Slots {
     const std::string_view type = model_->kind->type;
     if (type == "D") return diode_value(name, p, moves);
     if (type == "SW" || type == "CSW" || type == "VSWITCH" || type == "ISWITCH") return switch_value(name, p, moves);
+    if (type == "NMOS" || type == "PMOS" || type == "VDMOS") return mosfet_value(name, p, moves);
     return false;
   }
 
@@ -249,6 +250,25 @@ class Slots {
     const bool is_upright = is_voltage ? v.get("Von") >= v.get("Voff") : v.get("Ion") >= v.get("Ioff");
     const double scale = is_upright ? p : -p;
     return levels(is_on ? scale : 0.0, is_off ? scale : 0.0, moves);
+  }
+
+  /// Its Ron and its threshold where it is a switch, and its body diodes.
+  bool mosfet_value(std::string_view name, double p, NetworkMoves& moves) const {
+    const Values& v = model_->values;
+    const int channel = parts_.find(network_.switches, "");
+    const double m = value("m");
+    const bool is_drop = same_name(name, "Vfwd");
+    if (is_drop || same_name(name, "Rfwd")) {
+      bool any = false;
+      for (const std::string_view part : {"body diode", "bulk diode"})
+        if (const int k = parts_.find(network_.diodes, part); k >= 0)
+          any = contact(is_drop ? Moved::diode_drop : Moved::diode_resistance, k, is_drop ? p : p / m, moves) || any;
+      return any;
+    }
+    if (instance_.drive_is_apart || channel < 0) return false;
+    if (same_name(name, "Ron") && v.has("Ron")) return contact(Moved::switch_resistance, channel, p / m, moves);
+    const bool is_p_type = model_->kind->type == "PMOS" || (model_->kind->type == "VDMOS" && v.has("pchan"));
+    return same_name(name, "Vto") && v.has("Ron") && levels(is_p_type ? -p : p, is_p_type ? -p : p, moves);
   }
 
   bool drop(int contact_index, double p, NetworkMoves& moves) const {
