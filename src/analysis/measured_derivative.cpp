@@ -263,9 +263,7 @@ const std::vector<std::vector<double>>& MeasuredDerivatives::moved_points(std::s
   const auto known = points_.find(number);
   if (known != points_.end()) return known->second;
   const KeptPiece& piece = run_.pieces[number];
-  std::vector<double> times;
-  for (const double x : linalg::gauss_legendre().point) times.push_back(piece.begin + 0.5 * (x + 1.0) * piece.length);
-  return points_[number] = sensitivity_.moved_at(followed_, parameter_, signals_, 0.5 * (piece.from + piece.to), times);
+  return points_[number] = sensitivity_.moved_at(followed_, parameter_, signals_, 0.5 * (piece.from + piece.to), piece.begin, piece.length);
 }
 
 /// ∫ of the derivative of the expression, or of half that of its square's, over what a piece stands for.

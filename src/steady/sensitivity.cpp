@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/legendre.hpp"
 #include "model/store_values.hpp"
 
 namespace pwlsim::steady {
@@ -402,8 +403,10 @@ std::vector<SignalJet> Sensitivity::signals_at(const Followed& followed, std::si
 }
 
 std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                                       double inside, const std::vector<double>& times) const {
-  std::vector<std::vector<double>> values(times.size(), std::vector<double>(signals.size(), 0.0));
+                                                       double inside, double begin, double length) const {
+  constexpr int worth_a_matrix = 24;  // so many uses
+  const auto& rule = linalg::gauss_legendre();
+  std::vector<std::vector<double>> values(linalg::legendre_points, std::vector<double>(signals.size(), 0.0));
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
     const System& system = orbit_.stacking().system(island);
     std::vector<std::pair<Eigen::Index, std::size_t>> shares;
@@ -414,15 +417,33 @@ std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed,
     if (segment == nullptr) continue;
     const Mode& mode = *segment->mode;
     const Flow& flow = flow_of(parameter, island, mode);
-    Vector state = followed.begins[static_cast<std::size_t>(segment - segments_.data())], work(2 * state.size());
+    const Eigen::Index width = mode.ny + flow.nz;
+    Matrix rows(static_cast<Eigen::Index>(shares.size()), width + mode.n1);
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      rows.row(static_cast<Eigen::Index>(k)) << flow.outputs.row(shares[k].first),
+          mode.outputs.row(shares[k].first).head(mode.n1) * flow.scale;
+    Vector state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())], begin - segment->begin),
+           work(2 * state.size());
+    Flow::Points& points = flow.points[length];
+    if (points.rows.size() == 0 && ++points.uses >= worth_a_matrix) {
+      points.rows.resize(rows.rows() * static_cast<Eigen::Index>(linalg::legendre_points), rows.cols());
+      for (std::size_t i = 0; i < linalg::legendre_points; ++i)
+        points.rows.middleRows(static_cast<Eigen::Index>(i) * rows.rows(), rows.rows()) =
+            rows + rows * flow.block->minus_identity(0.5 * (rule.point[i] + 1.0) * length);
+    }
     double since = 0.0;
-    for (std::size_t t = 0; t < times.size(); ++t) {
-      const double step = std::max(0.0, times[t] - segment->begin - since);
-      if (step > 0.0) flow.block->apply_once(step, state.data(), work.data());
-      since += step;
-      for (const auto& [row, j] : shares)
-        values[t][j] += mode.outputs.row(row).head(mode.n1).dot(state.tail(mode.n1)) * flow.scale +
-                        flow.outputs.row(row).dot(state.head(mode.ny + flow.nz));
+    const Vector all = points.rows.size() > 0 ? Vector(points.rows * state) : Vector();
+    for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
+      Vector own;
+      if (all.size() > 0) {
+        own = all.segment(static_cast<Eigen::Index>(i) * rows.rows(), rows.rows());
+      } else {
+        const double next = 0.5 * (rule.point[i] + 1.0) * length;
+        flow.block->apply_once(next - since, state.data(), work.data());
+        since = next;
+        own = rows * state;
+      }
+      for (std::size_t k = 0; k < shares.size(); ++k) values[i][shares[k].second] += own[static_cast<Eigen::Index>(k)];
     }
   }
   return values;

@@ -46,9 +46,10 @@ class Sensitivity {
   /// Signals of the model at a time of the run; of the time of an instant on that side.
   [[nodiscard]] std::vector<SignalJet> signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                                   double time, Side side) const;
-  /// Derivatives of the signals at ascending times of one segment, or behind its end, where its motion goes on: values[time][signal].
+  /// Derivatives of the signals at the points of Gauss and Legendre on [begin, begin + length], in the segment that `inside` lies in, whose motion may go
+  /// on behind its end: values[point][signal]. To be asked for the same signals each time.
   [[nodiscard]] std::vector<std::vector<double>> moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                                          double inside, const std::vector<double>& times) const;
+                                                          double inside, double begin, double length) const;
   [[nodiscard]] const LinearisedOrbit& orbit() const { return orbit_; }
   [[nodiscard]] bool is_settled() const { return is_settled_; }
 
@@ -70,6 +71,12 @@ class Sensitivity {
     Matrix outputs;                        ///< of the island: what (y, z) adds to C c_p
     std::unique_ptr<linalg::Exponential> block;
     double scale = 1.0;  ///< of c_p within the block
+    /// Of a stretch that recurs: the signals at its points, from the state at its begin.
+    struct Points {
+      int uses = 0;
+      Matrix rows;
+    };
+    mutable std::map<double, Points> points;
   };
 
   void add(const TraceSegment& segment);
