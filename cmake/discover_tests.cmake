@@ -1,4 +1,5 @@
 # cmake -DPROGRAM= -DPREFIX= -DOUTPUT= -DTIMEOUT= -P discover_tests.cmake: writes one add_test for each Catch2 test case of PROGRAM.
+# A test that prints "… is not installed: this test is skipped" counts as skipped, not as passed.
 # The label of a test is the first of these tags it carries; [long] stands before all, so that it can be left out. A test without any fails the build.
 set(labels long unit property golden regression hard)
 
@@ -27,7 +28,7 @@ foreach(label IN LISTS labels)
     string(REPLACE "@,@" ";" name "${name}")
     string(REGEX REPLACE "([][,\\]|^[-~])" "\\\\\\1" filter "${name}")
     string(APPEND script "add_test([==[${PREFIX}: ${name}]==] [==[${PROGRAM}]==] [==[${filter}]==] --warn NoTests)\n"
-      "set_tests_properties([==[${PREFIX}: ${name}]==] PROPERTIES LABELS ${label}")
+      "set_tests_properties([==[${PREFIX}: ${name}]==] PROPERTIES LABELS ${label} SKIP_REGULAR_EXPRESSION \"is not installed: this test is skipped\"")
     if(NOT label STREQUAL long)
       string(APPEND script " TIMEOUT ${TIMEOUT}")
     endif()

@@ -1,7 +1,7 @@
 # cmake --install: the program, its man page, completion, documentation and examples, the library; cpack -G DEB makes a Debian package of them.
 include(GNUInstallDirs)
 # ./run builds the program alone; what else is installed is built here. First, so that it is there when the files below are copied.
-install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target pwlsim pwlsim_library
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target pwlsim pwlsim_library $<$<BOOL:${PWLSIM_PYTHON}>:pwlsim_python>
   RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR \"the library could not be built: \${output}\")
@@ -29,4 +29,13 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ngspice, librsvg2-bin, libsuitesparse-dev")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(PWLSIM_PYTHON)  # a package of its own
+  set(CPACK_DEB_COMPONENT_INSTALL ON)
+  set(CPACK_COMPONENTS_ALL Unspecified python)
+  set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME pwlsim)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-pwlsim)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-pandas, python3-xarray, python3-scipy, python3-distributed")
+endif()
 include(CPack)

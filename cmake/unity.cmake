@@ -14,8 +14,8 @@ set(PWLSIM_FILES_APART
   engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/transient
   lcp/principal_pivoting
   linalg/careful_elimination
-  model/cascade model/certificate model/energy_coordinates model/finish_mode model/markov model/mode model/slow_manifold model/store_values
-  model/subspaces model/verify
+  model/build_mode model/slow_manifold
+  model/verify
   spice/study)
 
 function(pwlsim_compile_together room)

@@ -10,7 +10,7 @@
 #include "circuit/compile.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
-#include "model/mode.hpp"
+#include "model/build_mode.hpp"
 #include "netlist/load.hpp"
 
 namespace {

@@ -13,6 +13,7 @@
 
 #include <pwlsim/error.hpp>
 #include <pwlsim/result.hpp>
+#include <pwlsim/steady_state.hpp>
 #include <pwlsim/value.hpp>
 
 namespace pwlsim {
@@ -21,38 +22,39 @@ namespace pwlsim {
 enum class Engine { automatic, exact, sparse };
 
 struct Options {
-  double stop = 0.0;   ///< s; 0: the deck's `.tran`, and the next three are not used
-  double step = 0.0;   ///< s between rows; 0: a thousandth of what is run. Rows are a grid to read from, not a step of integration
-  double start = 0.0;  ///< s, of the first row; the run begins at 0 all the same
-  bool use_initial_conditions = false;  ///< no operating point: from `ic=` and initial values, zero elsewhere (uic)
+  double stop = 0.0;                    ///< s; 0: use the deck's `.tran`; the next three are then ignored
+  double step = 0.0;                    ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
+  double start = 0.0;                   ///< s, of the first row; the run still begins at 0
+  bool use_initial_conditions = false;  ///< start from `ic=` and initial values, zero elsewhere, instead of the operating point (uic)
 
   Engine engine = Engine::automatic;
   std::optional<double> reltol =
-      {};  ///< of the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
+      {};  ///< for the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
   bool rows_at_events = false;  ///< further rows before and after every event
   bool events = true;           ///< keep a list of all events
-  std::size_t run = 0;          ///< of those that the deck's `.step` asks for, from 0
+  bool evaluable = true;        ///< the result keeps the model, for Result::at and Result::report
+  std::size_t run = 0;          ///< number of the run of the deck's `.step`, from 0
 
-  /// Called with each row, its time in s and the values of the signals in their order, by the thread that runs; the result keeps no rows then.
+  /// Called with each row, its time in s and the values of the signals in their order, in the thread of the run; the result then keeps no rows.
   /// For runs longer than memory. It must not throw.
   std::function<void(double time, const std::vector<double>& values)> row = {};
-  /// Called now and then with the time reached, s, by the thread that runs. It must not throw.
+  /// Called from time to time with the time reached, s, in the thread of the run. It must not throw.
   std::function<void(double)> progress = {};
   /// Nonzero ends the run soon; any thread may set it.
   const std::atomic<int>* interrupt = nullptr;
 };
 
 /// Each function adds a card of the deck language (docs/reference/netlist.md) and returns the circuit. Nodes are names; "0" and "gnd" are ground.
-/// The name of an element begins with its kind's letter, which stands at each function. Case does not matter to names.
-/// Throws Error (E-name) for a name that cannot stand on a card. All else is checked by run: unknown models, floating parts, values out of range.
+/// The name of an element begins with the letter of its kind, given at each function. Names are not case-sensitive.
+/// Throws Error (E-name) for a name that is not valid on a card. Everything else is checked by run: unknown models, floating parts, values out of range.
 ///
-/// Circuits share nothing: each thread may use its own, and threads may run one circuit while nobody changes it.
+/// Circuits share nothing: each thread may use its own, and several threads may run one circuit as long as nothing changes it.
 class Circuit {
  public:
   explicit Circuit(std::string title = "circuit");
-  /// The deck in a file; what is added in code counts as written at its end. The file is read by run.
+  /// The deck in a file; cards added in code count as written at its end. run reads the file.
   [[nodiscard]] static Circuit from_file(std::string path);
-  /// A deck; the first line is the title. Files it includes are sought from the current directory.
+  /// A deck; the first line is the title. Included files are looked up from the current directory.
   [[nodiscard]] static Circuit from_text(std::string deck);
 
   /// R…, in ohm.
@@ -100,7 +102,7 @@ class Circuit {
 
   /// `.model`: model("fast", "D", {{"Ron", 0.01}, {"Vfwd", 0.7}}).
   Circuit& model(std::string_view name, std::string_view type, const Parameters& parameters = {});
-  /// `.param`: the last one of a name rules, over those of the deck too.
+  /// `.param`: the last one of a name is used; it overrides those of the deck.
   Circuit& parameter(std::string_view name, const Value& value);
   /// `.options`.
   Circuit& option(std::string_view name, const Value& value);
@@ -115,14 +117,28 @@ class Circuit {
   /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
   Circuit& cards(std::string_view lines);
 
-  /// Runs it. Throws Error where the circuit is wrong, with all that is wrong with it; RunError where the run came to no end.
-  /// A run that was interrupted is returned, not completed.
+  /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
+  /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
+  Circuit& set_value(std::string_view element, const Waveform& value);
+  /// That value, with parameters evaluated; of elements in subcircuits too ("X1:R1"). Throws as run does, and E-unknown-element, E-no-value (a waveform).
+  [[nodiscard]] double value(std::string_view element) const;
+  /// Names of all elements, those of subcircuits as "X1:R1". Throws as run does.
+  [[nodiscard]] std::vector<std::string> elements() const;
+
+  /// Runs the circuit. Throws Error if the circuit has mistakes, with all of them; RunError if the run failed.
+  /// An interrupted run is returned; its result is not completed.
   [[nodiscard]] Result run(const Options& options = {}) const;
   /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
   [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
-  /// How many runs the deck's `.step` asks for; 1 without. Throws as run does.
+  /// The periodic steady state, as `.pss` of the deck or as asked for (docs/reference/steady-state.md). Of `options`, `stop`, `step` and `start` are not used.
+  /// Throws as run does; RunError (E-pss-…) where no orbit was found.
+  [[nodiscard]] SteadyState steady_state(const SteadyStateOptions& what = {}, const Options& options = {}) const;
+  /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
+  [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
+                                       const SteadyStateOptions& around = {}, const Options& options = {}) const;
+  /// Number of runs of the deck's `.step`; 1 without `.step`. Throws as run does.
   [[nodiscard]] std::size_t runs() const;
-  /// What was added in code, as cards below the title. Messages name it `code`.
+  /// The cards added in code, below the title. Messages name this text `code`.
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
@@ -132,8 +148,9 @@ class Circuit {
   friend class Compilation;
   enum class Base { none, file, text };
   Base base_ = Base::none;
-  std::string base_text_;  // path or deck
-  std::string text_;       // title, then cards
+  std::string base_text_;                                    // path or deck
+  std::string text_;                                         // title, then cards
+  std::vector<std::pair<std::string, std::string>> values_;  // of set_value
   bool has_ideal_diode_ = false;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the library has to say, and the exceptions by which it refuses.
+/// Messages and exceptions of the library.
 
 #include <stdexcept>
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace pwlsim {
 
-/// One message. The ids do not change between versions and stand in docs/reference/messages.md, each with its cure.
+/// One message. The ids do not change between versions; docs/reference/messages.md lists them, each with a fix.
 struct Message {
   enum class Kind { note, warning, error };
   Kind kind = Kind::error;
   std::string id;    ///< "E-unknown-model", "W-…", "N-…"
-  std::string text;  ///< one sentence, with "; try …" where there is a cure
-  std::string full;  ///< with its place, and the line it is about: "code:4:12: error[E-unknown-model]: …\nD1 a b DX\n       ^~\n"
+  std::string text;  ///< one sentence, with "; try …" if there is a fix
+  std::string full;  ///< with its location and the line concerned: "code:4:12: error[E-unknown-model]: …\nD1 a b DX\n       ^~\n"
 };
 
-/// The circuit is wrong, or something was asked that is not there. what() holds the full text of all errors.
+/// The circuit has mistakes, or something requested does not exist. what() holds the full text of all errors.
 class Error : public std::runtime_error {
  public:
   /// `messages` has an error.
@@ -24,7 +24,7 @@ class Error : public std::runtime_error {
 
   /// Of the first error.
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// All there are, warnings and notes too.
+  /// All messages, including warnings and notes.
   [[nodiscard]] const std::vector<Message>& messages() const noexcept { return messages_; }
 
  private:

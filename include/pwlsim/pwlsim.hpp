@@ -9,6 +9,8 @@
 #include <pwlsim/circuit.hpp>
 #include <pwlsim/error.hpp>
 #include <pwlsim/result.hpp>
+#include <pwlsim/steady_state.hpp>
+#include <pwlsim/sweep.hpp>
 #include <pwlsim/value.hpp>
 
 namespace pwlsim {

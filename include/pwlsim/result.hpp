@@ -1,5 +1,5 @@
 #pragma once
-/// What a run gave.
+/// The result of a run.
 
 #include <cstdint>
 #include <memory>
@@ -25,10 +25,10 @@ struct Event {
 /// A measurement of a `.meas` card.
 struct Measurement {
   std::string name;
-  double value = 0.0;      ///< where there is no failure
-  std::string unit;        ///< "V", "W", "s", …; "" where it has none or it is not known
+  double value = 0.0;      ///< if there is no failure
+  std::string unit;        ///< "V", "W", "s", …; "" if it has none or it is not known
   std::string failure;     ///< why there is no value; else ""
-  std::string left_out{};  ///< impulses that the value holds nothing of, and why; else ""
+  std::string left_out{};  ///< impulses that the value excludes, and why; else ""
 };
 
 /// A `.four` card's Fourier analysis of one signal: y = Σ magnitude_k·sin(2π·frequency_k·t + phase_k), number 0 the mean.
@@ -37,17 +37,17 @@ struct Fourier {
     double frequency = 0.0, magnitude = 0.0, phase = 0.0;  ///< Hz, the signal's unit, degrees
   };
   std::string signal;
-  std::string failure;  ///< "" where there are harmonics
+  std::string failure;  ///< "" if there are harmonics
   std::vector<Harmonic> harmonics;
-  double distortion = 0.0;  ///< of all harmonics there are, relative to the first: 0.1 is ten percent; infinite where there are impulses
+  double distortion = 0.0;  ///< of all harmonics, relative to the first: 0.1 is ten percent; infinite if there are impulses
 };
 
-/// By how much the run fails the circuit's own laws: worst relative residuals over all points checked. Near 1e-15 is rounding.
+/// How well the run satisfies the circuit's own laws: the largest relative residuals over all points checked. Values near 1e-15 are rounding.
 struct Certificate {
-  double complementarity = 0.0;  ///< no diode conducts with a voltage, none blocks with a current, none the wrong way
+  double complementarity = 0.0;  ///< no diode conducts with a voltage, none blocks with a current, no sign is wrong
   double kcl_kvl = 0.0;          ///< Kirchhoff's laws
-  double energy = 0.0;           ///< delivered, less dissipated, less stored
-  std::optional<bool> passive;   ///< the circuit without its sources cannot deliver energy; empty where it is not known
+  double energy = 0.0;           ///< delivered minus dissipated minus stored
+  std::optional<bool> passive;   ///< the circuit without its sources cannot deliver energy; empty if not known
 };
 
 /// Counts of a run.
@@ -58,21 +58,27 @@ struct Statistics {
   double seconds = 0.0;  ///< from the model to the values of the rows
 };
 
-/// A run that is over. Cheap to copy, never changed: threads may share one.
+/// A finished run. Cheap to copy and immutable: threads may share one.
 class Result {
  public:
-  /// Whether it reached its end; false where it was interrupted, and in RunError.
+  /// Whether it reached its end; false if it was interrupted, and in RunError.
   [[nodiscard]] bool completed() const;
   /// The time reached, s.
   [[nodiscard]] double end() const;
 
-  /// The times of the rows, s, not decreasing; two equal ones stand for the sides of a jump (Options::rows_at_events).
+  /// The times of the rows, s, not decreasing; two equal times are the two sides of a jump (Options::rows_at_events).
   [[nodiscard]] const std::vector<double>& time() const;
   /// Names of the signals as saved: "v(out)", "v(a,b)", "i(L1)". i(X) flows into the first node of X.
   [[nodiscard]] const std::vector<std::string>& signals() const;
-  /// The values of one signal, V or A, as many as there are times. Names are compared without case. Throws Error (E-unknown-signal).
+  /// The values of one signal, V or A, as many as there are times. Names are not case-sensitive. Throws Error (E-unknown-signal).
   [[nodiscard]] const std::vector<double>& signal(std::string_view name) const;
   [[nodiscard]] bool has_signal(std::string_view name) const;
+  /// The values of one signal at any times in [0, end()], s, in any order, from the closed form between events; right of a jump at its time. The run is
+  /// done again for it, from the model that it kept: ask for many times at once. Throws Error: E-unknown-signal, E-range, E-not-kept
+  /// (Options::evaluable = false).
+  [[nodiscard]] std::vector<double> at(std::string_view name, const std::vector<double>& times) const;
+  /// The run as one web page that needs no network, as `--report` writes it. Throws Error: E-not-kept.
+  [[nodiscard]] std::string report() const;
 
   /// All events, in order; none with Options::events = false.
   [[nodiscard]] const std::vector<Event>& events() const;
@@ -81,15 +87,15 @@ class Result {
 
   /// In the order of the cards.
   [[nodiscard]] const std::vector<Measurement>& measurements() const;
-  /// The value of one. Throws Error: E-unknown-signal where there is none of that name, W-measurement-failed where it has no value.
+  /// The value of one. Throws Error: E-unknown-signal if no measurement has that name, W-measurement-failed if it has no value.
   [[nodiscard]] double measurement(std::string_view name) const;
   [[nodiscard]] const std::vector<Fourier>& fourier() const;
 
   [[nodiscard]] const Certificate& certificate() const;
   [[nodiscard]] const Statistics& statistics() const;
-  /// Warnings and notes; in RunError also what ended the run.
+  /// Warnings and notes; in RunError also the error that ended the run.
   [[nodiscard]] const std::vector<Message>& messages() const;
-  /// Names and values of what `.step` varies, as they were in this run.
+  /// Names and values of the parameters that `.step` varies, in this run.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& stepped() const;
 
   struct Data;
@@ -99,7 +105,7 @@ class Result {
   std::shared_ptr<const Data> data_;
 };
 
-/// The run came to a time where it could not go on: no solution (E-no-solution), more than one (E-not-unique), an accumulation of events,
+/// The run reached a time where it could not continue: no solution (E-no-solution), more than one (E-not-unique), an accumulation of events,
 /// a value out of range.
 class RunError : public Error {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers and waveforms as they stand on a card.
+/// Numbers and waveforms, as written on a card.
 
 #include <limits>
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace pwlsim {
 
-/// A number, taken over to the last bit; or text as a deck has it: "10k", "{2*R}" (an expression of parameters), "inf".
-/// What is no number is found out by Circuit::run.
+/// A number, kept to the last bit; or text as a deck has it: "10k", "{2*R}" (an expression of parameters), "inf".
+/// Circuit::run reports text that is not a number.
 class Value {
  public:
   template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
@@ -27,10 +27,10 @@ class Value {
   std::string text_;
 };
 
-/// `name=value` on a card. Names, units, defaults and ranges stand in docs/reference/elements.md.
+/// `name=value` on a card. docs/reference/elements.md lists names, units, defaults and ranges.
 using Parameters = std::vector<std::pair<std::string, Value>>;
 
-/// What a source does over time: a constant, the result of a function below, or text as a deck has it ("SIN(0 10 50)").
+/// The waveform of a source: a constant, the result of a function below, or text as a deck has it ("SIN(0 10 50)").
 /// Volts or amperes, seconds.
 class Waveform {
  public:
@@ -62,8 +62,8 @@ struct Pulse {
 };
 [[nodiscard]] Waveform pulse(const Pulse& pulse);
 
-/// Straight lines through points (time in s, value); equal times are a jump. The first and the last value hold outside.
-/// With `repeat` what lies up to the last point is repeated for ever.
+/// Straight lines through points (time in s, value); equal times are a jump. The first and the last value apply outside.
+/// With `repeat` the waveform up to the last point repeats forever.
 [[nodiscard]] Waveform straight_lines(const std::vector<std::pair<double, double>>& points, bool repeat = false);
 
 }  // namespace pwlsim

@@ -50,13 +50,13 @@ Cause cause_of(const Measurement& power, const circuit::Compiled& compiled) {
   };
   const auto& sources = compiled.network.sources;
   const auto source = std::max_element(sources.begin(), sources.end(), slower);
-  const std::string changes = "the energy that capacitors and inductors hold changes within its window";
+  const std::string changes = "the energy of capacitors and inductors changes during its window";
   if (!from || !to || source == sources.end() || !(circuit::period_of(source->function) < model::forever))
     return {changes, "a later window, at steady state"};
   constexpr double whole_within = 1e-6;
   const double periods = (*to - *from) / circuit::period_of(source->function);
   if (std::abs(periods - std::round(periods)) <= whole_within * std::max(periods, 1.0)) return {changes, "a later window, at steady state"};
-  return {fmt::format("its window of {} holds {:.6g} periods of {}", quantity(*to - *from, "s"), periods, source->label.name),
+  return {fmt::format("its window of {} contains {:.6g} periods of {}", quantity(*to - *from, "s"), periods, source->label.name),
           fmt::format("LAST={:.0f} PERIODS OF {}", std::max(1.0, std::floor(periods)), source->label.name)};
 }
 
@@ -71,7 +71,7 @@ std::vector<Diagnostic> efficiency_warnings(const circuit::Compiled& compiled, c
     if (measurement == list.end() || !is_quotient(measurement->expression)) continue;
     const Cause cause = cause_of(list[static_cast<std::size_t>(measurement->expression.steps[0].index)], compiled);
     warnings.push_back({Severity::warning, "W-efficiency", result.span,
-                        fmt::format("{} = {:.6g} is no efficiency, for {}; try {}", result.name, result.value, cause.text, cause.cure)});
+                        fmt::format("{} = {:.6g} is not an efficiency: {}; try {}", result.name, result.value, cause.text, cause.cure)});
   }
   return warnings;
 }

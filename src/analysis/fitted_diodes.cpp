@@ -6,23 +6,72 @@
 #include <cmath>
 
 #include "analysis/quantity.hpp"
+#include "analysis/tangent_points.hpp"
 #include "measure/diode_currents.hpp"
 #include "model/builder.hpp"
 
 namespace pwlsim::analysis {
 namespace {
 
-constexpr int most_runs = 6;
+constexpr int most_runs = 6, most_long_runs = 3;
+constexpr std::size_t long_run = 10'000;      ///< pieces of the solution
 constexpr double first_current = 1.0;         ///< A, of the tangents that a deck is compiled with
 constexpr double least_current = 1e-9;        ///< A; a diode that carries less, and would at its highest voltage, stays as it is
 constexpr double least_of_saturation = 10.0;  ///< likewise: below, the exponential is no straight line anywhere
 constexpr double most_current = 1e6;          ///< A, that a voltage may ask for
 constexpr std::size_t most_named = 8;         ///< diodes in the note
 constexpr double two_digits = 10.0;           ///< two of them: what lies between changes a drop by less than a thousandth of kT/q
+/// What one tangent may be off, RMS: of n·kT/q, or of the voltage that the diode blocks. Above, there are two or three.
+constexpr double least_misfit = 0.15, misfit_of_blocked = 5e-4;
+constexpr double settled_drop = 0.05;  ///< of n·kT/q: lines that move by less stand
 
 double rounded(double current) {
   const double unit = std::pow(10.0, std::floor(std::log10(current))) / two_digits;
   return std::round(current / unit) * unit;
+}
+
+/// A diode with a law, and the lines in its place.
+struct Fitted {
+  std::size_t diode = 0;  ///< of the network
+  DiodeLines lines{{first_current}, {}};
+};
+
+/// Each diode's current where there are others in parallel.
+void count_parallel_ones(model::LinearForm& form, const std::vector<std::vector<int>>& added) {
+  const std::size_t terms = form.size();
+  for (std::size_t k = 0; k < terms; ++k) {
+    if (form[k].kind != model::Term::Kind::diode_current || static_cast<std::size_t>(form[k].index) >= added.size()) continue;
+    const double coefficient = form[k].coefficient;
+    for (const int other : added[static_cast<std::size_t>(form[k].index)])
+      form.push_back({model::Term::Kind::diode_current, other, coefficient});
+  }
+}
+
+/// The network with the lines in place of the tangents at 1 A.
+void give_lines(model::Network& network, const std::vector<Fitted>& fitted) {
+  std::vector<std::vector<int>> added(network.diodes.size());
+  for (const Fitted& each : fitted) {
+    if (each.lines.lines.empty()) continue;
+    const std::vector<model::Tangent> diodes = parallel_diodes(each.lines.lines);
+    for (std::size_t k = 0; k < diodes.size(); ++k) {
+      model::Diode diode = network.diodes[each.diode];
+      diode.resistance = diodes[k].resistance;
+      diode.drop = diodes[k].drop;
+      if (k == 0) {
+        network.diodes[each.diode] = std::move(diode);
+        continue;
+      }
+      diode.label.name += fmt::format(" line {}", k + 1);
+      diode.law.reset();
+      added[each.diode].push_back(static_cast<int>(network.diodes.size()));
+      network.diodes.push_back(std::move(diode));
+    }
+  }
+  for (model::Branch& item : network.branches) count_parallel_ones(item.voltage, added);
+  for (model::Injection& item : network.injections) count_parallel_ones(item.current, added);
+  for (model::Complementarity& item : network.complementarities) count_parallel_ones(item.slack, added);
+  for (model::Switch& item : network.switches) count_parallel_ones(item.control, added);
+  for (model::Signal& item : network.signals) count_parallel_ones(item.form, added);
 }
 
 class Fit {
@@ -33,93 +82,115 @@ class Fit {
     for (std::size_t k = 0; k < network_.diodes.size(); ++k) {
       const model::Diode& diode = network_.diodes[k];
       if (!diode.law) continue;
-      diodes_.push_back(k);
+      fitted_.push_back({k});
       network_.signals.push_back({"", {{model::Term::Kind::diode_current, static_cast<int>(k), 1.0}}});
       network_.signals.push_back({"", model::voltage_between(diode.p, diode.n)});
     }
-    currents_.assign(diodes_.size(), first_current);
   }
 
-  [[nodiscard]] bool is_needed() const { return !diodes_.empty(); }
+  [[nodiscard]] bool is_needed() const { return !fitted_.empty(); }
 
   /// False where a run does not come to its end.
   bool run(const circuit::Analyses& analyses) {
-    for (int k = 0; k < most_runs; ++k) {
-      measure::DiodeCurrents found(diodes_.size());
+    int runs = most_runs;
+    for (int k = 0; k < runs; ++k) {
+      measure::DiodeCurrents found(fitted_.size());
       if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
+      if (found.pieces() > long_run) runs = most_long_runs;
     }
     return true;
   }
 
-  void give(model::Network& network) const {
-    for (const std::size_t k : diodes_) {
-      network.diodes[k].resistance = network_.diodes[k].resistance;
-      network.diodes[k].drop = network_.diodes[k].drop;
-    }
-  }
+  void give(model::Network& network) const { give_lines(network, fitted_); }
 
   /// Of the diodes whose tangent is another than before; none: nothing.
   [[nodiscard]] std::optional<Diagnostic> note() const {
     std::string list;
     std::size_t moved = 0;
     SourceSpan first;
-    for (std::size_t k = 0; k < diodes_.size(); ++k) {
-      const model::Diode& diode = network_.diodes[diodes_[k]];
-      if (currents_[k] == first_current) continue;
-      if (moved == 0) first = diode.label.span;
-      if (++moved > most_named) continue;
-      list += fmt::format("{}{} at {} (Ron = {:.6g} ohm, Vfwd = {:.6g} V)", moved > 1 ? ", " : "", diode.label.name,
-                          quantity(currents_[k], "A", 2), diode.resistance, diode.drop);
+    for (const Fitted& each : fitted_) {
+      if (each.lines.lines.empty()) continue;
+      const model::Label& label = network_.diodes[each.diode].label;
+      if (moved == 0) first = label.span;
+      if (++moved <= most_named) list += (moved > 1 ? ", " : "") + label.name + " at " + words_of(each.lines);
     }
     if (moved == 0) return std::nullopt;
     if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
     return Diagnostic{Severity::note, "N-diode-current", first,
-                      fmt::format("a first run finds what exponential diodes carry; their tangents are taken there: {}", list)};
+                      fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list)};
   }
 
  private:
+  static std::string words_of(const DiodeLines& lines) {
+    std::string text;
+    for (std::size_t k = 0; k < lines.lines.size(); ++k)
+      text += fmt::format("{}{} (Ron = {:.6g} ohm, Vfwd = {:.6g} V)", k > 0 ? " and " : "", quantity(lines.currents[k], "A", 2),
+                          lines.lines[k].resistance, lines.lines[k].drop);
+    return text;
+  }
+
   bool measure(const circuit::Analyses& analyses, measure::DiodeCurrents& found) const {
+    model::Network network = network_;
+    give_lines(network, fitted_);
     Diagnostics unheard;
-    const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network_, choice_, reltol_, unheard, *interrupt_)
-                                                        : prepare_engine(network_, choice_, reltol_, unheard);
+    const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network, choice_, reltol_, unheard, *interrupt_)
+                                                        : prepare_engine(network, choice_, reltol_, unheard);
     if (!engine.simulate) return false;
     engine::Request request = request_of(analyses, {});
     request.grid = {};
     request.interrupt = interrupt_;
-    request.unsaved_signals = network_.signals.size();
+    request.unsaved_signals = network.signals.size();
     request.probes = {{}, 0.0, request.stop, &found};
-    for (std::size_t k = 0; k < network_.signals.size(); ++k) request.probes.signals.push_back(static_cast<int>(k));
+    for (std::size_t k = 0; k < network.signals.size(); ++k) request.probes.signals.push_back(static_cast<int>(k));
     NoRows sink;
     return engine.simulate(request, sink).outcome == engine::Outcome::completed;
   }
 
-  /// Whether a tangent has moved.
+  /// Whether a line has moved.
   bool take(const measure::DiodeCurrents& found) {
     bool has_moved = false;
-    for (std::size_t k = 0; k < diodes_.size(); ++k) {
-      model::Diode& diode = network_.diodes[diodes_[k]];
-      double current = found.mean(k) / diode.law->parallel;
-      const double least = std::max(least_current, least_of_saturation * diode.law->saturation);
-      if (!(current > least)) current = std::min(diode.law->current(found.highest_voltage(k)), currents_[k]);
-      if (!(current > least && current < most_current)) continue;
-      current = rounded(current);
-      if (current == currents_[k]) continue;
-      currents_[k] = current;
-      const model::Tangent tangent = diode.law->tangent(current);
-      diode.resistance = tangent.resistance;
-      diode.drop = tangent.drop;
+    for (std::size_t k = 0; k < fitted_.size(); ++k) {
+      Fitted& each = fitted_[k];
+      const std::optional<DiodeLines> lines = lines_of(each, found, k);
+      if (!lines || is_same(*lines, each.lines, *network_.diodes[each.diode].law)) continue;
+      each.lines = *lines;
       has_moved = true;
     }
     return has_moved;
   }
 
-  model::Network network_;
+  /// None where it carries next to nothing.
+  [[nodiscard]] std::optional<DiodeLines> lines_of(const Fitted& each, const measure::DiodeCurrents& found, std::size_t k) const {
+    const model::ExponentialLaw& law = *network_.diodes[each.diode].law;
+    const double least = std::max(least_current, least_of_saturation * law.saturation);
+    double mean = found.mean(k) / law.parallel;
+    std::vector<measure::ChargeSpectrum::Bin> spectrum;
+    if (mean > least) {
+      spectrum = found.spectrum(k).bins();
+      for (measure::ChargeSpectrum::Bin& bin : spectrum) bin.current /= law.parallel;
+      std::erase_if(spectrum, [&](const auto& bin) { return bin.current <= least; });
+    } else {
+      mean = std::min(law.current(found.highest_voltage(k)), each.lines.currents.front());
+    }
+    if (!(mean > least && mean < most_current)) return std::nullopt;
+    const double tolerance = std::max(least_misfit * law.slope, -misfit_of_blocked * found.lowest_voltage(k));
+    return fit_lines(law, spectrum, rounded(mean), tolerance);
+  }
+
+  static bool is_same(const DiodeLines& now, const DiodeLines& before, const model::ExponentialLaw& law) {
+    if (before.lines.empty()) return now.currents == before.currents;
+    if (now.lines.size() != before.lines.size()) return false;
+    for (std::size_t k = 0; k < now.lines.size(); ++k)
+      if (std::abs(now.lines[k].drop - before.lines[k].drop) > settled_drop * law.slope) return false;
+    return true;
+  }
+
+  model::Network network_;  ///< as it was compiled, with the signals that are measured
   EngineChoice choice_;
   double reltol_;
   const std::atomic<int>* interrupt_;
-  std::vector<std::size_t> diodes_;  ///< those that have a law
-  std::vector<double> currents_;     ///< A, of one of those in parallel
+  std::vector<Fitted> fitted_;  ///< the diodes that have a law
 };
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "model/build_mode.hpp"
 #include "model/certificate.hpp"
-#include "model/mode.hpp"
 #include "model/subspaces.hpp"
 #include "model/switch_position.hpp"
 

@@ -70,7 +70,7 @@ void write_orbit(JsonWriter& json, const SteadyState* state) {
   json.member("residual", json_number(orbit.residual));
   json.member("iterations", std::to_string(orbit.iterations));
   json.member("periods_simulated", std::to_string(orbit.periods_simulated));
-  json.member("condition", json_number(orbit.condition));
+  json.member("condition", json_number(1.0 / orbit.least_singular));
   json.member("stability", stability(orbit));
   json.member("unique", json_truth(orbit.free_directions.empty()));
   member_list("multipliers", multipliers);

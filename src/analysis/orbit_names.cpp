@@ -63,6 +63,8 @@ class Positions {
   std::map<std::string, bool> closed_, conducting_;
 };
 
+std::string listed(const std::vector<std::string>& events) { return fmt::format("{}", fmt::join(events, ", ")); }
+
 /// V or A that the direction adds to the store.
 double added(const ExactModel& model, const steady::Vector& direction, std::size_t island, const std::string& name) {
   const engine::IslandModel& part = model.islands[island];
@@ -102,9 +104,14 @@ std::vector<OrbitMode> orbit_modes(const ExactModel& model, const circuit::Hidde
       for (std::string& event : positions.take(change)) events.push_back(std::move(event));
     const bool is_start = modes.empty();
     if (events.empty() && !step.has_jump && !is_start) continue;
-    modes.push_back({step.time, positions.closed(), positions.conducting(),
-                     is_start ? "" : fmt::format("{}", fmt::join(events, ", ")), step.has_jump});
+    modes.push_back({step.time, positions.closed(), positions.conducting(), is_start ? "" : listed(events), step.has_jump});
   }
+  // What happens at t = 0 is a change from the period's end.
+  std::vector<std::string> events;
+  if (!trace.steps.empty())
+    for (const engine::Change& change : trace.steps.front().changes)
+      for (std::string& event : positions.take(change)) events.push_back(std::move(event));
+  if (!modes.empty()) modes.front().event = listed(events);
   return modes;
 }
 

@@ -31,16 +31,17 @@ Diagnostic sparse_warning(const std::string& reason, double reltol) {
       "W-sparse-engine",
       {},
       fmt::format("{}the sparse engine takes implicit steps: rows carry errors of about its tolerance ({}) and more over many events, and "
-                  "it does not examine whether the solution is the only one; compare a smaller case with --engine exact",
+                  "it does not check whether the solution is unique; compare a smaller case with --engine exact",
                   reason, reltol)};
 }
 
 bool is_tolerance(double reltol, Diagnostics& diagnostics) {
   if (reltol >= engine::sparse::least_tolerance && reltol <= engine::sparse::largest_tolerance) return true;
   const bool is_below = reltol < engine::sparse::least_tolerance;
-  diagnostics.error("E-tolerance", {},
-                    fmt::format("a relative tolerance of {} is {}; try {}, or --engine exact", reltol, is_below ? "below rounding" : "none",
-                                is_below ? engine::sparse::least_tolerance : engine::sparse::largest_tolerance));
+  diagnostics.error(
+      "E-tolerance", {},
+      fmt::format("a relative tolerance of {} is {}; try {}, or --engine exact", reltol, is_below ? "below rounding" : "too large",
+                  is_below ? engine::sparse::least_tolerance : engine::sparse::largest_tolerance));
   return false;
 }
 

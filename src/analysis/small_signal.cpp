@@ -9,6 +9,7 @@
 
 #include "analysis/quantity.hpp"
 #include "base/names.hpp"
+#include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "steady/transfer.hpp"
 #include "waveform/csv.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 using circuit::SmallSignal;
 using Complex = std::complex<double>;
-using Response = std::function<steady::ComplexVector(double)>;
+using Response = std::function<steady::ComplexVector(double frequency, const std::vector<Complex>& amplitudes)>;
 
 double degrees(Complex value) { return std::arg(value) * 180.0 / std::numbers::pi; }
 
@@ -50,6 +51,35 @@ void add_loop_signals(model::Network& network, const std::string& source, SmallS
     inputs.negative = signal_of(branch.n);
     return;
   }
+}
+
+/// A second input; false where `name` is no current source at a node of the voltage source `loop`.
+bool add_loop_current(model::Network& network, const std::string& loop, const std::string& name, SmallSignalInputs& inputs) {
+  const auto is_named = [](const std::string& wanted) {
+    return [&wanted](const auto& part) { return same_name(part.label.name, wanted); };
+  };
+  const auto injection = std::find_if(network.injections.begin(), network.injections.end(), is_named(name));
+  const auto branch = std::find_if(network.branches.begin(), network.branches.end(), is_named(loop));
+  const std::vector<int> sources = sources_named(network, name);
+  if (injection == network.injections.end() || branch == network.branches.end() || sources.empty()) return false;
+  const auto injected = [&](model::NodeIndex node) { return (injection->n == node ? 1.0 : 0.0) - (injection->p == node ? 1.0 : 0.0); };
+  inputs.injected_at_positive = injected(branch->p);
+  inputs.injected_at_negative = injected(branch->n);
+  if (inputs.injected_at_positive == 0.0 && inputs.injected_at_negative == 0.0) return false;
+  add_input_on(network, sources, 0.0, inputs);
+  const auto number = static_cast<int>(branch - network.branches.begin());
+  network.signals.push_back({"loop current", {{model::Term::Kind::branch_current, number, 1.0}}});
+  inputs.current = static_cast<int>(network.signals.size()) - 1;
+  return true;
+}
+
+/// T at a frequency; `voltages`: the response there to the voltage source alone.
+Complex gain_at(const SmallSignalInputs& inputs, const Response& response, double frequency, const steady::ComplexVector& voltages) {
+  const Complex by_voltage = -voltages[inputs.negative] / voltages[inputs.positive];
+  if (inputs.current < 0) return by_voltage;
+  const Complex through = response(frequency, {0.0, 1.0})[inputs.current];
+  const Complex by_current = (inputs.injected_at_negative + through) / (inputs.injected_at_positive - through);
+  return (by_voltage * by_current - 1.0) / (by_voltage + by_current + 2.0);
 }
 
 /// The times in a period at which a pulse of the source ends; both edges where `falling_only` is false.
@@ -99,10 +129,7 @@ LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, con
   const std::vector<double>& frequencies = card.frequencies;
   LoopGain loop;
   loop.source = card.loop;
-  const auto gain = [&](double f) {
-    const steady::ComplexVector r = response(f);
-    return -r[inputs.negative] / r[inputs.positive];
-  };
+  const auto gain = [&](double f) { return gain_at(inputs, response, f, response(f, inputs.amplitudes)); };
   loop.values = std::move(values);
   const auto margin = [](Complex t) {
     double phase = 180.0 + degrees(t);
@@ -180,8 +207,8 @@ SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalI
   result.frequencies = card.frequencies;
   std::vector<Complex> gains;
   for (const double f : card.frequencies) {
-    const steady::ComplexVector all = response(f);
-    if (!card.loop.empty()) gains.push_back(-all[inputs.negative] / all[inputs.positive]);
+    const steady::ComplexVector all = response(f, inputs.amplitudes);
+    if (!card.loop.empty()) gains.push_back(gain_at(inputs, response, f, all));
     result.values.emplace_back(all.data(), all.data() + saved);
     for (std::size_t k = 0; k < selected.size(); ++k)
       result.columns[k].values.push_back(part_of(all[static_cast<Eigen::Index>(selected[k].signal)], selected[k].part));
@@ -197,7 +224,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   SmallSignalInputs inputs;
   const auto fail = [&](const std::string& name) {
     inputs.id = "E-ac-no-input";
-    inputs.message = name.empty() ? "no source has an AC value; try AC 1 on a source, or from=V1" : fmt::format("{} is no source of the circuit", name);
+    inputs.message = name.empty() ? "no source has an AC value; try AC 1 on a source, or from=V1"
+                                  : fmt::format("{} is not a source of the circuit", name);
     return inputs;
   };
   if (!card.loop.empty() || card.input == SmallSignal::Input::source) {
@@ -207,6 +235,11 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
     add_input_on(network, sources, 1.0, inputs);
     if (!card.loop.empty()) add_loop_signals(network, name, inputs);
     if (!card.loop.empty() && inputs.positive < 0) return fail(name);
+    if (!card.loop_current.empty() && !add_loop_current(network, card.loop, card.loop_current, inputs)) {
+      inputs.id = "E-ac-no-input";
+      inputs.message = fmt::format("{} is not a current source at a node of {}; try {} 0 n+ 0, n+ being that node of {}", card.loop_current,
+                                   card.loop, card.loop_current, card.loop);
+    }
     return inputs;
   }
   if (card.input != SmallSignal::Input::marked) {
@@ -214,7 +247,7 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
       const std::vector<int> sources = sources_named(network, name);
       if (sources.empty() || !std::holds_alternative<model::Pulse>(network.sources[static_cast<std::size_t>(sources.front())].function)) {
         inputs.id = "E-ac-no-input";
-        inputs.message = fmt::format("{} is no PULSE source of the circuit: only their edges are moved", name);
+        inputs.message = fmt::format("{} is not a PULSE source of the circuit: only edges of PULSE sources can be moved", name);
         return inputs;
       }
     }
@@ -222,7 +255,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   }
   const std::size_t count = network.sources.size();
   for (std::size_t k = 0; k < count; ++k)
-    if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0) add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
+    if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0)
+      add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
   return inputs.names.empty() ? fail("") : inputs;
 }
 
@@ -232,9 +266,9 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
   const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
-  const auto response = [&](double f) {
+  const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
     if (card.input != SmallSignal::Input::frequency && card.input != SmallSignal::Input::duty)
-      return transfer.at(f, card.harmonic, inputs.amplitudes, {}, sample).signals;
+      return transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
     steady::TimeShifts shifts(linear.instants().size(), 0.0);
     for (const std::string& name : card.sources) {
       const auto& pulse = std::get<model::Pulse>(network.sources[static_cast<std::size_t>(sources_named(network, name).front())].function);
@@ -270,7 +304,9 @@ SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::s
   constexpr double moment = 1e-12;  // s: the one mode there is
   march.advance(state, moment, &recorder);
   const steady::LinearisedOrbit linear(*model, recorder.take(), moment, true, inputs.names);
-  return evaluate(compiled, inputs, [&](double f) { return steady::linear_response(linear, network.signals.size(), f, inputs.amplitudes); });
+  return evaluate(compiled, inputs, [&](double f, const std::vector<Complex>& amplitudes) {
+    return steady::linear_response(linear, network.signals.size(), f, amplitudes);
+  });
 }
 
 std::string small_signal_csv(const SmallSignalResult& result) {

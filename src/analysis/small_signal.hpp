@@ -13,7 +13,9 @@
 
 namespace pwlsim::analysis {
 
-/// A loop gain T(f) = −v(n−)/v(n+) and where it crosses.
+/// A loop gain T(f) and where it crosses. With a voltage source alone T = T_v = −v(n−)/v(n+). With a current source at one of its nodes, too,
+/// T = (T_v T_i − 1)/(T_v + T_i + 2), T_i the ratio of the currents into the driving and the receiving side: right for any impedances there.
+/// R. D. Middlebrook, Measurement of loop gain in feedback systems, Int. J. Electronics 38 (1975), eq. (31).
 struct LoopGain {
   std::string source;
   std::vector<std::complex<double>> values;
@@ -47,6 +49,8 @@ struct SmallSignalInputs {
   std::vector<std::string> names;    ///< of the inputs in the network
   std::vector<std::complex<double>> amplitudes;
   int positive = -1, negative = -1;  ///< signals: n+ and n− of the source of a loop gain
+  int current = -1;                  ///< signal: its current, where a current source is the second input
+  double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source brings there
 };
 /// `network` gets inputs, and signals behind its own.
 [[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);

@@ -83,7 +83,7 @@ class Finder {
     Diagnostics diagnostics;
     state_.common = steady::common_period(needed_sources(compiled_.network));
     for (const std::string& name : state_.common.settled)
-      say(Severity::note, "N-pss-source-settled", fmt::format("{} is not periodic: the steady state takes it at its last value", name));
+      say(Severity::note, "N-pss-source-settled", fmt::format("{} is not periodic: the steady state uses its final value", name));
     state_.compiled = compiled_;
     state_.compiled.network = steady::with_settled_sources(compiled_.network);
     if (card_.trigger == Trigger::crosses) {
@@ -123,7 +123,10 @@ class Finder {
     const steady::CommonPeriod& common = state_.common;
     if (common.sources.empty()) return true;
     if (card_.is_free)
-      return fail("E-pss-free", fmt::format("free asks for a self-timed orbit, and {} is periodic; try without free, or a constant source", common.sources.front().name), true);
+      return fail("E-pss-free",
+                  fmt::format("free requests a self-timed orbit, but {} is periodic; try without free, or a constant source",
+                              common.sources.front().name),
+                  true);
     double period = common.seconds;
     if (!common.failure.empty()) {
       if (!card_.period || card_.is_hint) return fail("E-pss-no-period", common.failure);
@@ -170,7 +173,8 @@ class Finder {
     const bool closes = crosses ? !card_.is_falling : card_.trigger == Trigger::closes;
     const std::string name = crosses ? watch_name : card_.element;
     if (auto section = steady::section_of(*model_, name, closes)) return section;
-    fail("E-pss-no-trigger", fmt::format("{} is no switch or diode whose state is followed; try {}=S1, or when v(node)=level", card_.element, closes ? "on" : "off"));
+    fail("E-pss-no-trigger", fmt::format("{} is not a switch or diode whose state is known; try {}=S1, or when v(node)=level",
+                                         card_.element, closes ? "on" : "off"));
     return std::nullopt;
   }
 
@@ -182,7 +186,7 @@ class Finder {
         state_.is_found = true;
         return remark_on_orbit();
       case Verdict::no_orbit:
-        fail("E-pss-no-orbit", fmt::format("there is no periodic orbit: each period adds {}, and nothing stops it", drift_text()));
+        fail("E-pss-no-orbit", fmt::format("there is no periodic orbit: each period adds {}, and nothing limits it", drift_text()));
         return;
       case Verdict::drifts:
         fail("E-pss-not-converged", fmt::format("no orbit was found: each period still adds {} after {} periods", drift_text(), orbit.periods_simulated));
@@ -196,7 +200,8 @@ class Finder {
       }
       case Verdict::no_event:
         if (card_.trigger == Trigger::none)
-          fail("E-pss-no-oscillation", "the circuit has no periodic source and comes to rest; try .op for the point where it rests");
+          fail("E-pss-no-oscillation",
+               "the circuit has no periodic source and settles to a constant state; try .op for its operating point");
         else
           fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(), quantity(orbit.answer.time, "s")));
         return;
@@ -226,7 +231,7 @@ class Finder {
       say(Severity::warning, "W-pss-graze", fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
     for (const steady::Touch& touch : steady::touches(orbit.trace))
       say(Severity::warning, "W-pss-graze",
-          fmt::format("the orbit touches, but does not pass, the threshold of {} at t = {}: multipliers are those of one side",
+          fmt::format("the orbit touches, but does not cross, the threshold of {} at t = {}: multipliers are those of one side",
                       guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
@@ -311,7 +316,8 @@ Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnost
   if (!model) return {};
   std::optional<engine::RunState> from = state_in(*model, state);
   if (!from) {
-    diagnostics.error("E-pss-not-converged", {}, "the parts of the circuit are others in the run than on the orbit; try .pss and .tran in decks of their own");
+    diagnostics.error("E-pss-not-converged", {},
+                      "the parts of the circuit differ between the run and the orbit; try .pss and .tran in decks of their own");
     return {};
   }
   return [model, from = std::move(*from)](const engine::Request& request, engine::RowSink& sink) {

@@ -11,6 +11,7 @@
 #include "analysis/small_signal.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/compile.hpp"
+#include "engine/exact/exact.hpp"
 #include "engine/exact/march.hpp"
 #include "steady/orbit.hpp"
 #include "steady/parameter_inputs.hpp"

@@ -104,8 +104,9 @@ void judge(TransientRun& run, const FileSink& sink, const std::vector<std::strin
   if (sink.bad_column() != 0) {
     run.ending = Ending::failed;
     run.id = "E-overflow";
-    run.message = fmt::format("{} leaves the range of numbers after t = {}; try a shorter run, or look for an element that feeds energy in",
-                              names[sink.bad_column()], quantity(sink.last_time(), "s"));
+    run.message =
+        fmt::format("{} exceeds the range of numbers after t = {}; try a shorter run, or look for an element that feeds energy in",
+                    names[sink.bad_column()], quantity(sink.last_time(), "s"));
   }
   if (!run.message.empty() && !run.answer.mode.empty()) run.message += "; mode: " + run.answer.mode;
 }

@@ -18,16 +18,17 @@ bool ends_word(char c) {
 std::string_view checked_word(std::string_view word) {
   const bool is_comment = word.starts_with('*') || word.starts_with('$') || word.find("//") != std::string_view::npos;
   if (word.empty() || is_comment || std::any_of(word.begin(), word.end(), ends_word))
-    throw api::error("E-name", fmt::format("'{}' is no name: it is empty, or holds a blank, a bracket, a quote, = , ; or //; try letters, "
-                                           "digits, _ and others",
-                                           word));
+    throw api::error(
+        "E-name", fmt::format("'{}' is not a valid name: it is empty, or contains a blank, a bracket, a quote, = , ; or //; try letters, "
+                              "digits, _ and others",
+                              word));
   return word;
 }
 
 /// One card is one line.
 std::string_view checked_text(std::string_view text) {
   if (std::any_of(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }))
-    throw api::error("E-name", fmt::format("'{}' holds the end of a line; try Circuit::cards for more than one card", text));
+    throw api::error("E-name", fmt::format("'{}' contains a line end; try Circuit::cards for more than one card", text));
   return text;
 }
 

@@ -3,7 +3,17 @@
 
 #include <pwlsim/result.hpp>
 
+#include "analysis/idealisation.hpp"
+#include "analysis/transient.hpp"
+
 namespace pwlsim {
+
+/// What it takes to do a run again.
+struct KeptRun {
+  std::shared_ptr<const circuit::Compiled> compiled;
+  analysis::Simulate simulate;
+  std::vector<analysis::Departure> departures;
+};
 
 struct Result::Data {
   bool completed = false;
@@ -19,6 +29,7 @@ struct Result::Data {
   Statistics statistics;
   std::vector<Message> messages;
   std::vector<std::pair<std::string, double>> stepped;
+  std::shared_ptr<const KeptRun> kept;  ///< null where it was not to be kept
 };
 
 }  // namespace pwlsim

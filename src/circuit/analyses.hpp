@@ -59,6 +59,7 @@ struct SmallSignal {
   Input input = Input::marked;       ///< all sources with AC values; one source with amplitude 1; timing of sources
   std::vector<std::string> sources;  ///< named behind from=
   std::string loop;                  ///< the source of a loop gain; "" where none is asked for
+  std::string loop_current;          ///< a current source at a node of `loop`, for injection of both kinds; "" where there is none
   SourceSpan input_span;
   int harmonic = 0;
   std::optional<double> sample;  ///< s: the sampled response at that time of the period

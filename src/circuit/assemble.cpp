@@ -29,7 +29,7 @@ class Assembler {
 
   std::optional<model::Network> run() {
     check_names();
-    if (circuit_.instances.empty() && !reporter_.failed()) reporter_.error("E-no-elements", {}, "the deck has no element");
+    if (circuit_.instances.empty() && !reporter_.failed()) reporter_.error("E-no-elements", {}, "the deck has no elements");
     for (Instance& instance : circuit_.instances) resolve_references(instance);
     resolve_products(circuit_, reporter_);
     const std::vector<SignalSource> signals = resolve_signals(circuit_, names_, reporter_);
@@ -100,7 +100,7 @@ class Assembler {
       reporter_.error("E-unknown-node", condition.span,
                       fmt::format("unknown node '{}'{}", condition.name, suggestion(condition.name, names_.node_names())));
     } else if (*node == model::ground) {
-      reporter_.error("E-ic", condition.span, "ground is 0 V: it takes no initial condition");
+      reporter_.error("E-ic", condition.span, "ground is 0 V: it has no initial condition");
     } else {
       auto& list = builder_.network().node_conditions;
       const auto same = [&](const model::NodeCondition& other) { return other.node == *node; };
@@ -118,7 +118,7 @@ class Assembler {
     }
     const Instance& instance = circuit_.instances[static_cast<std::size_t>(element)];
     if (instance.kind != nullptr && instance.kind->letter != 'L') {
-      reporter_.error("E-ic", condition.span, fmt::format("{} is no inductor: only inductors take an initial current", condition.name));
+      reporter_.error("E-ic", condition.span, fmt::format("{} is not an inductor: only inductors have an initial current", condition.name));
       return;
     }
     const auto same = [&](const auto& other) { return other.first == element; };
@@ -213,7 +213,7 @@ class Assembler {
     for (const auto& [element, condition] : currents_) {
       const int inductor = emitted_[static_cast<std::size_t>(element)].inductor;
       if (inductor < 0) {
-        reporter_.error("E-ic", condition.span, fmt::format("{} has no inductance: it takes no initial current", condition.name));
+        reporter_.error("E-ic", condition.span, fmt::format("{} has no inductance: it has no initial current", condition.name));
         continue;
       }
       model::Inductor& item = builder_.network().inductors[static_cast<std::size_t>(inductor)];
@@ -229,7 +229,7 @@ class Assembler {
     for (const Instance& instance : circuit_.instances) {
       const char letter = instance.kind->letter;
       if ((letter != 'C' && letter != 'L') || !instance.values.has("ic")) continue;
-      reporter_.warning("W-ic-unused", instance.values.span("ic"), "ic= counts only with uic on .tran; try uic, or .ic");
+      reporter_.warning("W-ic-unused", instance.values.span("ic"), "ic= has an effect only with uic on .tran; try uic, or .ic");
       return;
     }
   }

@@ -353,7 +353,7 @@ class CardBinding {
     const Item* x = nullptr;
     if (head != nullptr && head->kind != ItemKind::assignment) {
       x = cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
-      if (x == nullptr) return missing("E-missing-value", "an expression in braces behind TABLE");
+      if (x == nullptr) return missing("E-missing-value", "an expression in braces after TABLE");
     } else if (head != nullptr && kind_.control != Control::element && instance_.control_nodes.empty()) {
       return missing("E-missing-node", "a pair of controlling nodes before table=");
     } else if (head == nullptr) {
@@ -409,7 +409,7 @@ class CardBinding {
     if (controls == 1 && list.size() == 1) {
       reporter().error(
           "E-poly", card_.span,
-          fmt::format("a lone coefficient of POLY(1) is p0 to some simulators and p1 to others; try both p0 and p1 on {}", card_.name));
+          fmt::format("a single coefficient of POLY(1) is p0 in some simulators and p1 in others; try both p0 and p1 on {}", card_.name));
       return false;
     }
     list.resize(controls + 1, 0.0);
@@ -524,7 +524,7 @@ void Binder::note_two_values(const Card& card) {
 void Binder::refuse(const Card& card) {
   const RefusedElement* refused = find_refused_element(card.name.front());
   if (refused == nullptr) {
-    reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is no element known here", card.name));
+    reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is not a known element", card.name));
   } else {
     reporter_.error("E-not-supported", card.name_span, fmt::format("{}: the element {} is not supported", card.name, refused->name));
   }

@@ -65,7 +65,7 @@ class BlockBinding {
       if (item->kind == ItemKind::word) cursor.next();
       return &kind;
     }
-    fail("E-port-type", item->text_span, fmt::format("'{}' is no type of port; they are %v %vd %i %id %vnam", item->text));
+    fail("E-port-type", item->text_span, fmt::format("'{}' is not a port type; port types are %v %vd %i %id %vnam", item->text));
     return nullptr;
   }
 

@@ -69,9 +69,10 @@ class SourceBinding {
     if (word_is(&item, "dc")) {
       cursor_.next();
       if (cursor_.at_positional()) return dc_seen_ ? unexpected(*cursor_.next()) : constant();
-      missing("a value behind DC");
+      missing("a value after DC");
       return false;
     }
+    if (item.kind == ItemKind::group && is_constant_group(item)) return constant_group();
     if (item.kind == ItemKind::group) return grouped();
     if (item.kind == ItemKind::word && is_waveform(item.text)) return listed();
     return dc_seen_ || waveform_seen_ ? unexpected(item) : constant();
@@ -84,6 +85,15 @@ class SourceBinding {
   bool constant() {
     dc_seen_ = true;
     if (const std::optional<Number> number = scope_.number(*cursor_.next())) dc_ = number->value;
+    return true;
+  }
+
+  /// DC(48)
+  [[nodiscard]] bool is_constant_group(const Item& item) const { return same_name(item.text, "dc") && item.items.size() == 1 && !dc_seen_; }
+
+  bool constant_group() {
+    dc_seen_ = true;
+    if (const std::optional<Number> number = scope_.number(cursor_.next()->items[0])) dc_ = number->value;
     return true;
   }
 

@@ -21,7 +21,7 @@ struct Options {
 /// Writes what concerns the run into `analyses`; the rest is the answer.
 [[nodiscard]] Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses);
 
-/// .tran, .op, .save into `circuit`. An error where the deck asks for no analysis and `required`.
+/// .tran, .op, .save into `circuit`. An error where the deck requests no analysis and `required`.
 void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
 /// .pss and .pop into `circuit`.

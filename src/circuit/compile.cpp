@@ -20,7 +20,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
     Reporter known(said, sources);
     flattened = flatten(deck, sources, known, options.analysis_required, options.run, ground);
     reporter.note("N-no-ground", deck.title_span,
-                  fmt::format("no element is connected to ground: the node {} is taken for it; try 0 as its name", ground));
+                  fmt::format("no element is connected to ground: the node {} is used as ground; try 0 as its name", ground));
   }
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
@@ -34,7 +34,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   }
   if (!options.measure && circuit.analyses.sweeps.runs() > 1)
     reporter.note("N-first-run", circuit.analyses.sweeps.list.front().span,
-                  fmt::format("of the {} runs that .step asks for the first is taken", circuit.analyses.sweeps.runs()));
+                  fmt::format("the first of the {} runs of .step is used", circuit.analyses.sweeps.runs()));
   if (!options.measure) network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
   if (options.measure) compiled.measurements = circuit.measurements;

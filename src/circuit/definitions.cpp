@@ -82,7 +82,7 @@ class Reader {
   void read_element(const Card& card) {
     if (std::isalpha(static_cast<unsigned char>(card.name.front())) == 0) {
       if (!card.damaged)
-        reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is no element: names begin with a letter", card.name));
+        reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is not an element: names begin with a letter", card.name));
       return;
     }
     const auto [entry, is_new] = current().element_spans.try_emplace(without_case(card.name), card.name_span);
@@ -105,8 +105,8 @@ class Reader {
   }
 
   void report_second(std::string id, std::string_view what, std::string_view name, SourceSpan second, SourceSpan first) {
-    reporter_.error(std::move(id), second, fmt::format("a second {} {}; the first stands at {}", what, name, reporter_.where(first)));
-    reporter_.note("N-first-here", first, fmt::format("the first {} stands here", name));
+    reporter_.error(std::move(id), second, fmt::format("a second {} {}; the first is at {}", what, name, reporter_.where(first)));
+    reporter_.note("N-first-here", first, fmt::format("the first {} is here", name));
   }
 
   void read_dot_card(const Card& card) {
@@ -184,7 +184,7 @@ class Reader {
 
   void read_analysis(const Card& card, std::vector<const Card*>& list) {
     if (!at_top()) {
-      reporter_.error("E-misplaced", card.name_span, fmt::format("{} cannot stand inside .subckt {}", card.name, here().name));
+      reporter_.error("E-misplaced", card.name_span, fmt::format("{} is not allowed inside .subckt {}", card.name, here().name));
       result_.misplaced_analysis = true;
       return;
     }
@@ -255,7 +255,7 @@ class Reader {
         reporter_.error("E-unexpected", item.span, ".param takes name=value only");
       } else if (item.items.size() > 1) {
         reporter_.error("E-unexpected", item.text_span,
-                        fmt::format("{} is no parameter name; for a function take {}", item.text, func_usage));
+                        fmt::format("{} is not a parameter name; for a function use {}", item.text, func_usage));
       } else {
         list.push_back({item.text, item.text_span, value_of(item)});
       }
@@ -300,7 +300,7 @@ class Reader {
     if (second.span.file == deck_.title_span.file) kept = &second;
     const Card& other = kept == &second ? first : second;
     reporter_.warning("W-second-model", other.items[0].span,
-                      fmt::format("this model {} is not used: the one at {} rules", name, reporter_.where(kept->items[0].span)));
+                      fmt::format("this model {} is not used: the one at {} takes precedence", name, reporter_.where(kept->items[0].span)));
   }
 
   void read_global(const Card& card) {

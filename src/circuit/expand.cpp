@@ -120,7 +120,7 @@ void Expander::connect_port(Place& inner, const Card& card, const Item& word, co
   const auto [known, is_new] = inner.nodes.emplace(port, node);
   if (is_new || known->second == node) return;
   reporter().error("E-duplicate-port", word.span,
-                   fmt::format("{} gives {} a second node for the port {}, which stands twice in its list; try one node at both places",
+                   fmt::format("{} gives {} a second node for the port {}, which occurs twice in its list; try one node at both places",
                                card.name, inner.scope.definition().name, port));
 }
 

@@ -41,8 +41,7 @@ bool is_finite(const AffineSum& sum) {
 bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter) {
   for (std::size_t k = 1; k < points.size(); ++k) {
     if (points[k].x >= points[k - 1].x) continue;
-    reporter.error("E-table-order", span,
-                   fmt::format("the x of a table must not decrease: {} stands behind {}", points[k].x, points[k - 1].x));
+    reporter.error("E-table-order", span, fmt::format("the x of a table must not decrease: {} follows {}", points[k].x, points[k - 1].x));
     return false;
   }
   return true;
@@ -247,9 +246,10 @@ AffineSum FormulaReader::product(const Expression& operation, const Sum& a, cons
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_quotient(const Expression& operation, const Sum& a, const Sum& b) {
-  const std::optional<Sum> reciprocal = builder_.reciprocal(b);
-  if (!reciprocal) return refuse(operation, "a division by a signal");
-  return Meaning{product(operation, a, *reciprocal), std::nullopt};
+  if (const std::optional<Sum> reciprocal = builder_.reciprocal(b)) return Meaning{product(operation, a, *reciprocal), std::nullopt};
+  Sum quotient = builder_.open_quotient(a, b);
+  open_products_.emplace_back(quotient.terms[0].first, operation.span);
+  return Meaning{std::move(quotient), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
@@ -283,6 +283,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_call(const Expression& e
   }
   if (key == "table" || key == "pwl") return of_table(expression, context, key == "pwl");
   if (key == "sdt" || key == "idt") return of_integral(expression, context);
+  if (key == "idtmod") return of_wrapped_integral(expression, context);
   if (key == "ddt" || key == "d") return of_derivative(expression, context);
   return of_builtin(expression, context);
 }
@@ -352,18 +353,32 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& 
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_integral(const Expression& expression, const Context& context) {
-  if (expression.arguments.size() > 2) {
-    reporter().error("E-not-supported", expression.arguments[2].span,
-                     fmt::format("{}: the reset of {} is not supported; try a capacitor that a source G charges, with a switch across it",
-                                 instance_.name, expression.text));
-    return std::nullopt;
-  }
-  if (!count_is(expression, 1, 2)) return std::nullopt;
+  if (!count_is(expression, 1, 3)) return std::nullopt;
   const std::optional<Sum> rate = sum(expression.arguments[0], context);
   const std::optional<double> start =
-      expression.arguments.size() == 2 ? constant(expression.arguments[1], context, "the start of an integral") : 0.0;
+      expression.arguments.size() > 1 ? constant(expression.arguments[1], context, "the start of an integral") : 0.0;
   if (!rate || !start) return std::nullopt;
-  return Meaning{builder_.integral(*rate, *start), std::nullopt};
+  if (expression.arguments.size() < 3) return Meaning{builder_.integral(*rate, *start), std::nullopt};
+  const std::optional<elements::Condition> held = condition(expression.arguments[2], context);
+  if (!held) return std::nullopt;
+  return Meaning{builder_.integral(*rate, *start, *held), std::nullopt};
+}
+
+/// LTspice's idtmod(x, start, modulus, offset): the integral stays from offset to offset + modulus.
+std::optional<FormulaReader::Meaning> FormulaReader::of_wrapped_integral(const Expression& expression, const Context& context) {
+  if (!count_is(expression, 3, 4)) return std::nullopt;
+  const std::optional<Sum> rate = sum(expression.arguments[0], context);
+  const std::optional<double> start = constant(expression.arguments[1], context, "the start of an integral");
+  const std::optional<double> width = constant(expression.arguments[2], context, "the modulus of an integral");
+  const std::optional<double> from =
+      expression.arguments.size() > 3 ? constant(expression.arguments[3], context, "the offset of an integral") : 0.0;
+  if (!rate || !start || !width || !from) return std::nullopt;
+  if (*width > 0.0) {
+    std::optional<Sum> value = builder_.wrapped_integral(*rate, *start, *from, *from + *width);
+    if (value) return Meaning{std::move(*value), std::nullopt};
+  }
+  reporter().error("E-range", expression.arguments[2].span, fmt::format("{}: the modulus of idtmod must be positive", instance_.name));
+  return std::nullopt;
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_derivative(const Expression& expression, const Context& context) {
@@ -395,12 +410,11 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   const BuiltinFunction* builtin = find_builtin(key);
   if (builtin == nullptr) {
     const bool is_delay = key == "delay" || key == "absdelay";
-    const bool known = is_delay || key == "idtmod";
-    reporter().error(known ? "E-not-supported" : "E-unknown-function", expression.span,
-                     known ? fmt::format("{}: {} in an expression is not supported; try {}", instance_.name, key,
-                                         is_delay ? "Laplace=1/(1+s*T), a low pass of that time constant"
-                                                  : "a capacitor that a source G charges, with a switch across it")
-                           : fmt::format("unknown function '{}'", expression.text));
+    reporter().error(is_delay ? "E-not-supported" : "E-unknown-function", expression.span,
+                     is_delay
+                         ? fmt::format("{}: {} in an expression is not supported; try Laplace=1/(1+s*T), a low pass of that time constant",
+                                       instance_.name, key)
+                         : fmt::format("unknown function '{}'", expression.text));
     return std::nullopt;
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;

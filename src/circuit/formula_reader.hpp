@@ -63,6 +63,7 @@ class FormulaReader {
   std::optional<Meaning> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Context& context);
   std::optional<Meaning> of_table(const Expression& expression, const Context& context, bool extrapolated);
   std::optional<Meaning> of_integral(const Expression& expression, const Context& context);
+  std::optional<Meaning> of_wrapped_integral(const Expression& expression, const Context& context);
   std::optional<Meaning> of_derivative(const Expression& expression, const Context& context);
   std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
   std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);

@@ -98,7 +98,8 @@ class Replacement {
     if (device_.type->logic == Logic::sample_hold) {
       if (reporter_.first_time("LTspice's samplehold"))
         reporter_.note("N-idealised", type.span,
-                       "LTspice's sample-and-hold is idealised: it takes the input in no time, holds it without loss and has no output resistance");
+                       "LTspice's sample-and-hold is idealised: it acquires the input in zero time, holds it without loss and has no "
+                       "output resistance");
     } else if (device_.type->logic == Logic::transconductance) {
       if (device_.has_part('i') && reporter_.first_time("LTspice's ota"))
         reporter_.note("N-idealised", type.span,

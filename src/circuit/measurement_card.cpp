@@ -20,7 +20,8 @@ using Kind = Measurement::Kind;
 using Results = std::unordered_map<std::string, int>;
 
 constexpr std::string_view usage =
-    ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b TARG "
+    ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b "
+    "TARG "
     "c=d | "
     "AVG expr LAST=n PERIODS OF V1 | "
     "PARAM expr";
@@ -112,7 +113,8 @@ class CardReader {
   }
 
   bool read_kind(Measurement& measurement) {
-    if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it says nothing to measure");
+    if (at_ >= items_.size()) return refuse("E-missing-value", card_.span, "it does not say what to measure");
+    if (at_ + 1 < items_.size() && same_name(text(items_[at_]), "time") && is_word(items_[at_ + 1], "when")) ++at_;
     const Item& word = items_[at_];
     const auto* found =
         std::find_if(std::begin(kind_names), std::end(kind_names), [&](const KindName& k) { return is_word(word, k.name); });
@@ -204,7 +206,7 @@ class CardReader {
     crossing.last = take("last");
     if (crossing.last) return true;
     if (at_ >= items_.size() || is_keyword(items_[at_]))
-      return refuse("E-missing-value", word.span, fmt::format("a number is missing behind {}", word.text));
+      return refuse("E-missing-value", word.span, fmt::format("a number is missing after {}", word.text));
     const Item& item = items_[at_++];
     const std::optional<Number> number = scope_.number(item);
     if (!number) return false;
@@ -392,7 +394,7 @@ class Reader {
     }
     const Card& first = *announced_[static_cast<std::size_t>(entry->second)];
     reporter_.error("E-duplicate-measurement", name.span,
-                    fmt::format("a second measurement {}; the first stands at {}", name.text, reporter_.where(first.span)));
+                    fmt::format("a second measurement {}; the first is at {}", name.text, reporter_.where(first.span)));
   }
 
   bool check_fourier(const Card& card, const std::vector<double>& numbers, FourierAnalysis& analysis) {

@@ -50,7 +50,7 @@ std::vector<ChainLink> chain_of(Scope& scope, const Card& card, Reporter& report
     const bool circle = std::any_of(chain.begin(), chain.end(), [&](const ChainLink& link) { return link.found.card == next.card; });
     if (next.card != nullptr && !circle) continue;
     if (circle) {
-      reporter.error("E-model-circle", last.base->span, fmt::format("the model {} is built on itself", last.base_name));
+      reporter.error("E-model-circle", last.base->span, fmt::format("the model {} is based on itself", last.base_name));
     } else {
       reporter.error("E-unknown-model", last.base->span, fmt::format("unknown model '{}'", last.base_name));
     }
@@ -87,7 +87,7 @@ bool has_known_level(const std::vector<ChainLink>& chain, const elements::ModelK
       if (!level) return false;
       if (std::find(kind.levels.begin(), kind.levels.end(), level->value) != kind.levels.end()) return true;
       reporter.error("E-not-idealised", item->span,
-                     fmt::format("an {} of level {} has no parameters to idealise it by; try .model {} VDMOS(Vto= Ron=), or a switch S",
+                     fmt::format("an {} of level {} lacks the parameters to idealise it; try .model {} VDMOS(Vto= Ron=), or a switch S",
                                  kind.type, level->value, chain.front().found.card->items[0].text));
       return false;
     }

@@ -176,6 +176,14 @@ class NodeLevels {
   int depth_ = 0;
 };
 
+constexpr std::string_view refused_derivative = "the derivative of a product that jumps has no piecewise-linear form";
+
+std::string_view refusal(const Formula& formula, int part) {
+  return formula.parts[static_cast<std::size_t>(part)].kind == PartKind::quotient
+             ? "a division by a signal has no piecewise-linear form, unless that is a voltage of two levels, neither of them zero"
+             : "a product of signals has no piecewise-linear form, unless one of them is a voltage of two levels";
+}
+
 class Products {
  public:
   Products(Circuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), levels_(circuit) {}
@@ -192,10 +200,7 @@ class Products {
     const auto& open = instance.formula->open_products;
     const auto found = std::find_if(open.begin(), open.end(), [&](const auto& product) { return product.first == failed; });
     reporter_.error("E-not-piecewise-linear", found != open.end() ? found->second : instance.span,
-                    fmt::format("{}: {}", instance.name,
-                                found != open.end()
-                                    ? "a product of signals has no piecewise-linear form, unless one of them is a voltage of two levels"
-                                    : "the derivative of a product that jumps has no piecewise-linear form"));
+                    fmt::format("{}: {}", instance.name, found != open.end() ? refusal(*instance.formula, failed) : refused_derivative));
   }
 
  private:

@@ -57,6 +57,7 @@ class OptionReader {
   }
 
   Options options;
+  bool says_nonunique = false;
 
  private:
   void honour(const Item& item) {
@@ -70,6 +71,7 @@ class OptionReader {
   }
 
   void choose(const Item& word) {
+    says_nonunique = true;
     if (same_name(word.text, "error")) {
       analyses_.non_unique = NonUniqueChoice::error;
     } else if (same_name(word.text, "first")) {
@@ -117,6 +119,14 @@ class OptionReader {
   Analyses& analyses_;
 };
 
+/// Two bipolar transistors may hold one another on or off, as those of a thyristor do: they keep their position until it has no solution.
+bool has_latch(const Definitions& definitions) {
+  std::size_t transistors = 0;
+  for (const auto& definition : definitions.all)
+    for (const netlist::Card* card : definition->elements) transistors += static_cast<std::size_t>(lower_letter(card->name.front()) == 'q');
+  return transistors > 1;
+}
+
 }  // namespace
 
 std::uint64_t written_seed(const Definitions& definitions) {
@@ -137,6 +147,7 @@ Options read_options(const Definitions& definitions, Scope& scope, Reporter& rep
   for (const netlist::Card* card : definitions.options) {
     for (const Item& item : card->items) reader.read(item);
   }
+  if (!reader.says_nonunique && has_latch(definitions)) analyses.non_unique = NonUniqueChoice::stay;
   return reader.options;
 }
 

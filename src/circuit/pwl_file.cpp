@@ -76,7 +76,7 @@ bool read_pwl_file(const Item& item, elements::PwlCard& card, Scope& scope, Repo
     ++count;
     if (!has_pair(line)) continue;
     const std::optional<PwlPoint> point = point_of(line, item, scope);
-    if (!point) return fail(fmt::format("line {} of '{}' is no pair of a time and a value; try two numbers a line", count, name));
+    if (!point) return fail(fmt::format("line {} of '{}' is not a pair of a time and a value; try two numbers per line", count, name));
     part.points.push_back(*point);
   }
   card.parts.push_back(std::move(part));

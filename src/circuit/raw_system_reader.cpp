@@ -77,7 +77,7 @@ class RawSystemReader {
         if (find(*keyword) != nullptr) fail(line.span, fmt::format("a second {}", *keyword));
         blocks_.push_back({*keyword, line.span, {}, {}});
       } else if (blocks_.empty()) {
-        fail(line.span, fmt::format("rows stand behind a keyword: {}", fmt::join(keywords, " ")));
+        fail(line.span, fmt::format("rows must follow a keyword: {}", fmt::join(keywords, " ")));
       } else {
         blocks_.back().lines.push_back(&line);
       }

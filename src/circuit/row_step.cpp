@@ -58,7 +58,7 @@ void resolve_last_periods(const model::Network& network, const Transient& transi
     constexpr double rounding = 1e-9;  // of a period
     if (!(period < model::forever)) {
       reporter.error("E-measurement", last.span,
-                     fmt::format("measurement {}: {} is no source that repeats; try one with SIN or PULSE", measurement.name, last.source));
+                     fmt::format("measurement {}: {} is not a periodic source; try one with SIN or PULSE", measurement.name, last.source));
     } else if (from < -rounding * period) {
       reporter.error("E-measurement", last.span,
                      fmt::format("measurement {}: the run holds {:.6g} periods of {} ({:.6g} s), not {}; try a later Tstop or a smaller n",

@@ -37,6 +37,13 @@ bool is_raw_signal(const Item& item) {
   return is_whole_number(item.items[1].text);
 }
 
+/// PSpice's v([a],[b]): the nodes without their brackets.
+Item without_brackets(Item group) {
+  for (Item& item : group.items)
+    if (item.kind == ItemKind::vector && item.items.size() == 1) item = Item(item.items[0]);
+  return group;
+}
+
 /// As the deck spells it, unless it runs over a line.
 std::string column_name(const Item& group, const Reporter& reporter) {
   const std::string_view text = reporter.text(group.span);
@@ -111,7 +118,8 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     return std::nullopt;
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
-    reporter.error("E-unknown-signal", item.span, fmt::format("'{}' is no signal: they are {}{}", reporter.text(item.span), usage, cure));
+    reporter.error("E-unknown-signal", item.span,
+                   fmt::format("'{}' is not a signal; signals are {}{}", reporter.text(item.span), usage, cure));
     return std::nullopt;
   }
   if (request.kind != SaveRequest::Kind::all) {
@@ -137,7 +145,7 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
   const bool is_raw = !is_voltage && !is_current;
   const bool fits = is_voltage ? count == 1 || count == 2 : is_current ? count == 1 : count == 2 && is_whole_number(call.arguments[1].text);
   if (!fits) {
-    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is no signal: they are {}", reporter.text(call.span), usage));
+    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is not a signal; signals are {}", reporter.text(call.span), usage));
     return std::nullopt;
   }
   request.kind = is_voltage ? SaveRequest::Kind::voltage : is_current ? SaveRequest::Kind::current : SaveRequest::Kind::raw;
@@ -155,19 +163,21 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
 
 void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit) {
   for (const Card* card : definitions.saves) {
-    const bool print = same_name(card->name, ".print");
+    const bool names_analysis = same_name(card->name, ".print") || same_name(card->name, ".probe");
     if (card->items.empty() && same_name(card->name, ".save") && !card->damaged) {
       reporter.error("E-missing-value", card->span, fmt::format(".save names no signal; they are {}", usage));
     }
     for (const Item& item : card->items) {
-      const bool analysis_name = print && &item == &card->items[0] && is_word(item, "tran");
+      const bool analysis_name = names_analysis && &item == &card->items[0] && is_word(item, "tran");
       if (analysis_name || is_word(item, "time")) continue;
       if (is_word(item, "dialogbox")) {
-        reporter.note("N-dialogbox", item.span, "LTspice asks here what to save: signals named on other cards are saved, or else all");
+        reporter.note("N-dialogbox", item.span,
+                      "LTspice opens a dialog here: the signals named on other cards are saved, or all if there are none");
         continue;
       }
-      std::optional<SaveRequest> request = output_expression(item, definitions, reporter, circuit);
-      if (!request) request = save_request(item, reporter);
+      const Item plain = without_brackets(item);
+      std::optional<SaveRequest> request = output_expression(plain, definitions, reporter, circuit);
+      if (!request) request = save_request(plain, reporter);
       if (request) circuit.saves.push_back(std::move(*request));
     }
   }

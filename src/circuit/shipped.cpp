@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -15,7 +16,26 @@
 namespace pwlsim::circuit {
 namespace {
 
-constexpr std::string_view amplifier_type = "OPAMP";  ///< in devices.txt
+/// Types in devices.txt that are subcircuits, and which.
+struct Packaged {
+  std::string_view type, subcircuit;
+};
+constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATOR", "comparator"}};
+
+/// Types of single parts, as a subcircuit that holds one: its ports and its card.
+struct Part {
+  std::string_view type, ports, card, words;
+};
+constexpr Part parts[] = {{"D", "a k", "D1 a k", "anode cathode"},
+                          {"VDMOS", "d g s", "M1 d g s", "drain gate source"},
+                          {"NPN", "c b e", "Q1 c b e", "collector base emitter"},
+                          {"PNP", "c b e", "Q1 c b e", "collector base emitter"}};
+
+template <class Row>
+const Row* find_type(std::span<const Row> rows, const std::optional<Device>& device) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return device && device->type == row.type; });
+  return found == rows.end() ? nullptr : &*found;
+}
 
 const ShippedSubcircuit* find_shipped(std::string_view name) {
   const auto all = shipped_subcircuits();
@@ -39,12 +59,13 @@ std::string renamed(const ShippedSubcircuit& shipped, std::string_view name) {
   return text.replace(text.find(shipped.name), shipped.name.size(), name);
 }
 
-/// A universal amplifier with the numbers of a common one; "" for other names.
-std::string amplifier(std::string_view name) {
+/// A shipped amplifier or comparator with the numbers of a common one; "" for other names.
+std::string packaged(std::string_view name) {
   const std::optional<Device> device = find_device(name);
-  const ShippedSubcircuit* universal = find_shipped("universalopamp2");
-  if (!device || device->type != amplifier_type || universal == nullptr) return "";
-  std::string text = renamed(*universal, name);
+  const Packaged* type = find_type<Packaged>(packaged_types, device);
+  const ShippedSubcircuit* shipped = type == nullptr ? nullptr : find_shipped(type->subcircuit);
+  if (shipped == nullptr) return "";
+  std::string text = renamed(*shipped, name);
   std::string_view rest = device->parameters;
   while (!rest.empty()) {
     const std::string_view assignment = rest.substr(0, rest.find(' '));
@@ -55,25 +76,38 @@ std::string amplifier(std::string_view name) {
   return text;
 }
 
+/// A subcircuit that holds one diode or transistor; "" for other names.
+std::string single_part(std::string_view name) {
+  const std::optional<Device> device = find_device(name);
+  const Part* part = find_type<Part>(parts, device);
+  if (part == nullptr) return "";
+  return fmt::format(".subckt {} {}\n{} part\n.model part {}({})\n.ends\n", name, part->ports, part->card, part->type, device->parameters);
+}
+
 /// "" where there is none.
 std::string text_of(std::string_view name) {
   const std::string_view level = amplifier_level(name);
   if (const ShippedSubcircuit* found = find_shipped(level.empty() ? name : level)) return renamed(*found, name);
-  std::string text = amplifier(name);
+  std::string text = packaged(name);
+  if (text.empty()) text = single_part(name);
   return text.empty() ? logic_subcircuit(name) : text;
 }
 
 /// It is not the deck's, and not called by the library's own names.
 void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
   if (!amplifier_level(name.text).empty())
-    reporter.note("N-universal-opamp", name.span,
-                  fmt::format("{} is the shipped one: Avol, GBW, Vos and Rin count, at level 2 Slew and Rail too; Ilimit, phimargin and noise do not",
-                              name.text));
+    reporter.note(
+        "N-universal-opamp", name.span,
+        fmt::format(
+            "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise are not",
+            name.text));
   const std::optional<Device> device = find_device(name.text);
-  if (!device || device->type != amplifier_type) return;
-  reporter.note("N-model-at-hand", name.span,
-                fmt::format("{} is not defined here, and taken from the models at hand: {} ({}); try a .subckt for other numbers",
-                            name.text, device->parameters, device->source));
+  const Part* part = find_type<Part>(parts, device);
+  if (part == nullptr && find_type<Packaged>(packaged_types, device) == nullptr) return;
+  reporter.note(
+      "N-model-at-hand", name.span,
+      fmt::format("{} is not defined here, and taken from the models at hand: {} ({}){}; try a .subckt for other numbers", name.text,
+                  device->parameters, device->source, part != nullptr ? fmt::format(", with the nodes {}", part->words) : ""));
 }
 
 struct Called {

@@ -15,8 +15,10 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view ac_usage = ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1] [harm=m] [sample=t]";
+constexpr std::string_view ac_usage = ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1[,I1]] [harm=m] [sample=t]";
 constexpr double most_frequencies = 1e6;
+
+bool is_of_letter(char c, char letter) { return c == letter || c == letter - 'a' + 'A'; }
 
 class SmallSignalReader {
  public:
@@ -30,9 +32,12 @@ class SmallSignalReader {
         take_timing(item);
       else if (spacing_.empty() && (is_word(item, "dec") || is_word(item, "oct") || is_word(item, "lin") || is_word(item, "list")))
         spacing_ = item.text;
+      else if (follows_loop_ && item.kind == ItemKind::word && !item.text.empty() && is_of_letter(item.text[0], 'i'))
+        signal_.loop_current = item.text;
       else
         take_number(item);
       if (!ok_) return std::nullopt;
+      follows_loop_ = item.kind == ItemKind::assignment && is_named(item, "loop");
     }
     make_frequencies();
     return ok_ ? std::optional(std::move(signal_)) : std::nullopt;
@@ -53,7 +58,7 @@ class SmallSignalReader {
   }
 
   void take_assignment(const Item& item) {
-    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", item.text));
+    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("a value is missing after {}=", item.text));
     const Item& value = item.items[0];
     if (is_named(item, "from")) {
       if (value.kind == ItemKind::group) return take_timing(value);
@@ -79,7 +84,8 @@ class SmallSignalReader {
   }
 
   void take_timing(const Item& group) {
-    if (!is_named(group, "freq") && !is_named(group, "duty")) return fail("E-unexpected", group.span, fmt::format("'{}' is no input", group.text));
+    if (!is_named(group, "freq") && !is_named(group, "duty"))
+      return fail("E-unexpected", group.span, fmt::format("'{}' is not an input", group.text));
     signal_.input = is_named(group, "freq") ? SmallSignal::Input::frequency : SmallSignal::Input::duty;
     signal_.input_span = group.span;
     for (const Item& source : group.items) signal_.sources.push_back(source.text);
@@ -113,6 +119,7 @@ class SmallSignalReader {
   SmallSignal signal_;
   std::string spacing_;
   std::vector<double> numbers_;
+  bool follows_loop_ = false;
   bool ok_ = true;
 };
 
@@ -133,11 +140,13 @@ class ColumnReader {
       : reporter_(reporter), circuit_(circuit), columns_(columns) {}
 
   void read(const Item& item) {
-    const bool is_signal = item.kind == ItemKind::group && !item.text.empty() && (is_letter(item.text[0], 'v') || is_letter(item.text[0], 'i'));
+    const bool is_signal = item.kind == ItemKind::group && !item.text.empty() && (is_of_letter(item.text[0], 'v') || is_of_letter(item.text[0], 'i'));
     const std::string_view letters = is_signal ? std::string_view(item.text).substr(1) : std::string_view();
     const auto* known = std::find_if(std::begin(part_names), std::end(part_names), [&](const PartName& part) { return same_name(part.letters, letters); });
     if (!is_signal || (!letters.empty() && known == std::end(part_names))) {
-      reporter_.error("E-unexpected", item.span, fmt::format("'{}' is no part of a signal; usage: .print ac vm(a) vp(a) vr(a) vi(a) vdb(a)", reporter_.text(item.span)));
+      reporter_.error(
+          "E-unexpected", item.span,
+          fmt::format("'{}' is not part of a signal; usage: .print ac vm(a) vp(a) vr(a) vi(a) vdb(a)", reporter_.text(item.span)));
       return;
     }
     Item signal = item;
@@ -155,8 +164,6 @@ class ColumnReader {
   }
 
  private:
-  static bool is_letter(char c, char letter) { return c == letter || c == letter - 'a' + 'A'; }
-
   Reporter& reporter_;
   Circuit& circuit_;
   std::vector<SmallSignal::Column>& columns_;
@@ -169,7 +176,8 @@ void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& r
   const auto& cards = definitions.small_signals;
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
-    reporter.warning("W-ignored-card", cards[k]->name_span, fmt::format("this .ac is ignored: the last one counts, at {}", reporter.where(cards.back()->span)));
+    reporter.warning("W-ignored-card", cards[k]->name_span,
+                     fmt::format("this .ac is ignored: the last one is used, at {}", reporter.where(cards.back()->span)));
   std::optional<SmallSignal>& small_signal = circuit.analyses.small_signal;
   small_signal = SmallSignalReader(*cards.back(), scope, reporter).read();
   if (!small_signal) return;

@@ -62,7 +62,7 @@ class SteadyStateReader {
 
   double positive(const Item& item, std::string_view name) {
     if (item.items.empty()) {
-      fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+      fail("E-missing-value", item.span, fmt::format("a value is missing after {}=", name));
       return 1.0;
     }
     const double value = number(item.items[0]).value_or(1.0);
@@ -72,7 +72,7 @@ class SteadyStateReader {
 
   int count(const Item& item, std::string_view name, std::string_view id) {
     if (item.items.empty()) {
-      fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", name));
+      fail("E-missing-value", item.span, fmt::format("a value is missing after {}=", name));
       return 1;
     }
     const std::optional<double> given = number(item.items[0]);
@@ -117,7 +117,7 @@ class SteadyStateReader {
   }
 
   void take_trigger(const Item& item, Trigger trigger) {
-    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("an element is missing behind {}=", item.text));
+    if (item.items.empty()) return fail("E-missing-value", item.span, fmt::format("an element is missing after {}=", item.text));
     if (state_.trigger == Trigger::none) state_.trigger = trigger;
     state_.element = item.items[0].kind == ItemKind::expression ? reporter_.text(item.items[0].span) : item.items[0].text;
     state_.element_span = item.items[0].span;
@@ -136,7 +136,7 @@ class SteadyStateReader {
   }
 
   void take_edge(const Item& item) {
-    if (!is_when_) return fail("E-unexpected", item.span, fmt::format("{} stands behind WHEN only", item.text));
+    if (!is_when_) return fail("E-unexpected", item.span, fmt::format("{} is allowed only after WHEN", item.text));
     state_.is_falling = is_word(item, "fall");
   }
 
@@ -171,7 +171,7 @@ void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& r
   const auto& cards = definitions.steady_states;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
     reporter.warning("W-second-pss", cards[k]->name_span,
-                     fmt::format("this {} is not run: the last one counts, at {}", cards[k]->name, reporter.where(cards.back()->span)));
+                     fmt::format("this {} is not run: the last one is used, at {}", cards[k]->name, reporter.where(cards.back()->span)));
   if (cards.empty() || cards.back()->damaged) return;
   circuit.analyses.steady_state = SteadyStateReader(*cards.back(), scope, reporter, circuit).read();
 }

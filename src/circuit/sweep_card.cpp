@@ -58,7 +58,7 @@ class SweepReader {
       ++at;
       sweep_.is_parameter = true;
     }
-    if (at >= items.size()) return fail("E-missing-value", card_.span, "it names nothing to step");
+    if (at >= items.size()) return fail("E-missing-value", card_.span, "it does not say what to step");
     const Item& name = items[at++];
     if (!accepts(name)) return std::nullopt;
     sweep_.name = name.text;

@@ -119,7 +119,7 @@ class TransferReader {
       case ExpressionKind::call:
         return of_call(expression, place);
       default:
-        return fail("E-not-supported", expression, "a choice that depends on s is no fraction of polynomials");
+        return fail("E-not-supported", expression, "a choice that depends on s is not a fraction of polynomials");
     }
   }
 
@@ -187,9 +187,10 @@ class TransferReader {
     if (values.size() == 2 && same_name(expression.text, "pow")) return power(expression, values[0], values[1]);
     if (std::all_of(values.begin(), values.end(), [](const Quotient& q) { return q.is_number(); })) return of_numbers(expression, values);
     const bool is_delay = same_name(expression.text, "exp");
-    return fail("E-not-supported", expression,
-                fmt::format("{} of s is no fraction of polynomials, and has no circuit of finitely many states; try {}", expression.text,
-                            is_delay ? "an approximation of the delay: (1-s*T/2)/(1+s*T/2), or powers of it with T/n" : "an approximation by one"));
+    return fail(
+        "E-not-supported", expression,
+        fmt::format("{} of s is not a fraction of polynomials, and has no circuit of finitely many states; try {}", expression.text,
+                    is_delay ? "an approximation of the delay: (1-s*T/2)/(1+s*T/2), or powers of it with T/n" : "an approximation by one"));
   }
 
   std::optional<Quotient> of_numbers(const Expression& expression, const std::vector<Quotient>& values) {

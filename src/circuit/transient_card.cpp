@@ -56,7 +56,8 @@ class TransientReader {
       use_initial_conditions_ = true;
     } else if (is_word(item, "startup")) {
       use_initial_conditions_ = true;
-      reporter_.warning("W-startup", item.span, "startup is read as uic: the sources are there from t = 0 on and do not rise within 20 us");
+      reporter_.warning("W-startup", item.span,
+                        "startup is read as uic: the sources have their values from t = 0 on and do not rise within 20 us");
     } else if (is_word(item, "steady")) {
       wants_steady_state = true;
       reporter_.note("N-tran-steady", item.span, "steady is read as .pss: the run starts from the periodic steady state");
@@ -101,7 +102,8 @@ class TransientReader {
     const SourceSpan stop_span = times_[times_.size() == 1 ? 0 : 1].span;
     const double length = transient.stop.seconds - transient.start.seconds;
     if (!(length > 0.0)) {
-      fail("E-tran", stop_span, fmt::format("Tstop = {} s must lie behind Tstart = {} s", transient.stop.seconds, transient.start.seconds));
+      fail("E-tran", stop_span,
+           fmt::format("Tstop = {} s must be greater than Tstart = {} s", transient.stop.seconds, transient.start.seconds));
       return false;
     }
     const double rows = std::floor(length / transient.row_step() * (1.0 + rounding_of_quotient)) + 1.0;
@@ -128,7 +130,7 @@ const Card* card_that_counts(const Definitions& definitions, Reporter& reporter)
   for (std::size_t k = 0; k + 1 < cards.size(); ++k) {
     if (cards[k]->items.empty() && !cards[k]->damaged) report_no_times(*cards[k], reporter);
     reporter.warning("W-second-tran", cards[k]->name_span,
-                     fmt::format("this .tran is not run: the last one counts, at {}", reporter.where(cards.back()->span)));
+                     fmt::format("this .tran is not run: the last one is used, at {}", reporter.where(cards.back()->span)));
   }
   return cards.back();
 }
@@ -150,10 +152,10 @@ void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scop
   }
   for (const Card* operating_point : definitions.operating_points) {
     analyses.operating_point = true;
-    for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes nothing behind it");
+    for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes no arguments");
   }
   if (required && card == nullptr && definitions.steady_states.empty() && definitions.small_signals.empty() && !analyses.operating_point && !definitions.misplaced_analysis) {
-    reporter.error("E-no-analysis", title, "the deck asks for no analysis; try a card .tran Tstep Tstop, or .op");
+    reporter.error("E-no-analysis", title, "the deck requests no analysis; try a card .tran Tstep Tstop, or .op");
   }
 }
 

@@ -37,7 +37,7 @@ constexpr std::array<Subcommand, 3> subcommands{{
 
 constexpr std::string_view help_footer =
     "Subcommands: inspect describes the model of a deck, export writes its smoothed equivalent\n"
-    "for ngspice, compare runs that beside it (pwlsim inspect --help, and so on).\n"
+    "for ngspice, compare runs both and compares them (see pwlsim inspect --help, and so on).\n"
     "\n"
     "Exit status: 0 done; 1 the run failed, the rows up to then are kept, or --check found a\n"
     "difference; 2 the deck or the command line is wrong; 3 a file cannot be read or written;\n"
@@ -50,7 +50,7 @@ class HelpText : public CLI::Formatter {
     return fmt::format("{}Usage: pwlsim {}\n", app->get_description().empty() ? "" : "\n", usage_);
   }
   std::string make_positionals(const CLI::App*) const override {
-    return "\n  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n";
+    return "\n  circuit.net         The deck: a SPICE-like netlist, or an LTspice schematic (.asc)\n";
   }
 
  private:
@@ -80,19 +80,19 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
   app.add_option("--reltol", raw.reltol,
                  "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
       ->type_name("X");
-  app.add_option("--stats", raw.stats, "Write what the run did as JSON; '-' is standard output")->type_name("FILE");
+  app.add_option("--stats", raw.stats, "Write the statistics of the run as JSON; '-' is standard output")->type_name("FILE");
   app.add_option("--format", raw.format, "csv, or raw: SPICE's binary raw file (default: csv)")->type_name("NAME");
-  app.add_flag("--split", raw.split, "A file a run of .step, NAME.1.csv and so on, and a table of the runs, NAME.runs.csv");
-  app.add_flag("--no-rows", raw.no_rows, "Write no rows: for measurements and statistics alone");
-  app.add_option("--jobs", raw.jobs, "How many runs of .step at a time (default: one a core)")->type_name("N");
+  app.add_flag("--split", raw.split, "Write one file for each run of .step, NAME.1.csv and so on, and a table of the runs, NAME.runs.csv");
+  app.add_flag("--no-rows", raw.no_rows, "Write no rows, only measurements and statistics");
+  app.add_option("--jobs", raw.jobs, "Number of .step runs at a time (default: one per core)")->type_name("N");
   app.add_option("--plot", raw.plot, "Draw the waveforms, events and modes, as SVG or PNG")->type_name("FILE.svg");
   app.add_option("--report", raw.report, "Write a web page with waveforms, measurements, events, certificate")->type_name("FILE.html");
   app.add_flag("--check", raw.check,
-               "Run the other engine too, refine it, and report how far apart the two are; exit status 1 where they differ");
-  app.add_flag("--json", raw.json, "Tell about the run as one JSON object on standard output");
-  app.add_flag("--quiet", raw.quiet, "No notes, warnings, summary or progress; errors stay");
-  app.add_flag("--verbose", raw.verbose, "Say where the time went and what was counted");
-  app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
+               "Run the other engine too, refine it, and report how far apart the two are; exit status 1 if they differ");
+  app.add_flag("--json", raw.json, "Print a JSON summary of the run on standard output");
+  app.add_flag("--quiet", raw.quiet, "Print only errors: no notes, warnings, summary or progress");
+  app.add_flag("--verbose", raw.verbose, "Print run times, counts and what was not simulated as written");
+  app.add_flag("--no-progress", raw.no_progress, "Show no progress bar");
 }
 
 /// What every subcommand has.
@@ -105,15 +105,15 @@ void add_common_options(CLI::App& app, Raw& raw, std::string_view name, std::str
   app.add_option("circuit", raw.files, std::move(deck))->type_name("FILE");
 }
 
-void add_quiet_option(CLI::App& app, Raw& raw) { app.add_flag("--quiet", raw.quiet, "No notes and warnings; errors stay"); }
+void add_quiet_option(CLI::App& app, Raw& raw) { app.add_flag("--quiet", raw.quiet, "Print only errors: no notes and warnings"); }
 
 void add_inspect_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "inspect", inspect_usage,
-                     "Describes the model of a deck: its islands, what was left out, states, ports, (A,B,C,D) per\n"
-                     "switch position, what certifies that it has one solution, and the subspaces of a mode.",
+                     "Describes the model of a deck: its islands, parts left out, states, ports, (A,B,C,D) per\n"
+                     "switch position, the certificate of a unique solution, and the subspaces of a mode.",
                      "The deck; it needs no .tran");
-  app.add_option("--mode", raw.mode, "Diodes and switches that are on or off, as D1=on,D2=off; those not named are off")->type_name("LIST");
-  app.add_flag("--json", raw.json, "As JSON, with all digits");
+  app.add_option("--mode", raw.mode, "Diodes and switches that are on or off, as D1=on,D2=off; all others are off")->type_name("LIST");
+  app.add_flag("--json", raw.json, "Print JSON, with all digits");
   add_quiet_option(app, raw);
 }
 
@@ -121,27 +121,28 @@ void add_export_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "export", export_usage,
                      "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
                      "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n"
-                     "Of a schematic, schematic.asc -o out.net writes its netlist instead.",
+                     "For a schematic, schematic.asc -o out.net writes its netlist instead.",
                      "The deck");
   app.add_option("-o,--output", raw.output, "The ngspice deck; '-' is standard output")->type_name("FILE");
-  app.add_option("--smooth", raw.smooth, "How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)")->type_name("X");
+  app.add_option("--smooth", raw.smooth, "Sharpness: resistance of an ideal contact in ohm, width of a step, 1e-9 to 1 (default: 1e-3)")
+      ->type_name("X");
   add_quiet_option(app, raw);
 }
 
 void add_compare_options(CLI::App& app, Raw& raw) {
   add_common_options(app, raw, "compare", compare_usage,
                      "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-                     "the answer no longer changes; then says how far apart the two are and what both took. --verbose: per\n"
-                     "signal, how much of it ngspice's own errors explain, and how far its switching times are off.",
+                     "the result converges; reports how far apart the two are and both run times. --verbose: for each\n"
+                     "signal, how much of the difference ngspice's own errors explain, and the error of its switching times.",
                      "The deck");
   app.add_option("--budget", raw.budget,
-                 "How long ngspice may run, in seconds (default: 10); a longer deck is compared up to where that reaches")
+                 "How long ngspice may run, in seconds (default: 10); a longer run is compared up to the time reached")
       ->type_name("S");
-  app.add_option("--smooth", raw.smooth, "Where the smoothing starts, 1e-9 to 1 (default: 1e-3)")->type_name("X");
-  app.add_flag("--json", raw.json, "As JSON, with all digits");
-  app.add_option("--plot", raw.plot, "Draw the waveforms of both over each other")->type_name("FILE.svg");
-  app.add_flag("--verbose", raw.verbose, "Say what each signal and each setting of ngspice gave");
-  app.add_flag("--no-progress", raw.no_progress, "No progress bar on a terminal");
+  app.add_option("--smooth", raw.smooth, "First smoothing, 1e-9 to 1 (default: 1e-3)")->type_name("X");
+  app.add_flag("--json", raw.json, "Print JSON, with all digits");
+  app.add_option("--plot", raw.plot, "Draw the waveforms of both programs in one picture")->type_name("FILE.svg");
+  app.add_flag("--verbose", raw.verbose, "Print the result of each signal and of each setting of ngspice");
+  app.add_flag("--no-progress", raw.no_progress, "Show no progress bar");
   add_quiet_option(app, raw);
 }
 
@@ -185,7 +186,7 @@ void complain_of_unknown(const CLI::App& app, Complaints& complaints) {
     const std::string name = extra.substr(0, extra.find('='));
     const std::string near = nearest_name(name, option_names(app));
     complaints.add("E-unknown-argument",
-                   fmt::format("`{}` is no option of pwlsim; try {}", name, near.empty() ? "pwlsim --help" : '`' + near + '`'));
+                   fmt::format("`{}` is not an option of pwlsim; try {}", name, near.empty() ? "pwlsim --help" : '`' + near + '`'));
   }
 }
 
@@ -193,25 +194,25 @@ void complain_of_unknown(const CLI::App& app, Complaints& complaints) {
 void complain_of_parse_error(const CLI::App& app, const CLI::ParseError& error, Complaints& complaints) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_items_expected_max() == 1 && option->count() > 1) {
-      complaints.add("E-repeated-option", fmt::format("`{}` is given {} times; try it once", option->get_name(), option->count()));
+      complaints.add("E-repeated-option", fmt::format("`{}` is given {} times; try giving it once", option->get_name(), option->count()));
       return;
     }
   }
   const std::string text = error.what();
   const std::string name = text.substr(0, text.find(':'));
   if (app.get_option_no_throw(name) != nullptr && error.get_name() == "ArgumentMismatch") {
-    complaints.add("E-option-value", fmt::format("`{}` lacks its value; try pwlsim --help", name));
+    complaints.add("E-option-value", fmt::format("`{}` needs a value; try pwlsim --help", name));
   } else {
-    complaints.add("E-option-value", "an option has a value it cannot take; try pwlsim --help");
+    complaints.add("E-option-value", "an option has an invalid value; try pwlsim --help");
   }
 }
 
 void check_file_name(std::string_view option, const CLI::App& app, const std::string& value, Complaints& complaints) {
   if (app.count(std::string(option)) == 0) return;
   if (value.empty()) {
-    complaints.add("E-option-value", fmt::format("`{}` lacks its value; try {} out", option, option));
+    complaints.add("E-option-value", fmt::format("`{}` needs a value; try {} out", option, option));
   } else if (value.size() > 1 && value[0] == '-') {
-    complaints.add("E-option-value", fmt::format("`{}` lacks its value: `{}` looks like an option; try `{} ./{}` if it is a file", option,
+    complaints.add("E-option-value", fmt::format("`{}` needs a value: `{}` looks like an option; try `{} ./{}` if it is a file", option,
                                                  value, option, value));
   }
 }
@@ -228,7 +229,7 @@ EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
   if (engine == "sparse") return EngineChoice::sparse;
   if (engine == "exact") return EngineChoice::exact;
   if (!engine.empty() && engine != "auto")
-    complaints.add("E-option-value", fmt::format("`--engine {}` names no engine; try auto, exact or sparse", engine));
+    complaints.add("E-option-value", fmt::format("`--engine {}` does not name an engine; try auto, exact or sparse", engine));
   return EngineChoice::automatic;
 }
 
@@ -250,7 +251,7 @@ double positive_number(const std::string& text) {
 std::optional<double> relative_tolerance(const std::string& text, Complaints& complaints) {
   const double value = positive_number(text);
   if (value == 0.0) {
-    complaints.add("E-option-value", fmt::format("`--reltol {}` is no positive number; try `--reltol 1e-4`", text));
+    complaints.add("E-option-value", fmt::format("`--reltol {}` is not a positive number; try `--reltol 1e-4`", text));
   }
   return value;
 }
@@ -260,7 +261,7 @@ std::size_t job_count(const std::string& text, Complaints& complaints) {
   std::size_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < 1 || value > most_jobs)
-    complaints.add("E-option-value", fmt::format("`--jobs {}` is no number from 1 to {}; try `--jobs 2`", text, most_jobs));
+    complaints.add("E-option-value", fmt::format("`--jobs {}` is not a number from 1 to {}; try `--jobs 2`", text, most_jobs));
   return value;
 }
 
@@ -311,7 +312,7 @@ void check_split(const RunOptions& options, const std::vector<Target>& others, C
     complaints.add("E-option-conflict", "`--split` writes several files, which standard output cannot take; try -o out.csv");
   } else if (!output.has_filename() || (exists(output, unknown) && !is_regular_file(output, unknown))) {
     complaints.add("E-option-conflict",
-                   fmt::format("`--split` makes the names of its files of `{}`, which is no file; try -o out.csv", options.output));
+                   fmt::format("`--split` makes the names of its files of `{}`, which is not a file; try -o out.csv", options.output));
   }
   for (const Target& other : others)
     if (is_split_file(options.output, other.name))
@@ -405,7 +406,7 @@ double read_sharpness(const CLI::App& app, const std::string& text, Complaints& 
   if (app.count("--smooth") == 0) return spice::default_sharpness;
   const double value = positive_number(text);
   if (value < spice::least_sharpness || value > spice::largest_sharpness)
-    complaints.add("E-option-value", fmt::format("`--smooth {}` is no number from {} to {}; try `--smooth {}`", text,
+    complaints.add("E-option-value", fmt::format("`--smooth {}` is not a number from {} to {}; try `--smooth {}`", text,
                                                  spice::least_sharpness, spice::largest_sharpness, spice::default_sharpness));
   return value;
 }
@@ -429,7 +430,7 @@ double read_budget(const CLI::App& app, const std::string& text, Complaints& com
   const double value = positive_number(text);
   if (value < least || value > most)
     complaints.add("E-option-value",
-                   fmt::format("`--budget {}` is no time from {} to {} seconds; try `--budget {}`", text, least, most, usual));
+                   fmt::format("`--budget {}` is not a time from {} to {} seconds; try `--budget {}`", text, least, most, usual));
   return value;
 }
 

@@ -179,8 +179,8 @@ std::string compare_text(const CompareReport& report, bool verbose) {
   const std::string verdict = fmt::format("{}: {}\n", report.deck, compare_verdict(report));
   if (!verbose) return verdict;
   std::string text = verdict + times_line(report);
-  text +=
-      report.comparison.signals.empty() ? "\nngspice reached the end at no setting: there is nothing to compare.\n" : signal_lines(report);
+  text += report.comparison.signals.empty() ? "\nngspice did not reach the end with any setting: there is nothing to compare.\n"
+                                            : signal_lines(report);
   return text + event_lines(report) + level_lines(report.study);
 }
 

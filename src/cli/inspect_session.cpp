@@ -14,7 +14,7 @@ namespace pwlsim::cli {
 namespace {
 
 int interrupted(Messages& messages) {
-  messages.report({Severity::error, "E-interrupted", {}, "interrupted before the model stood; nothing was written"});
+  messages.report({Severity::error, "E-interrupted", {}, "interrupted before the model was built; nothing was written"});
   return status_of_signal(caught_signal());
 }
 

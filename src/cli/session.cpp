@@ -159,7 +159,7 @@ int Session::prepare() {
 
 int Session::check_split() {
   const std::size_t runs = compiled_->analyses.sweeps.runs();
-  if (runs == 0) return fail(Status::wrong_input, "E-no-step", "the deck has no .step: there is but one run; try without --split");
+  if (runs == 0) return fail(Status::wrong_input, "E-no-step", "the deck has no .step: there is only one run; try without --split");
   if (!compiled_->analyses.transient)
     return fail(Status::wrong_input, "E-no-transient", "the deck has no .tran: there are no rows to split; try without --split");
   for (std::size_t run = 0; run < runs; ++run)

@@ -95,7 +95,7 @@ constexpr Parameter upper{"out_upper_limit", "", infinite, Range::any, true, "La
 constexpr Parameter integrator_parameters[] = {
     gain,
     in_offset,
-    {"out_lower_limit", "", -infinite, Range::any, true, "Least output: the integral stops there until the input turns."},
+    {"out_lower_limit", "", -infinite, Range::any, true, "Least output: the integral stops there until the input reverses."},
     {"out_upper_limit", "", infinite, Range::any, true, "Largest output, likewise."},
     {"out_ic", "", 0.0, Range::any, false, "Output at the start, with and without uic."},
     limit_range,
@@ -108,7 +108,7 @@ constexpr Parameter transfer_parameters[] = {
     in_offset,
     out_offset,
     {"denormalized_freq", "rad/s", 1.0, Range::positive, false, "s counts in units of this rate."},
-    {"int_ic", "", 0.0, Range::any, false, "Start of the states; only zero.", Use::honoured, true},
+    {"int_ic", "", 0.0, Range::any, false, "Initial states; only zero.", Use::honoured, true},
 };
 
 constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},

@@ -77,11 +77,11 @@ void check_pwl(Model& model, const Settings&, Diagnostics& diagnostics) {
   for (std::size_t k = 1; k < x.size(); ++k)
     if (x[k] < x[k - 1])
       diagnostics.error("E-table-order", model.values.span("x_array"),
-                        fmt::format("the x of a table must not decrease: {} stands behind {}", x[k], x[k - 1]));
+                        fmt::format("the x of a table must not decrease: {} follows {}", x[k], x[k - 1]));
 }
 
 constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
-constexpr Parameter gain{"gain", "", 1.0, Range::any, false, "Factor behind the offset."};
+constexpr Parameter gain{"gain", "", 1.0, Range::any, false, "Factor applied after the offset."};
 constexpr Parameter out_offset{"out_offset", "", 0.0, Range::any, false, "Added to the output."};
 
 constexpr Parameter gain_parameters[] = {gain, in_offset, out_offset};
@@ -101,7 +101,7 @@ constexpr Parameter limit_parameters[] = {
 };
 constexpr Parameter hyst_parameters[] = {
     {"in_low", "", 0.0, Range::any, false, "Input where the output begins to rise, without hysteresis."},
-    {"in_high", "", 1.0, Range::any, false, "Input where it is fully up; in_low makes a step of it."},
+    {"in_high", "", 1.0, Range::any, false, "Input where the output is fully up; equal to in_low it is a step."},
     {"hyst", "", 0.1, Range::not_negative, false, "Half width: both inputs lie this much higher on the way up, lower on the way down."},
     {"out_lower_limit", "", 0.0, Range::any, false, "Output below."},
     {"out_upper_limit", "", 1.0, Range::any, false, "Output above."},
@@ -115,7 +115,7 @@ constexpr Parameter pwl_parameters[] = {
     fraction,
 };
 constexpr Parameter relay_parameters[] = {
-    {"level", "", 1.0, Range::any, false, "Output above zero; its negative below; anything between at zero."}};
+    {"level", "", 1.0, Range::any, false, "Output above zero; its negative below; any value between at zero."}};
 constexpr Parameter deadzone_parameters[] = {
     {"d", "", 0.0, Range::not_negative, false, "No output for inputs between -d and d."},
     {"level", "", 1.0, Range::any, false, "Output above d; its negative below -d."},

@@ -38,6 +38,35 @@ void add_stop(Emission& emission, LinearForm& rate, model::NodeIndex state, doub
   rate.push_back({Quantity::slack_input, index, sign});
 }
 
+/// A switch that holds the state at a value.
+void add_hold(Emission& emission, model::NodeIndex state, double value, const Hold& hold) {
+  model::Switch item;
+  item.label = emission.label();
+  item.p = state;
+  item.drop = value;
+  item.control = hold.control;
+  item.on_level = item.off_level = hold.level;
+  emission.builder().add(std::move(item));
+}
+
+/// A switch at each end, closed for an instant, leads to the other. The lower one lies a little outside, so that rounding of an end is not beyond it.
+void add_range(Emission& emission, model::NodeIndex state, double from, double to) {
+  constexpr double margin = 1e-9;
+  const double width = to - from, middle = from + 0.5 * width;
+  const auto add_end = [&](double sign, double on, double value) {
+    model::Switch item;
+    item.label = emission.label();
+    item.p = state;
+    item.drop = value;
+    item.control = model::voltage_between(state, model::ground, sign);
+    item.on_level = on;
+    item.off_level = sign * middle;
+    emission.builder().add(std::move(item));
+  };
+  add_end(1.0, to, from);
+  add_end(-1.0, -from + margin * width, to - margin * width);
+}
+
 /// Ascending powers of s, in units of `rate`.
 std::vector<double> ascending(std::vector<double> list, double rate) {
   std::reverse(list.begin(), list.end());
@@ -59,7 +88,7 @@ double rate_of(const std::vector<double>& descending) {
 
 }  // namespace
 
-LinearForm add_integral(Emission& emission, std::string_view part, LinearForm input, const Integral& integral) {
+LinearForm add_integral(Emission& emission, std::string_view part, LinearForm input, const Integral& integral, const Resets& resets) {
   const model::NodeIndex state = add_state(emission, name_of(part, "output"));
   model::Capacitor& capacitor = emission.builder().network().capacitors.back();
   capacitor.has_initial = true;
@@ -67,6 +96,8 @@ LinearForm add_integral(Emission& emission, std::string_view part, LinearForm in
   emission.builder().add(model::NodeCondition{emission.label(), state, integral.start});
   add_stop(emission, input, state, integral.least, 1.0);
   add_stop(emission, input, state, integral.most, -1.0);
+  if (resets.hold) add_hold(emission, state, integral.start, *resets.hold);
+  if (resets.from != resets.to) add_range(emission, state, resets.from, resets.to);
   inject(emission, state, std::move(input));
   return model::voltage_between(state, model::ground);
 }

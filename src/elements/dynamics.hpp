@@ -2,6 +2,7 @@
 /// Integrals, derivatives and rational functions of s: of what A elements and expressions compute. A state is the voltage of 1 F at an inner node, whose
 /// derivative is what is injected there. `part` names the inner nodes of an element that has several of them.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,18 @@ namespace pwlsim::elements {
 struct Integral {
   double start = 0.0, least = -infinite, most = infinite;
 };
-[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, model::LinearForm input, const Integral& integral);
+/// The integral stands at its start while `control` is above the level.
+struct Hold {
+  model::LinearForm control;
+  double level = 0.0;
+};
+/// Where an integral jumps: held, or at the end of a range, where it goes on at the other end. Equal ends are none.
+struct Resets {
+  std::optional<Hold> hold{};
+  double from = 0.0, to = 0.0;
+};
+[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, model::LinearForm input, const Integral& integral,
+                                             const Resets& resets = {});
 [[nodiscard]] std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral);
 
 [[nodiscard]] model::LinearForm add_derivative(Emission& emission, std::string_view part, const model::LinearForm& input);

@@ -201,11 +201,33 @@ AffineSum FormulaBuilder::integral(const AffineSum& x, double start) {
   return part({.kind = Kind::integral, .argument = x, .start = start});
 }
 
+AffineSum FormulaBuilder::integral(const AffineSum& x, double start, const Condition& held) {
+  if (held.is_constant()) return held.holds() ? constant_sum(start) : integral(x, start);
+  if (held.margin && !holds_at_zero(held.value, parts_)) return held_integral(x, start, *held.margin, 0.0);
+  return held_integral(x, start, held.value, 0.5);
+}
+
+AffineSum FormulaBuilder::held_integral(const AffineSum& x, double start, const AffineSum& control, double level) {
+  if (control.is_constant()) return control.constant > level ? constant_sum(start) : integral(x, start);
+  return part({.kind = Kind::integral, .argument = x, .above = control, .on_level = level, .start = start, .is_held = true});
+}
+
+std::optional<AffineSum> FormulaBuilder::wrapped_integral(const AffineSum& x, double start, double from, double to) {
+  const double width = to - from;
+  if (x.is_constant()) {
+    const AffineSum line = constant_sum(start) + x.constant * time();
+    const std::optional<AffineSum> turns = floor(1.0 / width * (line - constant_sum(from)));
+    return turns ? std::optional(line - width * *turns) : std::nullopt;
+  }
+  const double begin = start - width * std::floor((start - from) / width);
+  return part({.kind = Kind::integral, .argument = x, .start = begin, .from = from, .to = to});
+}
+
 std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
   AffineSum rest, sum;
   for (const auto& [index, coefficient] : x.terms) {
     const FormulaPart inner = parts_[static_cast<std::size_t>(index)];
-    if (inner.kind == Kind::step || inner.kind == Kind::choice) return std::nullopt;
+    if (inner.kind == Kind::step || inner.kind == Kind::choice || inner.is_held || inner.from != inner.to) return std::nullopt;
     if (inner.kind == Kind::positive) {
       const std::optional<AffineSum> slope = derivative(inner.argument);
       if (!slope) return std::nullopt;
@@ -262,9 +284,12 @@ std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_va
 
 std::optional<AffineSum> FormulaBuilder::reciprocal(const AffineSum& x) {
   if (x.is_constant()) return x.constant == 0.0 ? std::nullopt : std::optional(constant_sum(1.0 / x.constant));
-  if (x.terms.size() != 1) return std::nullopt;
-  const auto& term = x.terms[0];
-  return switched(term.first, [&](const AffineSum& value) { return reciprocal(constant_sum(x.constant) + term.second * value); });
+  constexpr std::size_t most_parts = 4;
+  if (x.terms.size() > most_parts) return std::nullopt;
+  const auto [part, coefficient] = x.terms.back();
+  AffineSum rest = x;
+  rest.terms.pop_back();
+  return switched(part, [&, factor = coefficient](const AffineSum& value) { return reciprocal(rest + factor * value); });
 }
 
 std::optional<AffineSum> FormulaBuilder::switched_sum(const AffineSum& a, const AffineSum& x) {

@@ -6,8 +6,9 @@
 ///     positive   max(x, 0)                                        one port
 ///     step       1 above x = 0, 0 below, anything between at 0    two ports
 ///     choice     one of two sums, as a control with thresholds says (a driven switch, no port)
-///     integral, derivative, transfer   of an affine sum, in time: states
-///     product    of two sums whose signals may turn out to take two values: without_products replaces it
+///     integral, derivative, transfer   of an affine sum, in time: states; an integral may be held at a value while a control says so,
+///                and may go on at the other end of a range where it comes to its end
+///     product, quotient   of two sums whose signals may turn out to take two values: without_products replaces them
 ///
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
@@ -43,16 +44,19 @@ struct Fraction {
 };
 
 struct FormulaPart {
-  enum class Kind { voltage, current, time, positive, step, choice, integral, derivative, transfer, product };
+  enum class Kind { voltage, current, time, positive, step, choice, integral, derivative, transfer, product, quotient };
   Kind kind = Kind::voltage;
   int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
   AffineSum argument{};              ///< what a nonlinearity or a part with states acts on; the control of a choice
-  AffineSum above{}, below{};        ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product
+  AffineSum above{},
+      below{};  ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product, of a quotient its two terms
   double on_level = 0.0, off_level = 0.0;
-  double at_zero = 0.5;   ///< step: its value where the argument, in no loop, rests at 0
-  double start = 0.0;     ///< integral: its value at the start
-  Fraction fraction{};    ///< transfer
+  double at_zero = 0.5;         ///< step: its value where the argument, in no loop, rests at 0
+  double start = 0.0;           ///< integral: its value at the start, and while it is held
+  bool is_held = false;         ///< integral: it stands at `start` while `above` is above on_level
+  double from = 0.0, to = 0.0;  ///< integral: its range, none where they are equal
+  Fraction fraction{};          ///< transfer
 
   bool operator==(const FormulaPart&) const = default;
 };
@@ -114,6 +118,10 @@ class FormulaBuilder {
 
   /// In time. What is no motion is no state: the derivative of a number, the derivative of an integral, a fraction without s.
   [[nodiscard]] AffineSum integral(const AffineSum& x, double start);
+  /// Held at `start` while `held` holds.
+  [[nodiscard]] AffineSum integral(const AffineSum& x, double start, const Condition& held);
+  /// Less as many widths of the range as put it there.
+  [[nodiscard]] std::optional<AffineSum> wrapped_integral(const AffineSum& x, double start, double from, double to);
   /// Of max(x, 0): that of x where x is positive. Empty where a comparison or a choice may jump: impulses have no place in a value.
   [[nodiscard]] std::optional<AffineSum> derivative(const AffineSum& x);
   [[nodiscard]] AffineSum transfer(const AffineSum& x, const Fraction& fraction);
@@ -130,9 +138,10 @@ class FormulaBuilder {
   [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
   /// Of two sums that product() has no form for, as long as nothing is known of the levels of voltages.
   [[nodiscard]] AffineSum open_product(const AffineSum& a, const AffineSum& b);
+  [[nodiscard]] AffineSum open_quotient(const AffineSum& a, const AffineSum& b);
   using Translation = std::function<AffineSum(const AffineSum&)>;
   [[nodiscard]] std::optional<AffineSum> same_part(const FormulaPart& part, const Translation& now);
-  /// 1/x of a sum with one part, which is a comparison or a choice: a choice of reciprocals. Empty otherwise, and where a value is zero.
+  /// 1/x of a sum of few parts that take two values each: a choice of reciprocals. Empty otherwise, and where a value is zero.
   [[nodiscard]] std::optional<AffineSum> reciprocal(const AffineSum& x);
   /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
@@ -144,6 +153,7 @@ class FormulaBuilder {
  private:
   [[nodiscard]] AffineSum part(FormulaPart part);
   [[nodiscard]] AffineSum function_of_time(model::SourceFunction function);
+  [[nodiscard]] AffineSum held_integral(const AffineSum& x, double start, const AffineSum& control, double level);
   [[nodiscard]] AffineSum oscillation(double amplitude, double omega, double damping, double phase);
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
   [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);

@@ -60,15 +60,24 @@ class FormulaEmission {
         return add_choice(emission_.builder(), emission_.label(), {form(part.argument), part.on_level, part.off_level}, form(part.above),
                           form(part.below));
       case PartKind::product:  // they are gone by now
+      case PartKind::quotient:
         return {};
       case PartKind::integral:
-        return add_integral(emission_, next_name("integral"), form(part.argument), {part.start});
+        return add_integral(emission_, next_name("integral"), form(part.argument), {part.start}, resets_of(part));
       case PartKind::derivative:
         return add_derivative(emission_, next_name("derivative"), form(part.argument));
       case PartKind::transfer:
         return add_transfer(emission_, next_name("fraction"), part.fraction, 1.0, form(part.argument));
     }
     return {};
+  }
+
+  Resets resets_of(const FormulaPart& part) const {
+    Resets resets;
+    if (part.is_held) resets.hold = Hold{form(part.above), part.on_level};
+    resets.from = part.from;
+    resets.to = part.to;
+    return resets;
   }
 
   /// Of the inner nodes of a part with states.

@@ -1,4 +1,4 @@
-/// Products of signals, of which one takes two values only: that is known when all elements are there.
+/// Products and quotients of signals, of which one takes two values only: that is known when all elements are there.
 #include "elements/formula.hpp"
 
 namespace pwlsim::elements {
@@ -10,6 +10,10 @@ using Kind = FormulaPart::Kind;
 
 AffineSum FormulaBuilder::open_product(const AffineSum& a, const AffineSum& b) {
   return part({.kind = Kind::product, .above = a, .below = b});
+}
+
+AffineSum FormulaBuilder::open_quotient(const AffineSum& a, const AffineSum& b) {
+  return part({.kind = Kind::quotient, .above = a, .below = b});
 }
 
 /// The same part of this builder, whose arguments `now` gives.
@@ -26,6 +30,8 @@ std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, cons
     case Kind::choice:
       return hysteresis(now(part.argument), part.on_level, part.off_level, now(part.above), now(part.below));
     case Kind::integral:
+      if (part.is_held) return held_integral(now(part.argument), part.start, now(part.above), part.on_level);
+      if (part.from != part.to) return wrapped_integral(now(part.argument), part.start, part.from, part.to);
       return integral(now(part.argument), part.start);
     case Kind::derivative:
       return derivative(now(part.argument));
@@ -33,6 +39,10 @@ std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, cons
       return transfer(now(part.argument), part.fraction);
     case Kind::product:
       return product(now(part.above), now(part.below));
+    case Kind::quotient: {
+      const std::optional<AffineSum> inverse = reciprocal(now(part.below));
+      return inverse ? product(now(part.above), *inverse) : std::nullopt;
+    }
   }
   return std::nullopt;
 }

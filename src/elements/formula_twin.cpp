@@ -44,15 +44,41 @@ class FormulaTwin {
       case PartKind::choice:
         return choice(part);
       case PartKind::product:  // they are gone by now
+      case PartKind::quotient:
         return "0";
       case PartKind::integral:
-        return twin_integral(twin_, name(), sum(part.argument), {part.start});
+        return text_of_integral(part);
       case PartKind::derivative:
         return twin_derivative(twin_, name(), sum(part.argument));
       case PartKind::transfer:
         return fmt::format("({})", twin_transfer(twin_, name(), part.fraction, 1.0, sum(part.argument)));
     }
     return "0";
+  }
+
+  std::string text_of_integral(const FormulaPart& part) {
+    if (part.is_held) return held(part);
+    if (part.from == part.to) return twin_integral(twin_, name(), sum(part.argument), {part.start});
+    return wrapped(part);
+  }
+
+  /// A free integral, less whole widths.
+  std::string wrapped(const FormulaPart& part) {
+    const std::string free = twin_integral(twin_, name(), sum(part.argument), {part.start});
+    const double width = part.to - part.from;
+    return fmt::format("({0}-{1}*floor(({0}-({2}))/{1}))", free, width, part.from);
+  }
+
+  /// A switch to its start across the state.
+  std::string held(const FormulaPart& part) {
+    const double gain = 1.0 / twin_.sharpness();
+    const std::string control = name() + ".control", start = name() + ".start";
+    std::string state = twin_integral(twin_, name(), sum(part.argument), {part.start});
+    twin_.behaviour(control, {twin_.inner(control), "0"}, false, fmt::format("{}*({})", gain, sum(part.above)));
+    twin_.source(start, {twin_.inner(start), "0"}, false, model::Dc{part.start});
+    twin_.contact(name() + ".hold", {twin_.inner(name() + "state"), twin_.inner(start)}, {twin_.inner(control), "0"},
+                  {twin_.sharpness(), infinite, gain * part.on_level, gain * part.on_level, false});
+    return state;
   }
 
   /// below + h·(above − below), h the voltage behind a switch with hysteresis that 1 V feeds.

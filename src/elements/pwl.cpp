@@ -30,7 +30,7 @@ std::optional<Points> read_part(const PwlPart& part, Diagnostics& diagnostics) {
     if (time < last) {
       diagnostics.error("E-pwl-order", point.span,
                         last == 0.0 ? fmt::format("the time {} s is negative", time)
-                                    : fmt::format("the times of a PWL must not decrease: {} s stands behind {} s", time, last));
+                                    : fmt::format("the times of a PWL must not decrease: {} s follows {} s", time, last));
       return std::nullopt;
     }
     points.push_back({time, point.value});
@@ -46,7 +46,7 @@ bool check_part(const PwlPart& part, const Points& block, bool last, Diagnostics
   else if (part.passes != 1.0 && block.back().time <= 0.0)
     complaint = "a repeated part of a PWL needs a length: its last time is 0";
   else if (std::isinf(part.passes) && !last)
-    complaint = "nothing may follow a part that is repeated for ever";
+    complaint = "nothing may follow a part that is repeated forever";
   else if (!std::isinf(part.passes) && part.passes * static_cast<double>(block.size()) > largest_expansion && !last)
     complaint = "this repetition has more than 1e7 points";
   if (complaint != nullptr) diagnostics.error("E-pwl", part.span, complaint);

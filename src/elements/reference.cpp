@@ -109,7 +109,7 @@ std::string reference_tables() {
   std::sort(kinds.begin(), kinds.end(), [](const Kind* a, const Kind* b) { return a->letter < b->letter; });
   std::string text =
       "# Elements and their parameters\n\nMade from the catalogue in src/elements by `ninja -C build reference`; a test compares.\n"
-      "What the cards mean stands in [netlist.md](netlist.md).\n\n";
+      "[netlist.md](netlist.md) describes the cards.\n\n";
   text += overview(kinds);
   for (const Kind* kind : kinds) text += section_of(*kind);
   text += "## Waveforms of V and I\n\n";

@@ -84,6 +84,7 @@ int add_junction(Emission& emission, const Junction& junction, double share) {
   if (ends.p == ends.n) return -1;
   const int forward =
       emission.builder().add(model::Diode{emission.label(junction.part), ends.p, ends.n, junction.law.resistance, junction.law.drop});
+  emission.builder().network().diodes.back().law = junction.exponential;
   if (share != 0.0) emission.result().current.push_back({Quantity::diode_current, forward, share});
   if (std::isinf(junction.reverse)) return forward;
   const std::string part = std::string(junction.part) + " reverse";
@@ -96,6 +97,11 @@ void twin_of_junction(Twin& twin, const Junction& junction, const TwinEnds& ends
   if (ends.p == ends.n) return;
   const TwinEnds forward = junction.p_type ? TwinEnds{ends.n, ends.p} : ends;
   twin.diode(junction.part, forward, {junction.law.resistance, infinite, junction.law.drop, 0.0, junction.reverse});
+}
+
+std::optional<model::ExponentialLaw> in_parallel(std::optional<model::ExponentialLaw> law, double devices) {
+  if (law) law->parallel = devices;
+  return law;
 }
 
 std::string words_of(const Tangent& law) { return fmt::format("Vfwd = {:.6g} V, Ron = {:.6g} ohm", law.drop, law.resistance); }

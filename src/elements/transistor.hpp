@@ -1,6 +1,7 @@
 #pragma once
 /// What M, J and Q share: the parts that transistors are idealised to. Voltages and currents count as in an N type; a P type is its mirror image.
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -46,10 +47,14 @@ struct Junction {
   NodePair ends;
   Tangent law;
   double reverse = infinite;  ///< V, breakdown
+  std::optional<model::ExponentialLaw> exponential{};
 };
-/// The index of its forward diode in the network; -1 where there is none: both ends are one node. `share` of its current counts to that of the element.
+/// The index of its forward diode in the network, which follows `exponential` where its current is to be found; -1 where there is none: both ends are one node. `share` of its current counts to that of the element.
 int add_junction(Emission& emission, const Junction& junction, double share);
 void twin_of_junction(Twin& twin, const Junction& junction, const TwinEnds& ends);
+
+/// That of so many devices side by side.
+[[nodiscard]] std::optional<model::ExponentialLaw> in_parallel(std::optional<model::ExponentialLaw> law, double devices);
 
 /// "0.8 V and 10 mohm"
 [[nodiscard]] std::string words_of(const Tangent& law);

@@ -31,7 +31,7 @@ Answer run_from_start(const Request& request, std::chrono::steady_clock::time_po
   return answer;
 }
 
-/// The operating point that `start` lacks, as the failure of an analysis that asks for it.
+/// The missing operating point of `start`, as the failure of an analysis that needs it.
 template <class Start>
 Answer answer_of_operating_point(const Start& start) {
   Answer answer = start.answer;

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts that no saved signal needs: which of them run all the same, and what is told of the others. The rule of every engine.
+/// Parts that no saved signal needs: which of them run anyway, and what is reported about the others. The rule of every engine.
 
 #include <optional>
 #include <set>

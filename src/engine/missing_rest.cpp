@@ -11,7 +11,7 @@ void MissingRest::add_restless(const std::vector<std::string>& names) {
   const auto told = static_cast<std::ptrdiff_t>(std::min(names.size(), most_names));
   const std::string more = names.size() > most_names ? fmt::format(" and {} more", names.size() - most_names) : "";
   parts.push_back(
-      fmt::format("{}{} {} no rest", fmt::join(names.begin(), names.begin() + told, ", "), more, names.size() == 1 ? "finds" : "find"));
+      fmt::format("{}{} {} toggling", fmt::join(names.begin(), names.begin() + told, ", "), more, names.size() == 1 ? "keeps" : "keep"));
   elements.insert(elements.end(), names.begin(), names.end());
 }
 

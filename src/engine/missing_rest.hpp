@@ -7,7 +7,7 @@
 namespace pwlsim::engine {
 
 struct MissingRest {
-  std::vector<std::string> parts;     ///< "in the part with node a …", "S1 finds no rest"
+  std::vector<std::string> parts;     ///< "in the part with node a …", "S1 keeps toggling"
   std::vector<std::string> elements;  ///< switches among them
 
   [[nodiscard]] bool empty() const { return parts.empty(); }

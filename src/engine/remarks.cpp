@@ -5,19 +5,18 @@
 namespace pwlsim::engine {
 
 Remark doubtful_certificate(double worst) {
-  return {"W-certificate",
-          fmt::format("the certificate's worst residual is {:.1e}: do not trust this run beyond that; parts of the circuit "
-                      "are too fast, or too far apart in size, for double precision",
-                      worst)};
+  return {"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: trust no more digits than that; parts of the circuit "
+                                       "are too fast, or too far apart in size, for double precision",
+                                       worst)};
 }
 
 Remark projected_start() {
   return {"W-start-projected",
-          "the initial values contradict the circuit; they are projected at t = 0 as any jump, conserving charge and flux"};
+          "the initial values contradict the circuit; they are projected at t = 0 like any jump, conserving charge and flux"};
 }
 
 Remark starts_without_operating_point(const std::string& what) {
-  return {"W-no-operating-point", what + ". It starts from the values of .ic, and from zero elsewhere; try uic, where ic= counts too"};
+  return {"W-no-operating-point", what + ". It starts from the values of .ic, and from zero elsewhere; try uic, which also uses ic="};
 }
 
 void ModeText::add(const std::string& name, bool is_on) {

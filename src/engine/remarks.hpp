@@ -18,7 +18,7 @@ inline constexpr const char* no_operating_point = "E-no-operating-point";
 /// W-no-operating-point: `what` has none.
 [[nodiscard]] Remark starts_without_operating_point(const std::string& what);
 
-/// Sides of ports for Answer::mode. Ports of one element stand side by side; it is on where one of them is.
+/// Sides of ports for Answer::mode. Ports of one element are adjacent; the element is on if one of them is.
 class ModeText {
  public:
   void add(const std::string& name, bool is_on);

@@ -1,5 +1,5 @@
 #pragma once
-/// What an engine is asked and what it answers; the same for every engine.
+/// Request and answer of an engine; the same for every engine.
 
 #include <algorithm>
 #include <atomic>
@@ -11,13 +11,13 @@
 
 namespace pwlsim::engine {
 
-/// Times of the output rows. time(k) for k < rows is exact from the deck's decimal text; the last row stands at `stop`.
+/// Times of the output rows. time(k) for k < rows is exact from the deck's decimal text; the last row is at `stop`.
 struct RowGrid {
   std::function<double(std::uint64_t)> time;
   std::uint64_t rows = 0;
 };
 
-/// Receives rows in order. Blocks are formatted and written by the receiver; the engine's clock stops meanwhile.
+/// Receives rows in order. The receiver formats and writes blocks; the engine's clock stops meanwhile.
 class RowSink {
  public:
   virtual ~RowSink() = default;
@@ -31,38 +31,38 @@ struct Event {
   bool source_edge = false, mode_change = false, jump = false;
 };
 
-/// Told of events as they happen, besides the rows.
+/// Receives events as they happen, besides the rows.
 class EventWatcher {
  public:
   virtual ~EventWatcher() = default;
-  /// Right of t = 0: the elements whose ports the engine runs, one a port, and which ports conduct (a switch: is closed).
+  /// Right of t = 0: the elements whose ports the engine runs, one per port, and which ports conduct (a switch: is closed).
   virtual void begin(std::span<const std::string> elements, std::span<const char> on) = 0;
-  /// Which conduct right of the event. Events come in the order of their times.
+  /// Which ports conduct right of the event. Events come in the order of their times.
   virtual void happened(const Event& event, std::span<const char> on) = 0;
 };
 
-/// A stretch of the run without an event, over which the probed signals are polynomials: to rounding (exact engine), or as its rows (sparse).
+/// An interval of the run without an event, on which the probed signals are polynomials: to rounding (exact engine), or as its rows (sparse).
 struct Piece {
-  double from = 0.0, to = 0.0;       ///< what it stands for, s
+  double from = 0.0, to = 0.0;       ///< the interval, s
   double begin = 0.0, length = 0.0;  ///< where its points lie, s: [begin, begin + length] holds [from, to] and may reach beyond
   std::span<const double> values;    ///< probe by probe, at the sixteen Gauss–Legendre points (linalg/legendre.hpp)
   /// Where in −1 … 1 of its points a time lies.
   [[nodiscard]] double place(double time) const { return 2.0 * (time - begin) / length - 1.0; }
-  std::span<const double> noise{};  ///< of each probe: what is smaller may be rounding; empty where the values themselves tell
+  std::span<const double> noise{};  ///< of each probe: smaller values may be rounding; empty if the values themselves show it
 };
 
-/// Receives what lies between events, in order and without gaps.
+/// Receives the pieces between events, in order and without gaps.
 class PieceSink {
  public:
   virtual ~PieceSink() = default;
   /// The probes just before t = 0, where the run starts from an operating point.
   virtual void before_start(std::span<const double> values) = 0;
   virtual void take(const Piece& piece) = 0;
-  /// ∫ dt of each probe over an instant, between the pieces before and after it; NaN where impulses of higher order acted. The sparse engine has none.
+  /// ∫ dt of each probe over an instant, between the pieces before and after it; NaN if impulses of higher order acted. The sparse engine has none.
   virtual void impulse(double /*time*/, std::span<const double> /*values*/) {}
 };
 
-/// Signals that are followed between the rows. Nothing is computed for them outside of [from, to], nor where there is no sink.
+/// Signals that are followed between the rows. Nothing is computed for them outside of [from, to], or without a sink.
 struct Probes {
   std::vector<int> signals;  ///< numbers of Network::signals
   double from = 0.0, to = 0.0;
@@ -84,13 +84,13 @@ struct Request {
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
   EventWatcher* watcher = nullptr;  ///< may be null
-  std::size_t unsaved_signals = 0;  ///< the last so many signals have no columns in rows: they are there for probes
+  std::size_t unsaved_signals = 0;  ///< this many last signals have no columns in rows: they are probes
   Probes probes;
-  std::function<void(double)> progress;         ///< called now and then with the time reached; may be empty
+  std::function<void(double)> progress;         ///< called from time to time with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
-  /// For tests of the certificate: what goes wrong on purpose, in each part.
+  /// For tests of the certificate: faults made on purpose, in each part.
   struct Faults {
-    std::uint64_t dropped_event = 0;      ///< this event of a port (from 1) is passed over, as if it had been missed
+    std::uint64_t dropped_event = 0;      ///< this event of a port (from 1) is skipped, as if it had been missed
     std::uint64_t disturbed_segment = 0;  ///< this segment (from 1) begins with a state that is `disturbance` of itself too large
     double disturbance = 0.0;
   } faults;
@@ -111,7 +111,7 @@ struct Certificate {
 struct Remark {
   std::string id;
   std::string text;
-  std::vector<std::string> signals{};  ///< that it concerns alone; none: the run
+  std::vector<std::string> signals{};  ///< only these signals are concerned; empty: the whole run
 };
 
 struct Statistics {
@@ -142,18 +142,18 @@ struct Jump {
 struct Answer {
   Outcome outcome = Outcome::completed;
   double time = 0.0;    ///< reached, seconds
-  double probed = 0.0;  ///< how far the probes have been served: less where the run was interrupted on the way
+  double probed = 0.0;  ///< time up to which the probes were served: less if the run was interrupted
   std::string message;  ///< why it stopped, with time and element names; empty when completed
   std::string id;       ///< "E-no-solution", …
   std::vector<std::string> elements;
-  std::string mode;  ///< of a run that stopped early: which ports conducted last, "D1 on, S1 off"; empty where there is none
+  std::string mode;  ///< of a run that stopped early: which ports conducted last, "D1 on, S1 off"; empty if none
   Statistics statistics;
   Certificate certificate;
   std::vector<Remark> remarks;
-  std::vector<Jump> jumps;  ///< the first thousand, where they were asked for
+  std::vector<Jump> jumps;  ///< the first thousand, if requested
 };
 
-/// The DC operating point: the values of all signals, in the order of Network::signals. `answer` tells why where there is none.
+/// The DC operating point: the values of all signals, in the order of Network::signals. `answer` gives the reason if there is none.
 struct OperatingPoint {
   Answer answer;
   std::vector<double> values;

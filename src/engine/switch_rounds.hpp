@@ -1,5 +1,5 @@
 #pragma once
-/// How switches that answer one another are brought to rest at an operating point: together until they come round again, then one by one.
+/// How switches that drive one another settle at an operating point: together until their positions repeat, then one by one.
 
 #include <set>
 #include <vector>

@@ -78,17 +78,19 @@ std::string ThresholdWatch::rest_text(std::size_t number) const {
                      : s.written->reach == 0.0             ? "the switch keeps its position there"
                      : is_on_threshold                     ? "the switch is on there"
                                                            : "the switch is off there";
-  return fmt::format("the control of {} comes to rest at its threshold of {:.6g} {} at t = {:.6g} s: {}; try a threshold between the levels of the control",
-                     s.name, s.written->sense * story.rest_threshold + 0.0, s.written->unit, story.rest_time, what);
+  return fmt::format(
+      "the control of {} stops at its threshold of {:.6g} {} at t = {:.6g} s: {}; try a threshold between the levels of the control",
+      s.name, s.written->sense * story.rest_threshold + 0.0, s.written->unit, story.rest_time, what);
 }
 
 std::string ThresholdWatch::range_text(std::size_t number, bool is_on) const {
   const WatchedSwitch& s = switches_[number];
   const Story& story = stories_[number];
   const double one = s.written->sense * story.least, other = s.written->sense * story.most;
-  return fmt::format("{} is {} for the whole run: its control moves between about {:.3g} and {:.3g} {} and never passes the threshold of {:.6g} {}", s.name,
-                     is_on ? "on" : "off", std::min(one, other) + 0.0, std::max(one, other) + 0.0, s.written->unit,
-                     s.written->sense * (is_on ? s.off_threshold() : s.on_threshold()) + 0.0, s.written->unit);
+  return fmt::format(
+      "{} is {} for the whole run: its control moves between about {:.3g} and {:.3g} {} and never crosses the threshold of {:.6g} {}",
+      s.name, is_on ? "on" : "off", std::min(one, other) + 0.0, std::max(one, other) + 0.0, s.written->unit,
+      s.written->sense * (is_on ? s.off_threshold() : s.on_threshold()) + 0.0, s.written->unit);
 }
 
 bool ThresholdWatch::moves_in_vain(std::size_t number) const {

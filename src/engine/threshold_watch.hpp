@@ -1,5 +1,5 @@
 #pragma once
-/// What the controls of switches do beside their thresholds over a run: messages for those that rest at one, and for those that never pass one although
+/// The controls of switches and their thresholds over a run: messages for controls that stop at a threshold, and for those that never cross one although
 /// they move.
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace pwlsim::engine {
 
-/// A switch as its messages name it. Levels are those of its control as it runs; `written` tells what the deck has in their place.
+/// A switch as its messages name it. Levels are those of its control as it runs; `written` is what the deck gives instead.
 struct WatchedSwitch {
   std::string name;
   double on_level = 0.0, off_level = 0.0;
@@ -38,13 +38,13 @@ class ThresholdWatch {
   void see(int number, double value);
   /// The threshold that the control's value is at, within `noise`; none where it is at neither.
   [[nodiscard]] std::optional<double> threshold_at(int number, double value, double noise) const;
-  /// The control rests at a threshold from `time` on.
+  /// The control stays at a threshold from `time` on.
   void rests(int number, double threshold, double time);
   /// The switch has changed sides after t = 0.
   void changed(int number);
   /// All that a clock's sources do.
   void trace(const model::Clock& clock, int number);
-  /// At the end; `is_on` as the control has it. A run that did not complete tells nothing of switches that have not changed yet.
+  /// At the end; `is_on` as the control has it. A run that did not complete reports nothing about switches that have not changed yet.
   [[nodiscard]] std::vector<Remark> remarks(const std::vector<char>& is_on, bool completed) const;
 
  private:

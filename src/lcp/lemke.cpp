@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcp/tolerances.hpp"
+
 namespace pwlsim::lcp {
 
 namespace {
@@ -15,14 +17,12 @@ struct Tolerance;
 
 template <>
 struct Tolerance<double> {
-  static constexpr double pivot = 1e-11, tie = 1e-12;
-  /// What pivots leave of an entry that is a difference, in units of the largest entry of M: small entries of a column make large ratios of it.
-  static constexpr double entry_rounding = 1e-15;
+  static constexpr double pivot = tolerance::pivot, tie = tolerance::tie, entry_rounding = tolerance::entry_rounding;
 };
 
 template <>
 struct Tolerance<linalg::Wide> {
-  static constexpr linalg::Wide pivot = 1e-15L, tie = 1e-16L, entry_rounding = 1e-18L;
+  static constexpr linalg::Wide pivot = tolerance::wide_pivot, tie = tolerance::wide_tie, entry_rounding = tolerance::wide_entry_rounding;
 };
 
 /// Tableau of  w − M z − 1·z0 = q.  Columns: w (k), z (k), z0, right-hand side. The w columns hold the basis inverse,

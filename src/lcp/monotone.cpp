@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lcp/lemke.hpp"
+#include "lcp/tolerances.hpp"
 
 namespace pwlsim::lcp {
 
@@ -13,17 +14,13 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double kernel_tolerance = 1e-10;    ///< singular values of unit directions
-constexpr double zero_tolerance = 1e-10;      ///< components of a solution, of the largest of their kind
-constexpr double monotone_tolerance = 1e-12;  ///< eigenvalue, per port
-
 enum class Side : char { undecided, z, w, neither };
 
 /// Orthonormal basis of {d : rows·d = 0}.
 Matrix kernel_of(const Matrix& rows) {
   const Eigen::ColPivHouseholderQR<Matrix> qr(rows.transpose());
   Eigen::Index rank = 0;
-  while (rank < rows.cols() && std::abs(qr.matrixQR()(rank, rank)) > kernel_tolerance) ++rank;
+  while (rank < rows.cols() && std::abs(qr.matrixQR()(rank, rank)) > tolerance::kernel) ++rank;
   return (qr.householderQ() * Matrix::Identity(rows.cols(), rows.cols())).rightCols(rows.cols() - rank);
 }
 
@@ -73,8 +70,8 @@ class Polyhedron {
 
 void Polyhedron::read_sides() {
   for (Eigen::Index i = 0; i < k_; ++i) {
-    const bool z = z_[i] > zero_tolerance * size_z_;
-    const bool w = w_[i] > zero_tolerance * size_w_;
+    const bool z = z_[i] > tolerance::zero_component * size_z_;
+    const bool w = w_[i] > tolerance::zero_component * size_w_;
     side_.push_back(z ? Side::z : w ? Side::w : Side::undecided);
     if (side_.back() != Side::z) z_[i] = 0.0;
     if (side_.back() != Side::w) w_[i] = 0.0;
@@ -101,7 +98,7 @@ Vector Polyhedron::one_sided_direction() const {
   for (Eigen::Index i = 0; i < k_; ++i) {
     if (side_[static_cast<std::size_t>(i)] != Side::undecided) continue;
     for (const Matrix* of : {&directions_, &change})
-      if (const double norm = of->row(i).norm(); norm > kernel_tolerance) g.row(rows++) = of->row(i) / norm;
+      if (const double norm = of->row(i).norm(); norm > tolerance::kernel) g.row(rows++) = of->row(i) / norm;
   }
   if (rows == 0) return {};
   g.conservativeResize(rows, Eigen::NoChange);
@@ -110,7 +107,7 @@ Vector Polyhedron::one_sided_direction() const {
   if (excess.status != Status::solved) return {};
   const Vector lambda = Vector::Ones(rows) + excess.z;
   const Vector t = g.transpose() * lambda;
-  if (t.norm() <= kernel_tolerance * lambda.norm()) return {};
+  if (t.norm() <= tolerance::kernel * lambda.norm()) return {};
   return directions_ * t.normalized();
 }
 
@@ -127,9 +124,9 @@ void Polyhedron::advance(const Vector& d) {
   for (Eigen::Index i = 0; i < k_; ++i) {
     Side& side = side_[static_cast<std::size_t>(i)];
     if (side != Side::undecided) continue;
-    if (d[i] > kernel_tolerance)
+    if (d[i] > tolerance::kernel)
       side = Side::z;
-    else if (dw[i] > kernel_tolerance * norm_)
+    else if (dw[i] > tolerance::kernel * norm_)
       side = Side::w;
   }
 }
@@ -172,8 +169,8 @@ SolutionSet Polyhedron::result() const {
     const Side side = side_[static_cast<std::size_t>(i)];
     if (side == Side::z) set.z[i] = scale_[i] * std::max(z_[i], 0.0);
     if (side == Side::w) set.w[i] = std::max(w_[i], 0.0) / scale_[i];
-    set.z_determined.push_back(side != Side::z || directions_.row(i).norm() <= kernel_tolerance);
-    set.w_determined.push_back(side != Side::w || of_w.row(i).norm() <= kernel_tolerance);
+    set.z_determined.push_back(side != Side::z || directions_.row(i).norm() <= tolerance::kernel);
+    set.w_determined.push_back(side != Side::w || of_w.row(i).norm() <= tolerance::kernel);
   }
   return set;
 }
@@ -192,7 +189,7 @@ bool is_monotone(const Matrix& m) {
   if (m.size() == 0) return true;
   const Vector scale = diagonal_scale(m);
   const Matrix scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  return -linalg::logarithmic_norm(-scaled) >= -monotone_tolerance * static_cast<double>(m.rows());
+  return -linalg::logarithmic_norm(-scaled) >= -tolerance::monotone * static_cast<double>(m.rows());
 }
 
 }  // namespace pwlsim::lcp

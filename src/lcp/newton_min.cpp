@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "lcp/tolerances.hpp"
+
 namespace pwlsim::lcp {
 
 namespace {
@@ -10,12 +12,10 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double sign_tolerance = 1e-12;  ///< entries above −this·max of their kind are not negative
-
 /// Indices of the basis with z ≥ 0 and others with w < 0.
 std::vector<int> next_set(const Solution& at, const Vector& q) {
-  const double level_z = sign_tolerance * at.z.cwiseAbs().maxCoeff();
-  const double level_w = sign_tolerance * std::max(q.cwiseAbs().maxCoeff(), at.w.cwiseAbs().maxCoeff());
+  const double level_z = tolerance::sign * at.z.cwiseAbs().maxCoeff();
+  const double level_w = tolerance::sign * std::max(q.cwiseAbs().maxCoeff(), at.w.cwiseAbs().maxCoeff());
   std::vector<int> set;
   auto basic = at.basis.begin();
   for (int i = 0; i < static_cast<int>(q.size()); ++i) {

@@ -6,6 +6,7 @@
 
 #include "lcp/condition.hpp"
 #include "lcp/lemke.hpp"
+#include "lcp/tolerances.hpp"
 
 namespace pwlsim::lcp {
 
@@ -14,10 +15,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double good_condition = 1e-8;    ///< reciprocal condition number above which a block is exchanged at once
-constexpr double pivot_tolerance = 1e-11;  ///< pivots below it, of the largest entry, are zero
-constexpr double single_share = 0.6;       ///< a single pivot is preferred to a pair down to this size (Bunch and Kaufman: 0.64)
-constexpr double sign_tolerance = 1e-12;   ///< entries of q' above −this·max|q'| are not negative
+constexpr double single_share = 0.6;  ///< a single pivot is preferred to a pair down to this size (Bunch and Kaufman: 0.64)
 
 struct Pivot {
   std::vector<int> block;
@@ -81,11 +79,11 @@ void PrincipalTableau::exchange(const std::vector<int>& block) {
 int PrincipalTableau::exchange_most(std::vector<int> wanted) {
   if (wanted.empty()) return 0;
   const auto all = static_cast<int>(wanted.size());
-  if (reciprocal_condition(Eigen::PartialPivLU<Matrix>(m_(wanted, wanted))) > good_condition) {
+  if (reciprocal_condition(Eigen::PartialPivLU<Matrix>(m_(wanted, wanted))) > tolerance::good_condition) {
     exchange(wanted);
     return all;
   }
-  const double smallest = pivot_tolerance * m_.cwiseAbs().maxCoeff();
+  const double smallest = tolerance::pivot * m_.cwiseAbs().maxCoeff();
   while (!wanted.empty()) {
     const Pivot pivot = largest_pivot(m_, wanted);
     if (!(pivot.size > smallest)) break;
@@ -115,7 +113,7 @@ Solution least_index(const Matrix& m, const Vector& q) {
   PrincipalTableau tableau(m, q);
   const int limit = 20 * k + 200;
   for (int pivots = 0; pivots <= limit; ++pivots) {
-    const double level = k > 0 ? sign_tolerance * tableau.q().cwiseAbs().maxCoeff() : 0.0;
+    const double level = k > 0 ? tolerance::sign * tableau.q().cwiseAbs().maxCoeff() : 0.0;
     int first = 0;
     while (first < k && tableau.q()[first] >= -level) ++first;
     if (first == k) {
@@ -124,7 +122,7 @@ Solution least_index(const Matrix& m, const Vector& q) {
       return solution;
     }
     const double pivot = std::abs(tableau.m()(first, first));
-    if (!(pivot > pivot_tolerance * tableau.m().row(first).cwiseAbs().maxCoeff()))
+    if (!(pivot > tolerance::pivot * tableau.m().row(first).cwiseAbs().maxCoeff()))
       return {Status::singular, Vector::Zero(k), q, {}, pivots};
     tableau.exchange({first});
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lcp/condition.hpp"
+#include "lcp/tolerances.hpp"
 
 namespace pwlsim::lcp {
 
@@ -13,9 +14,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double share_of_row = 1e-2;          ///< of a row's largest entry, where the diagonal is smaller
-constexpr double singular_condition = 1e-12;   ///< reciprocal condition number below which a basis counts as singular
-constexpr double rounding_of_largest = 1e-13;  ///< negative entries above −this·max|z| are rounding
+constexpr double share_of_row = 1e-2;  ///< of a row's largest entry, where the diagonal is smaller
 
 double largest(const Vector& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
 double share(double part, double whole) { return part > 0.0 ? part / whole : 0.0; }
@@ -39,19 +38,19 @@ Solution at_basis(const Matrix& m, const Vector& q, std::vector<int> basis) {
   const Matrix block = m(b, b);
   const Vector right = -q(b);
   const Eigen::PartialPivLU<Matrix> lu(block);
-  if (reciprocal_condition(lu) > singular_condition) {
+  if (reciprocal_condition(lu) > tolerance::singular_condition) {
     Vector z = lu.solve(right);
     z += lu.solve(right - block * z);
     solution.z(b) = z;
   } else {
     Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-    decomposition.setThreshold(singular_condition);  // before compute(), which leaves undone what its rank does not call for
+    decomposition.setThreshold(tolerance::singular_condition);  // before compute(), which leaves undone what its rank does not call for
     decomposition.compute(block);
     const Vector z = decomposition.solve(right);
     solution.z(b) = z;
     solution.status = Status::singular;
   }
-  const double rounding = rounding_of_largest * largest(solution.z);
+  const double rounding = tolerance::rounding_of_largest * largest(solution.z);
   for (double& z : solution.z)
     if (z < 0.0 && z >= -rounding) z = 0.0;
   solution.w = m * solution.z + q;

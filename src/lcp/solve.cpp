@@ -8,6 +8,7 @@
 #include "lcp/lemke.hpp"
 #include "lcp/newton_min.hpp"
 #include "lcp/principal_pivoting.hpp"
+#include "lcp/tolerances.hpp"
 
 namespace pwlsim::lcp {
 
@@ -17,7 +18,6 @@ using linalg::Matrix;
 using linalg::Vector;
 
 constexpr int most_enumerated = 10;
-constexpr double regularisation = 1e-8;  ///< of a problem whose diagonal is about 1
 
 class Attempt {
  public:
@@ -70,7 +70,8 @@ Answer try_in_turn(const Matrix& m, const Vector& q, Class of_class, const std::
   const Status of_lemke = attempt.answer().status;
   if (attempt.accepts(newton_min(m, q), Method::newton_min)) return attempt.answer();
   if (attempt.accepts(least_index(m, q), Method::least_index)) return attempt.answer();
-  if (attempt.accepts(lemke(m + regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised)) return attempt.answer();
+  if (attempt.accepts(lemke(m + tolerance::regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised))
+    return attempt.answer();
   if (of_class == Class::general && enumerated(m, q, attempt)) return attempt.answer();
   Answer none;
   none.status = of_lemke;

@@ -36,7 +36,7 @@ struct Answer {
 };
 
 /// Residuals (Assessment::worst of the diagonally scaled problem) above this are no solution.
-inline constexpr double acceptable_residual = 1e-10;
+inline constexpr double acceptable_residual = 1e-10;  ///< Of: the scaled data. Why: answers in double have residuals near 1e-15.
 
 /// `previous`: active set of an earlier, similar problem (ascending), or none.
 [[nodiscard]] Answer solve(const linalg::Matrix& m, const linalg::Vector& q, Class problem_class = Class::general,

@@ -5,12 +5,11 @@
 #include <limits>
 #include <numeric>
 
+#include "linalg/tolerances.hpp"
+
 namespace pwlsim::linalg {
 
 namespace {
-
-/// Of one operation, against its terms: 2^-91 with a fraction of 64 bits, of which a machine that emulates them in double has room for as well.
-const Wide rounding = std::ldexp(std::numeric_limits<Wide>::epsilon(), -28);
 
 void normalise(Doubled& n) {
   const Wide sum = n.value + n.rest;
@@ -49,7 +48,7 @@ Doubled CarefulElimination::quotient(const Doubled& a, const Doubled& b) {
 CarefulElimination::Number CarefulElimination::quotient(const Number& a, const Number& b) {
   const Doubled result = quotient(a.n, b.n);
   const Wide size = std::abs(result.value);
-  return {result, (a.error + size * b.error) / std::abs(b.n.value) + rounding * size};
+  return {result, (a.error + size * b.error) / std::abs(b.n.value) + tolerance::doubled_rounding * size};
 }
 
 /// a := a − b·c.
@@ -62,7 +61,8 @@ void CarefulElimination::subtract_product(Doubled& a, const Doubled& b, const Do
 /// The same, and zero where that is not above its error.
 void CarefulElimination::subtract_product(Number& a, const Number& b, const Number& c) {
   const Wide size = std::abs(b.n.value * c.n.value);
-  a.error += std::abs(b.n.value) * c.error + std::abs(c.n.value) * b.error + b.error * c.error + rounding * (size + std::abs(a.n.value));
+  a.error += std::abs(b.n.value) * c.error + std::abs(c.n.value) * b.error + b.error * c.error +
+             tolerance::doubled_rounding * (size + std::abs(a.n.value));
   subtract_product(a.n, b.n, c.n);
   if (std::abs(a.n.value) <= a.error) a = {};
 }

@@ -67,7 +67,7 @@ void copy(const double* x, Eigen::Index n, double* y);
 [[nodiscard]] WideMatrix sparse_absolute_product(const WideMatrix& x, const WideMatrix& y);
 
 /// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
-inline constexpr double clean_tolerance = 1e-14;
+inline constexpr double clean_tolerance = 1e-14;  ///< Of: the sum of the absolute terms of an entry. Why: 45 units of rounding of double.
 [[nodiscard]] Matrix clean_product(const Matrix& x, const Matrix& y);
 /// B + X·Y with every entry below clean_tolerance·(|B| + |X||Y|) set to zero.
 [[nodiscard]] Matrix clean_sum(Matrix base, const Matrix& x, const Matrix& y);
@@ -76,7 +76,7 @@ inline constexpr double clean_tolerance = 1e-14;
 [[nodiscard]] Matrix cleaned(Matrix m, const Matrix& bound);
 
 /// The same in extended precision, at its own level.
-inline constexpr Wide wide_clean_tolerance = 1e-16L;
+inline constexpr Wide wide_clean_tolerance = 1e-16L;  ///< Of: the same in extended precision. Why: 900 units of its rounding.
 [[nodiscard]] WideMatrix wide_clean_sum(WideMatrix base, const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix wide_clean_product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix wide_cleaned(WideMatrix m, const WideMatrix& bound);

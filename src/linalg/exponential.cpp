@@ -4,15 +4,14 @@
 #include <cmath>
 
 #include "linalg/small.hpp"
+#include "linalg/tolerances.hpp"
 
 namespace pwlsim::linalg {
 
 namespace {
 
-constexpr double radius = 1.0;        ///< rate·τ up to which the series is summed directly
-constexpr double negligible = 1e-18;  ///< of the largest term: one that cannot change the sum
+constexpr double radius = 1.0;  ///< rate·τ up to which the series is summed directly
 constexpr int most_terms = 60;
-constexpr double same_interval = 1e-8;  ///< rate·|Δτ| below which e^{AΔτ} is I + AΔτ to rounding
 /// A matrix costs as much as going over so many intervals without it, at least, and one for each state.
 constexpr Eigen::Index least_worth_a_matrix = 4;
 /// What an interval that recurs is worth against those that do not: a use, and the most of it that counts.
@@ -28,7 +27,7 @@ Small<length> small_series(const double* a, double tau, Small<length> term, int 
     term.scale(tau / k);
     sum.add(term);
     const double change = term.size();
-    if (change <= negligible * largest_term) break;
+    if (change <= tolerance::negligible_term * largest_term) break;
     largest_term = std::max(largest_term, change);
   }
   return sum;
@@ -113,7 +112,7 @@ void Exponential::taylor(double tau, double* y, double* work) const {
       change = std::max(change, std::abs(next[i]));
     }
     size = std::max(size, change);
-    if (change <= negligible * size) return;
+    if (change <= tolerance::negligible_term * size) return;
     std::swap(term, next);
   }
 }
@@ -122,7 +121,7 @@ bool Exponential::apply_recurring(double tau, double* y, double* work) const {
   const Eigen::Index n = a_.rows(), worth_a_matrix = std::max(least_worth_a_matrix, n);
   for (auto& entry : recurring_) {
     const double rest = tau - entry.tau;
-    if (entry.worth == 0 || std::abs(rest) * rate_ > same_interval || std::abs(rest) > same_interval * tau) continue;
+    if (entry.worth == 0 || std::abs(rest) * rate_ > tolerance::same_interval || std::abs(rest) > tolerance::same_interval * tau) continue;
     entry.worth = std::min(entry.worth + worth_of_a_use, most_worth);
     if (entry.uses < worth_a_matrix && ++entry.uses < worth_a_matrix) return false;
     if (entry.x.size() == 0) entry.x = minus_identity(entry.tau);
@@ -188,7 +187,7 @@ Matrix Exponential::taylor_minus_identity(double tau) const {
   for (int k = 2; k <= most_terms; ++k) {
     term = (a_ * term) * (tau / k);
     sum += term;
-    if (term.cwiseAbs().maxCoeff() <= negligible * sum.cwiseAbs().maxCoeff()) break;
+    if (term.cwiseAbs().maxCoeff() <= tolerance::negligible_term * sum.cwiseAbs().maxCoeff()) break;
   }
   return sum;
 }

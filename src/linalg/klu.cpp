@@ -6,15 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "linalg/tolerances.hpp"
+
 namespace pwlsim::linalg {
 
 namespace {
-
-/// Largest entry of a column over the largest of U: below this the kept pivots have let the entries grow.
-constexpr double least_growth = 1e-4;
-/// A pivot ratio below this part of what pivoting reached is looked into; beyond that condition it is factored anew.
-constexpr double suspicious_ratio = 1e-3;
-constexpr double largest_condition = 1e12;
 
 int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }           // KLU takes no const, and writes nothing
 double* writable(const std::vector<double>& v) { return const_cast<double*>(v.data()); }  // likewise
@@ -115,9 +111,9 @@ Factored KluFactor::factor(const std::vector<double>& values) {
 }
 
 bool KluFactor::pivots_are_good(const std::vector<double>& values) const {
-  if (!(numeric_.growth() >= least_growth)) return false;
-  if (numeric_.pivot_ratio() >= suspicious_ratio * first_pivot_ratio_) return true;
-  return numeric_.inverse_norm(ordering_->work_) * norm(ordering_->pattern_, values) <= largest_condition;
+  if (!(numeric_.growth() >= tolerance::least_growth)) return false;
+  if (numeric_.pivot_ratio() >= tolerance::suspicious_ratio * first_pivot_ratio_) return true;
+  return numeric_.inverse_norm(ordering_->work_) * norm(ordering_->pattern_, values) <= tolerance::largest_condition;
 }
 
 Factored KluFactor::keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values) {

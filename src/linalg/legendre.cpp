@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "linalg/tolerances.hpp"
+
 namespace pwlsim::linalg {
 namespace {
 
@@ -16,9 +18,8 @@ constexpr int most_parts = 4 * static_cast<int>(count) * deepest;
 /// Numbers below the normal ones have lost their digits: series of them have no signs.
 constexpr double smallest_size = static_cast<double>(count) * std::numeric_limits<double>::min();
 constexpr int most_iterations = 100;
-constexpr double rounding = 2.3e-16;
 /// Rounding of a derivative's coefficients against the sum of the series' own: sums of terms (2k + 1) c_j.
-constexpr double derivative_rounding = 16.0 * count * rounding;
+constexpr double derivative_rounding = 16.0 * count * tolerance::series_rounding;
 
 /// P_0(x) … P_15(x), and P_16(x) as the answer.
 template <typename Real>
@@ -44,7 +45,7 @@ struct Tables {
         slope = count * (p[count - 1] - x * value) / (1 - x * x);
         const Wide step = value / slope;
         x -= step;
-        if (std::abs(step) < 1e-20L) break;
+        if (std::abs(step) < tolerance::last_root_step) break;
       }
       slope = count * (p[count - 1] - x * polynomials(x, p)) / (1 - x * x);
       const Wide weight = 2 / ((1 - x * x) * slope * slope);
@@ -64,13 +65,13 @@ const Tables& tables() {
 double zero_between(const LegendreSeries& f, const LegendreSeries& slope, double a, double b) {
   const bool rises = f(a) < 0.0;
   double x = 0.5 * (a + b);
-  for (int iteration = 0; iteration < most_iterations && b - a > rounding; ++iteration) {
+  for (int iteration = 0; iteration < most_iterations && b - a > tolerance::series_rounding; ++iteration) {
     const double value = f(x);
     if (value == 0.0) return x;
     ((value < 0.0) == rises ? a : b) = x;
     const double newton = x - value / slope(x);
     const double next = newton > a && newton < b ? newton : 0.5 * (a + b);
-    if (std::abs(next - x) <= rounding * std::abs(x)) return next;
+    if (std::abs(next - x) <= tolerance::series_rounding * std::abs(x)) return next;
     x = next;
   }
   return x;

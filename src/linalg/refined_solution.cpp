@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "linalg/doubled.hpp"
+#include "linalg/tolerances.hpp"
 
 namespace pwlsim::linalg {
 
 namespace {
 
-constexpr int refinements = 3;     ///< each multiplies the error by ε·cond(G)
-constexpr Wide unsettled = 1e-3L;  ///< an entry of which the last refinement may have changed more is zero in exact arithmetic
+constexpr int refinements = 3;  ///< each multiplies the error by ε·cond(G)
 struct Entry {
   Eigen::Index column = 0;
   Wide value = 0, rest = 0;
@@ -42,7 +42,7 @@ WideMatrix refined_solution(const WideMatrix& g, const WideMatrix& g_rest, const
     x += product(inverse, residual);
   }
   const WideMatrix unsure = absolute_product(inverse, residual);
-  return (unsure.array() > unsettled * x.array().abs()).select(WideMatrix::Zero(x.rows(), x.cols()), x);
+  return (unsure.array() > tolerance::unsettled_entry * x.array().abs()).select(WideMatrix::Zero(x.rows(), x.cols()), x);
 }
 
 }  // namespace pwlsim::linalg

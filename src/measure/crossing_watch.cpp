@@ -23,6 +23,10 @@ void CrossingWatch::take(const Part& part, double noise, const std::function<voi
   stretch(1.0);
 }
 
+void CrossingWatch::finish(double value, double noise, double time, const std::function<void(double)>& passed) {
+  if (std::abs(value) <= noise) side(0, time, passed);
+}
+
 /// From `time` on the expression has this sign.
 void CrossingWatch::side(int sign, double time, const std::function<void(double)>& passed) {
   const Side before = side_;

@@ -22,6 +22,8 @@ class CrossingWatch {
   /// The expression on the next part of time. `passed(time)` is called at the passage that is asked for; of the last one, at each so far.
   /// `noise`: what is smaller counts as zero.
   void take(const Part& part, double noise, const std::function<void(double)>& passed);
+  /// The value at the end: what arrives there to rounding has passed.
+  void finish(double value, double noise, double time, const std::function<void(double)>& passed);
   /// Nothing more is to be found.
   [[nodiscard]] bool is_done() const { return !last_ && seen_ >= count_; }
   [[nodiscard]] std::uint64_t seen() const { return seen_; }

@@ -1,6 +1,7 @@
 #include "measure/diode_currents.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "linalg/legendre.hpp"
 
@@ -8,18 +9,40 @@ namespace pwlsim::measure {
 
 using linalg::legendre_points;
 
+void ChargeSpectrum::add(double current, double charge) {
+  if (!(current >= least && charge > 0.0)) return;
+  const double place = std::log10(current / least) * static_cast<double>(per_decade);
+  Sum& sum = sums_[std::min(static_cast<std::size_t>(place), sums_.size() - 1)];
+  sum.charge += charge;
+  sum.square += charge * current;
+}
+
+std::vector<ChargeSpectrum::Bin> ChargeSpectrum::bins() const {
+  constexpr double least_share = 1e-4;
+  double total = 0.0;
+  for (const Sum& sum : sums_) total += sum.charge;
+  std::vector<Bin> list;
+  for (const Sum& sum : sums_)
+    if (sum.charge > least_share * total) list.push_back({sum.charge, sum.square / sum.charge});
+  return list;
+}
+
 void DiodeCurrents::take(const engine::Piece& piece) {
   if (!(piece.length > 0.0)) return;
+  ++pieces_;
   const auto& [point, weight] = linalg::gauss_legendre();
   const double lower = piece.place(piece.from), upper = piece.place(piece.to), scale = 0.5 * (piece.to - piece.from);
   for (std::size_t k = 0; k < diodes_.size(); ++k) {
     const linalg::LegendreSeries current(&piece.values[2 * k * legendre_points]), voltage(&piece.values[(2 * k + 1) * legendre_points]);
+    Sums& sums = diodes_[k];
     for (std::size_t j = 0; j < legendre_points; ++j) {
       const double x = lower + 0.5 * (point[j] + 1.0) * (upper - lower);
-      const double i = std::max(0.0, current(x));
-      diodes_[k].charge += scale * weight[j] * i;
-      diodes_[k].square += scale * weight[j] * i * i;
-      diodes_[k].voltage = std::max(diodes_[k].voltage, voltage(x));
+      const double i = std::max(0.0, current(x)), v = voltage(x), charge = scale * weight[j] * i;
+      sums.charge += charge;
+      sums.square += charge * i;
+      sums.spectrum.add(i, charge);
+      sums.highest = std::max(sums.highest, v);
+      sums.lowest = std::min(sums.lowest, v);
     }
   }
 }

@@ -213,6 +213,8 @@ void Meter::take_when(PieceView& view, double from, double to) {
     scale_ = std::max(scale_, largest_of(part.values.data()));
     watch_->take(part, noise, [&](double time) { read_at(view, time); });
   });
+  if (resolved && to >= to_ && !watch_->is_done())
+    watch_->finish(view.value(difference_, results_, to), noise, to, [&](double time) { read_at(view, time); });
   if (!resolved && failure_.empty()) fail(too_fast(from, to));
 }
 

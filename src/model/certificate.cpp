@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
 
-constexpr double rank_tolerance = 1e-9;
-/// A pivot below this, rows and columns scaled to a largest entry of one, is rounding.
-constexpr double minor_tolerance = 1e-12;
-
 /// The principal minors without the first index are those of the rest; those with it are m(0,0) times those of the Schur complement.
 bool positive_minors(const Matrix& m) {
   if (m.rows() == 0) return true;
-  if (!(m(0, 0) > minor_tolerance)) return false;
+  if (!(m(0, 0) > tolerance::minor)) return false;
   const auto rest = m.rows() - 1;
   const Matrix without = m.bottomRightCorner(rest, rest);
   return positive_minors(without) &&
@@ -48,7 +46,7 @@ bool always_has_solution(const System& system) {
   stacked << system.b.topRows(system.n), system.d + system.d.transpose();
   for (auto half : {stacked.topRows(system.n), stacked.bottomRows(system.ports)}) half.normalize();
   for (auto column : stacked.colwise()) column.normalize();
-  return linalg::null_space(stacked, rank_tolerance).cols() == 0;
+  return linalg::null_space(stacked, tolerance::rank).cols() == 0;
 }
 
 bool has_positive_principal_minors(Matrix m) {

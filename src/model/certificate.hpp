@@ -8,7 +8,7 @@ namespace pwlsim::model {
 
 /// Largest eigenvalue of [[τ0(A+Aᵀ), τ0·B−Cᵀ],[τ0·Bᵀ−C, −(D+Dᵀ)]] over the ξ part, with ξ divided by √(τ0‖A‖) first (KYP with K = τ0·I).
 /// ≤ passivity_tolerance: the system is passive, its state trajectory unique and never amplifies errors.
-inline constexpr double passivity_tolerance = 1e-9;
+inline constexpr double passivity_tolerance = 1e-9;  ///< Of: the scaled matrix. Why: rounding of the extraction, and of gains that cancel.
 [[nodiscard]] double kyp_residual(const System& system);
 
 /// Whether the system has a solution from any state, with any sources and switch positions. Sufficient: it is passive and [B; D + Dᵀ] has

@@ -5,21 +5,20 @@
 #include <utility>
 
 #include "base/rounded_sum.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
 
 constexpr int most_corners = 1024;  ///< passed at once, so that a run can be interrupted
-/// Entries of a control's row below this fraction of the largest are rounding.
-constexpr double row_noise = 1e-12;
 
 }  // namespace
 
 bool Clock::can_drive(const System& system, const Control& control) {
   const Exosystem& sources = *system.exosystem;
   Vector others = control.value.state;
-  const double noise = others.size() > 0 ? row_noise * others.cwiseAbs().maxCoeff() : 0.0;
+  const double noise = others.size() > 0 ? tolerance::row_entry * others.cwiseAbs().maxCoeff() : 0.0;
   if (sources.constant() >= 0) others[system.n + sources.constant()] = 0.0;
   for (const auto& track : sources.tracks()) others[system.n + sources.blocks()[static_cast<std::size_t>(track.block)].first] = 0.0;
   const auto is_rounding = [noise](const Vector& row) { return row.size() == 0 || row.cwiseAbs().maxCoeff() <= noise; };

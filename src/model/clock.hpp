@@ -3,7 +3,7 @@
 ///
 ///     v(t) = constant + Σ gain_k · track_k(t),   on -> off where v falls below off_level, off -> on where v rises above on_level,
 ///
-/// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides; where v rests there, a switch
+/// so that no state, no mode and no search for guards is needed. Where v touches its threshold, the slope decides; where v stays there, a switch
 /// without hysteresis is off.
 
 #include <functional>
@@ -44,7 +44,7 @@ class Clock {
   [[nodiscard]] bool is_on() const { return is_on_; }
   /// The next instant that is to be taken: a flip, a jump of a source, or after very many corners without either an empty one.
   [[nodiscard]] const Instant& next() const { return next_; }
-  /// Takes it and looks for the one behind it.
+  /// Takes it and finds the next one.
   void take();
   /// The control between two corners.
   struct Line {
@@ -53,7 +53,7 @@ class Clock {
     double noise = 0.0;              ///< rounding of the terms that they are sums of
     bool is_flat = false;
   };
-  /// The control itself from t = 0 to `stop`, wherever the clock stands: line by line, `most` of them.
+  /// The control itself from t = 0 to `stop`, independent of the time of the clock: line by line, at most `most` of them.
   void trace(double stop, std::size_t most, const std::function<void(const Line&)>& see) const;
   /// Number of the switch in the whole model.
   [[nodiscard]] int driven() const { return driven_; }

@@ -7,12 +7,11 @@
 
 #include "model/exosystem.hpp"
 #include "model/forms.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-constexpr double same_potential = 1e-12;  ///< of the larger of two
 
 /// Voltages to ground that branches of sources alone hold just before t = 0.
 class HeldPotentials {
@@ -34,7 +33,7 @@ class HeldPotentials {
 
   [[nodiscard]] bool holds(NodeIndex node, double voltage) const {
     const auto known = known_[place(node)];
-    return known && std::abs(*known - voltage) <= same_potential * std::max(std::abs(*known), std::abs(voltage));
+    return known && std::abs(*known - voltage) <= tolerance::same_potential * std::max(std::abs(*known), std::abs(voltage));
   }
 
   void hold(NodeIndex node, double voltage) {

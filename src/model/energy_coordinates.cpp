@@ -5,14 +5,12 @@
 #include <map>
 #include <numeric>
 
-#include "model/descriptor.hpp"
+#include "model/assembly.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-/// Of entries of unit vectors.
-constexpr double rounding = 1e-12;
 
 /// Which stores share a state: the parts into which the pattern of a projector falls.
 std::vector<std::vector<int>> parts_of(const Matrix& projector) {
@@ -22,7 +20,7 @@ std::vector<std::vector<int>> parts_of(const Matrix& projector) {
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < i; ++j)
       if (const int from = part[static_cast<std::size_t>(i)], to = part[static_cast<std::size_t>(j)];
-          from != to && std::abs(projector(i, j)) > rounding)
+          from != to && std::abs(projector(i, j)) > tolerance::unit_vector_entry)
         std::replace(part.begin(), part.end(), std::max(from, to), std::min(from, to));
   std::vector<std::vector<int>> parts(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].push_back(i);
@@ -38,11 +36,11 @@ Matrix readable_basis(Matrix projector, Eigen::Index rank) {
     while (row < rank) {
       int pivot = part.front();
       for (const int i : part)
-        if (projector(i, i) > projector(pivot, pivot) * (1.0 + rounding)) pivot = i;
-      if (projector(pivot, pivot) < rounding) break;
+        if (projector(i, i) > projector(pivot, pivot) * (1.0 + tolerance::unit_vector_entry)) pivot = i;
+      if (projector(pivot, pivot) < tolerance::unit_vector_entry) break;
       Vector next = projector.col(pivot) / std::sqrt(projector(pivot, pivot));
       for (double& entry : next)
-        if (std::abs(entry) < rounding) entry = 0.0;
+        if (std::abs(entry) < tolerance::unit_vector_entry) entry = 0.0;
       next.normalize();
       projector -= next * next.transpose();
       basis.row(row++) = next.transpose();

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <variant>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -21,15 +23,13 @@ void sine_cosine(double frequency, double time, double late, double phase, doubl
   cosine = std::cos(angle);
 }
 
-constexpr double epsilon = 2.220446049250313e-16;
-
 /// A sine burst of a broken number of cycles falls back to its starting value.
 bool ends_with_jump(const Exosystem::Block& block) {
   if (block.kind != Exosystem::Block::Kind::oscillation || !(block.end < forever)) return false;
   const double age = block.end - block.delay;
   double sine = 0.0, cosine = 0.0;
   sine_cosine(block.frequency, age, 0.0, block.phase, sine, cosine);
-  return std::abs(std::exp(-block.damping * age) * sine - std::sin(block.phase)) > 1e3 * epsilon * (1.0 + block.omega * age);
+  return std::abs(std::exp(-block.damping * age) * sine - std::sin(block.phase)) > tolerance::burst_end * (1.0 + block.omega * age);
 }
 
 }  // namespace

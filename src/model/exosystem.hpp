@@ -67,7 +67,7 @@ class Track {
 [[nodiscard]] Track make_track(const Pwl& pwl);
 
 /// A sum of sources this close to a level, against the terms it is made of, is on it; then its derivatives decide, each against its own terms.
-constexpr double threshold_noise = 3e-14;
+constexpr double threshold_noise = 3e-14;  ///< Of: the terms of the sum. Why: 135 units of rounding of double.
 
 class Exosystem {
  public:

@@ -12,7 +12,7 @@ struct ExponentialLaw {
   double saturation = 0.0;  ///< A
   double slope = 0.0;       ///< V: emission coefficient times kT/q
   double series = 0.0;      ///< ohm
-  double parallel = 1.0;    ///< so many such diodes side by side
+  double parallel = 1.0;    ///< number of such diodes in parallel
 
   /// Of all of them, where each carries `current`.
   [[nodiscard]] Tangent tangent(double current) const;

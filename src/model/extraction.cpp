@@ -10,10 +10,11 @@
 #include "linalg/constraint_basis.hpp"
 #include "linalg/doubled.hpp"
 #include "linalg/refined_solution.hpp"
+#include "model/assembly.hpp"
 #include "model/causality.hpp"
 #include "model/certificate.hpp"
 #include "model/clock.hpp"
-#include "model/descriptor.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
@@ -29,23 +30,7 @@ using linalg::wide_cleaned;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-/// A network whose G has pivots above this fraction of the largest is regular without further examination.
-constexpr double clearly_regular = 1e-9;
-/// How well the numbers of a netlist are known: those that differ by less cancel.
-constexpr Wide data_rounding = 1e-15L;
-/// Of residuals in twice the digits, against that: 1e-30 of their terms.
-constexpr Wide residual_rounding = 1e-30L / linalg::wide_clean_tolerance;
-/// Of a null vector of order one: an entry above this takes part in it.
-constexpr double takes_part = 1e-6;
-/// A column of a row-equilibrated G whose entries are all below the first number holds a quantity that is small beside the others of its
-/// equations, not one that is undetermined: the current of an integrator's capacitor beside a large transconductance. Below the second it is
-/// rounding.
-constexpr double small_column = 1e-3, rounding_column = 1e-15;
-/// An entry of a hidden constraint below this fraction of its parts is rounding.
-constexpr double constraint_tolerance = 1e-12;
 constexpr int largest_index = 6;
-/// Pivots of ports that differ by less count as equal.
-constexpr double same_pivot = 1e-9;
 /// A second weight of the inputs of complementarities, a ratio of no small integers.
 constexpr Wide other_input_factor = 0.7548776662466927L;
 
@@ -53,7 +38,7 @@ constexpr Wide other_input_factor = 0.7548776662466927L;
 WideMatrix with_small_columns_raised(WideMatrix g) {
   for (Eigen::Index j = 0; j < g.cols(); ++j) {
     const Wide largest = g.col(j).cwiseAbs().maxCoeff();
-    if (largest < small_column && largest > rounding_column) g.col(j) *= std::ldexp(1.0L, -std::ilogb(largest));
+    if (largest < tolerance::small_column && largest > tolerance::rounding_column) g.col(j) *= std::ldexp(1.0L, -std::ilogb(largest));
   }
   return g;
 }
@@ -67,7 +52,7 @@ struct LeftNull {
 bool is_clearly_regular(const WideMatrix& g) {
   const Eigen::ColPivHouseholderQR<WideMatrix> quick(with_small_columns_raised(g));
   const WideVector diagonal = quick.matrixR().diagonal().cwiseAbs();
-  return diagonal.size() == 0 || diagonal.minCoeff() > clearly_regular * diagonal.maxCoeff();
+  return diagonal.size() == 0 || diagonal.minCoeff() > tolerance::regular_network * diagonal.maxCoeff();
 }
 
 Wide largest_of(const WideMatrix& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff(); }
@@ -160,14 +145,14 @@ bool Extractor::reduce_index() {
     if (!take_constraints(null)) return false;
   }
   diagnostics_.error("E-index", network_.nodes.empty() ? SourceSpan{} : network_.nodes.front().span,
-                     "the network's equations need more differentiations than any circuit of passive parts; try a small resistor in its "
+                     "the network's equations need more differentiations than those of any passive circuit; try a small resistor in its "
                      "loops of controlled sources");
   return false;
 }
 
 LeftNull Extractor::left_null() const {
   if (is_clearly_regular(g_)) return {};
-  const linalg::CarefulElimination elimination(g_, g_rest_, data_rounding * g_data_);
+  const linalg::CarefulElimination elimination(g_, g_rest_, tolerance::data_rounding * g_data_);
   return {elimination.left_kernel(), elimination.free_rows()};
 }
 
@@ -177,7 +162,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     WideMatrix result = sparse_product(nt, m);
     const WideMatrix bound = sparse_absolute_product(nt, m);
     for (Eigen::Index i = 0; i < result.size(); ++i)
-      if (std::abs(result.data()[i]) <= constraint_tolerance * bound.data()[i]) result.data()[i] = 0.0;
+      if (std::abs(result.data()[i]) <= tolerance::constraint_entry * bound.data()[i]) result.data()[i] = 0.0;
     return result;
   };
   const WideMatrix nf = clean(f_);
@@ -187,7 +172,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
   WideMatrix scaled = nf;
   for (Eigen::Index j = 0; j < nf.cols(); ++j)
     if (const Wide unit = largest_of(f_.col(j)); unit > 0.0) scaled.col(j) /= unit;
-  if (linalg::CarefulElimination(scaled, {}, data_rounding * scaled.cwiseAbs()).rank() < nf.rows()) {
+  if (linalg::CarefulElimination(scaled, {}, tolerance::data_rounding * scaled.cwiseAbs()).rank() < nf.rows()) {
     report_singular(null, nf, nw);
     return false;
   }
@@ -235,10 +220,11 @@ void Extractor::report_improper(const WideMatrix& na) {
 
 void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
-  const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, data_rounding * g_data_).kernel();
+  const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
   const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
   // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
-  const WideMatrix combination = linalg::CarefulElimination(nf.transpose(), {}, data_rounding * nf.cwiseAbs().transpose()).kernel();
+  const WideMatrix combination =
+      linalg::CarefulElimination(nf.transpose(), {}, tolerance::data_rounding * nf.cwiseAbs().transpose()).kernel();
   const WideMatrix free_rows = null.vectors * combination;
   std::string node_names, element_names;
   SourceSpan node_span, element_span;
@@ -246,13 +232,13 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   for (Eigen::Index i = 0; i < g_.rows(); ++i) {
     const Wide weight = largest_of(free_rows.row(i));
     const Wide freedom = largest_of(kernel.row(i));
-    if (i < nodes && (weight > takes_part || freedom > takes_part)) {
+    if (i < nodes && (weight > tolerance::null_vector_entry || freedom > tolerance::null_vector_entry)) {
       const Label& label = network_.nodes[static_cast<std::size_t>(i)];
       if (!node_span.known()) node_span = label.span;
       node_names += (node_names.empty() ? "" : ", ") + label.name;
     }
     const std::string owner = assembly_.current_owner(static_cast<int>(i));
-    if (!owner.empty() && freedom > takes_part) {
+    if (!owner.empty() && freedom > tolerance::null_vector_entry) {
       for (const auto& b : network_.branches) {
         if (b.label.name != owner) continue;
         has_source = true;
@@ -275,8 +261,9 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   }
   diagnostics_.error(
       contradiction ? "E-source-cutset" : "E-floating", node_span,
-      contradiction ? fmt::format("current sources force a current into node {} that has no way out; try a resistor to ground", node_names)
-                    : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+      contradiction
+          ? fmt::format("current sources force a current into node {} that has no return path; try a resistor to ground", node_names)
+          : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
 }
 
 void Extractor::solve_constraints() {
@@ -308,7 +295,7 @@ void Extractor::choose_causality() {
   if (k == 0) return;
   const auto first = assembly_.port_column(0);
   const WideMatrix z_a = -Eigen::PartialPivLU<WideMatrix>(g_).solve(ha_);
-  theta_ = causality(WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k), theta_, same_pivot);
+  theta_ = causality(WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k), theta_, tolerance::same_pivot);
 }
 
 /// A port's row d − i − a = 0 (d the voltage beyond its drop and resistance, i its current) becomes d + u = 0 with y = i, or d + y = 0 with
@@ -338,7 +325,7 @@ void Extractor::take_causality() {
 /// What a change of each number of the netlist by its own size does to the unknowns, to first order: a resistor's changes the current through
 /// it, not the conductances at its ends one by one. What is exact has the rounding of the residuals only.
 WideMatrix Extractor::data_bound(const WideMatrix& inverse, const WideMatrix& solution, const WideMatrix& right) const {
-  WideMatrix change = residual_rounding * (sparse_absolute_product(g_, solution) + right.cwiseAbs());
+  WideMatrix change = tolerance::residual_rounding * (sparse_absolute_product(g_, solution) + right.cwiseAbs());
   change += sparse_absolute_product(g_data_, solution);
   const auto stores = assembly_.stores();
   change.middleCols(stores, hu_.cols()) += hu_data_;

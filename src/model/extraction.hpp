@@ -12,27 +12,11 @@
 #include <optional>
 
 #include "base/diagnostic.hpp"
+#include "model/descriptor.hpp"
 #include "model/islands.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::model {
-
-/// The unknowns z of a network and the rows that give them, kept for certificates and for the operating point.
-struct Descriptor {
-  Matrix g, f, ha, hw;      ///< original rows, before index reduction (m × m, m × stores, m × ports, m × n_ζ)
-  Matrix sx;                ///< stores × m
-  Matrix z_state, z_input;  ///< z = z_state·(ξ, ζ) + z_input·u
-  Matrix store_state;       ///< x_full = store_state·(ξ, ζ): all energy coordinates from the reduced ones
-  Matrix reduce;            ///< ξ = reduce·x_full (orthogonal: the charge- and flux-conserving projection)
-  double r0 = 1.0, tau0 = 1.0;
-  /// Terminals and current unknown of each capacitor and inductor: with them, power into the stores is Σ v·i.
-  struct StorePort {
-    NodeIndex p = ground, n = ground;
-    int current = 0;
-  };
-  std::vector<StorePort> store_ports;
-  Vector store_sign;  ///< −1 where a negative C or L makes the energy coordinate count negative
-};
 
 struct Extraction {
   System system;

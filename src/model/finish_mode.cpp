@@ -8,15 +8,11 @@
 
 #include "linalg/balance.hpp"
 #include "model/mode.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-/// Diode rows below this fraction of the largest are its rounding; two that differ by less of their own size are one.
-constexpr double row_noise = 1e-15;
-/// A logarithmic norm below this fraction of ‖A‖ is rounding.
-constexpr double growth_tolerance = 1e-10;
 
 /// Entries of c, and of c and ζ, with which what a guard reads is kept apart: a ring takes two of them, and the guard another.
 constexpr int fewest_read_apart = 3, most_read_apart = 64;
@@ -28,7 +24,7 @@ void set_flow(const System& system, Mode& m, Matrix a) {
   const double rate = std::max(own_rate, system.exosystem->fastest());
   if (!system.passive) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
-    if (m.growth < growth_tolerance * own_rate) m.growth = 0.0;
+    if (m.growth < tolerance::growth * own_rate) m.growth = 0.0;
     if (m.growth > 0.0 && m.n1 > 1) {
       m.scale = linalg::balance(a1);
       m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a1));
@@ -48,7 +44,7 @@ void find_twins(const System& system, Mode& m) {
     const bool diode = i < system.diodes;
     Eigen::Index twin = diode ? 0 : system.diodes;
     const auto same = [&] {
-      const double tolerance = diode ? row_noise * m.guard_norm[i] : 0.0;
+      const double tolerance = diode ? tolerance::diode_row_rounding * m.guard_norm[i] : 0.0;
       return (m.guards.row(twin) - m.guards.row(i)).cwiseAbs().maxCoeff() <= tolerance;
     };
     while (twin < i && (m.ny == 0 || !same())) ++twin;
@@ -91,7 +87,7 @@ void finish_rows(const System& system, Mode& m) {
   const double largest = system.diodes > 0 ? m.guard_norm.head(system.diodes).maxCoeff() : 0.0;
   // A diode row that is nothing but rounding of the largest: an indeterminate port.
   for (int i = 0; i < system.diodes; ++i)
-    if (m.guard_norm[i] <= row_noise * largest) {
+    if (m.guard_norm[i] <= tolerance::diode_row_rounding * largest) {
       m.guards.row(i).setZero();
       m.guard_norm[i] = 0.0;
     }

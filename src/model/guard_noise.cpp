@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -9,10 +11,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double error_factor = 10.0;        ///< what two answers differ by, as an error of each
-constexpr double rounding_of_terms = 1e-15;  ///< of a guard row on a slow manifold, against the row of C that it is a sum with
-/// Beyond, a guard counts as if it had these digits: a potential that leaks of 10¹³ Ω hold is not worth an event that is missed.
-constexpr double largest_guard_noise = 1e-9;
+constexpr double error_factor = 10.0;  ///< what two answers differ by, as an error of each
 
 /// Guards as rows of x.
 Matrix guards_of_state(const Mode& mode) {
@@ -39,10 +38,10 @@ void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
     const double norm = mode.guard_norm[i];
     if (norm == 0.0) continue;
     const bool is_blocking = i < system.diodes && !mode.active.contains(i);
-    if (is_blocking && error[i] >= norm && norm <= rounding_of_terms * system.c.row(i).norm())
+    if (is_blocking && error[i] >= norm && norm <= tolerance::guard_row_rounding * system.c.row(i).norm())
       leave_out_guard(mode, i);
     else
-      mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, largest_guard_noise);
+      mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, tolerance::largest_guard_noise);
   }
 }
 

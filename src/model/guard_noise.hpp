@@ -6,7 +6,7 @@
 
 namespace pwlsim::model {
 
-/// Where leaks decide a potential, the guards that read it have fewer digits than others: what they differ by from those at another shift tells how many.
+/// Where leaks decide a potential, the guards that read it have fewer digits than others: the difference from those at another shift shows how many.
 /// The voltage of a blocking port that has none, and is rounding of its own terms, is zero (a diode across a closed switch). `other`: the same mode at that
 /// shift; null, or of another size: nothing is known.
 void measure_guard_noise(const System& system, Mode& mode, const Mode* other);

@@ -5,15 +5,12 @@
 #include <cmath>
 
 #include "lcp/lemke.hpp"
+#include "model/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-constexpr double rank_tolerance = 1e-9;
-/// Of an impulse, beside the largest.
-constexpr double impulse_tolerance = 1e-8;
 
 /// Orders 1 … L tried in turn. Time in units of 1/‖A‖ and u, y in units of √‖A‖, in which B, C and D are of one size.
 class Impulses {
@@ -49,10 +46,10 @@ class Impulses {
     Vector right = Vector::Zero(equations.rows());
     right.head(size) = jump;
     Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-    decomposition.setThreshold(rank_tolerance);  // before compute(), which leaves undone what its rank does not call for
+    decomposition.setThreshold(tolerance::rank);  // before compute(), which leaves undone what its rank does not call for
     decomposition.compute(equations);
     const Vector weights = decomposition.solve(right);
-    if (!((equations * weights - right).norm() <= impulse_tolerance * jump.norm() + noise_)) return false;
+    if (!((equations * weights - right).norm() <= tolerance::impulse * jump.norm() + noise_)) return false;
     // Of each weight, what an error of the jump makes of it: where ports can nearly replace one another, far more than its share.
     error_ = noise_ * decomposition.pseudoInverse().rowwise().norm();
     take(order, scale, weights);
@@ -94,7 +91,7 @@ class Impulses {
       for (Eigen::Index i = 0; i < q; ++i) {
         const auto from = (j - 1) * q + i;
         u_[at(j - 1)][active_[at(i)]] = scale[from] * weights[from];
-        size_[at(j - 1)][active_[at(i)]] = scale[from] * (impulse_tolerance * weights.norm() + error_[from]);
+        size_[at(j - 1)][active_[at(i)]] = scale[from] * (tolerance::impulse * weights.norm() + error_[from]);
       }
   }
 
@@ -117,7 +114,7 @@ class Impulses {
       impulse[i] = sign == 0 ? 0.0 : reads.row(i).dot(weights);
     }
     if ((impulse.array() >= 0.0).all()) return;
-    const Matrix open = linalg::null_space(equations, rank_tolerance);
+    const Matrix open = linalg::null_space(equations, tolerance::rank);
     const Matrix moved = linalg::clean_product(reads, open);
     const lcp::Solution solution = lcp::lemke(moved * moved.transpose(), impulse);
     if (solution.status == lcp::Status::solved) take(1, scale, weights + open * (moved.transpose() * solution.z));

@@ -21,7 +21,7 @@ struct Impulse {
       sign;  ///< of each diode port: of its first impulse that is not zero, highest order first; of u_i in J, of y_i outside; 0: none
 };
 
-/// `jump`: x⁺ − x⁻ (system.size()), with an error of norm `noise`; signs count beyond what it does to them. `rate`: linalg::rate_of(A).
+/// `jump`: x⁺ − x⁻ (system.size()), with an error of norm `noise`; signs count only beyond the effect of that error. `rate`: linalg::rate_of(A).
 [[nodiscard]] Impulse find_impulse(const System& system, double rate, const IndexSet& active, const Vector& jump, double noise);
 
 }  // namespace pwlsim::model

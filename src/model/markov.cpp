@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/certificate.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
@@ -11,14 +12,12 @@ namespace {
 
 using linalg::Matrix;
 
-constexpr double rank_tolerance = 1e-9;
-
 bool is_zero(const Matrix& m) { return m.size() == 0 || m.cwiseAbs().maxCoeff() == 0.0; }
 
 bool is_regular(Matrix m) {
   for (auto row : m.rowwise()) row.normalize();
   for (auto column : m.colwise()) column.normalize();
-  return linalg::null_space(m, rank_tolerance).cols() == 0;
+  return linalg::null_space(m, tolerance::rank).cols() == 0;
 }
 
 /// Takes one parameter into the degrees and the leading rows and columns; whether a row or a column is led by it.

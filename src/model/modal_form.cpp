@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -15,8 +17,6 @@ using Places = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index largest_form = 24;  ///< states; beyond, the search would cost more than it saves
 constexpr Wide largest_condition = 1e7L;   ///< ‖V‖‖V⁻¹‖: what extended precision has to spare goes into it
-constexpr Wide rate_error = 1e-10L;        ///< of a row of V⁻¹(M V − V Λ), against its rate,
-constexpr Wide still = 1e-14L;             ///< or the slowest rate that is more than this share of ‖M‖
 
 /// Of y, what moves by a rate of its own, and levels and ramps.
 void sort_places(const System& system, const Mode& mode, Places& moved, Places& given) {
@@ -34,7 +34,7 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
     if (const Wide rate = lambda.row(i).norm(); rate > least) slowest = std::min(slowest, rate);
   if (slowest == static_cast<Wide>(INFINITY)) slowest = least;
   for (Eigen::Index i = 0; i < lambda.rows(); ++i)
-    if (!(rest.row(i).norm() <= rate_error * std::max(lambda.row(i).norm(), slowest))) return false;
+    if (!(rest.row(i).norm() <= tolerance::rate_error * std::max(lambda.row(i).norm(), slowest))) return false;
   return true;
 }
 
@@ -71,7 +71,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
   if (!(w.norm() * v.norm() < largest_condition)) return nullptr;
-  if (!knows_every_rate(w * (m * v - v * lambda), lambda, still * m.norm())) return nullptr;
+  if (!knows_every_rate(w * (m * v - v * lambda), lambda, tolerance::slowest_rate * m.norm())) return nullptr;
 
   auto form = std::make_unique<ModalForm>();
   for (Eigen::Index i = 0; i < n; ++i) {

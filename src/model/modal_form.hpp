@@ -6,7 +6,7 @@
 ///
 ///     g(τ) = g + q·l' τ + Σ_k Re p_k (z_k' e₁(λ_k, τ) + f_k' e₂(λ_k, τ)),   f' = V⁻¹ L l',   e₁ = (e^{λτ} − 1)/λ,  e₂ = (e₁ − τ)/λ,
 ///
-/// without cancellation for rates of any size (Higham, Functions of Matrices (2008), §4.5, for diagonalization and its condition). Of a complex pair one λ_k stands for both.
+/// without cancellation for rates of any size (Higham, Functions of Matrices (2008), §4.5, for diagonalization and its condition). One λ_k represents both of a complex pair.
 
 #include <complex>
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace pwlsim::model {
 
-/// λ_k, 1/s, and what is often asked of it.
+/// λ_k, 1/s, and values computed from it that are used often.
 struct ModalRate {
   std::complex<double> value, inverse;  ///< inverse: 0 of 0
   double size = 0.0, time = 0.0;        ///< |λ|, 1/|λ| (∞ of 0)

@@ -62,7 +62,7 @@ struct Mode {
   Vector guard_norm, guard_c_norm;  ///< ‖row‖, ‖row restricted to c‖
   Matrix guard_block_norm;          ///< guards × exosystem blocks
   /// One bit for each entry of c that the guard or one of its derivatives reads; 0, or empty: all of them. These entries obey an equation of
-  /// their own: what the others do, a lossless ring beside it, does not bear on the guard's bounds.
+  /// their own: the other states, a lossless ring for example, do not affect the guard's bounds.
   std::vector<std::uint64_t> guard_reads;
   std::vector<char> guard_constant;                     ///< no derivative: cannot fire within a segment
   std::vector<int> guard_twin;                          ///< first row with the same values: it speaks for this one
@@ -72,20 +72,13 @@ struct Mode {
   std::unique_ptr<Decays> decays;                       ///< where the mode is the slow motion of its active set; null: it is all of it
 
   mutable std::uint64_t visits = 0;
-  mutable const Mode* slow = nullptr;  ///< the mode of its slow motion, where there is one and it has been asked for
+  mutable const Mode* slow = nullptr;  ///< the mode of its slow motion, if it has one and it was requested
   bool piecewise_linear = false;       ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
   mutable double reach = 1.5;          ///< rate·h that the locator's series decided last in this mode
   mutable std::unique_ptr<ModalForm> modal_form;  ///< likewise
   mutable bool modal_form_known = false;
   mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
 };
-
-/// Builds the mode of `active`, valves that block on that side; `regular` is false where V ⊕ T is not the whole space.
-[[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
-
-/// The slow motion of a mode that leaves decays which are much faster, with time constants of at most `longest`, s: V is then the slow manifold, T the fast subspace
-/// (slow_manifold.hpp). Null where it leaves none.
-[[nodiscard]] std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest);
 
 /// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
 void finish_mode(const System& system, Mode& mode, Matrix a);

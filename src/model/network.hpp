@@ -66,7 +66,7 @@ struct Capacitor {
   bool has_initial = false;
   double initial_voltage = 0.0;
   bool starts_there = false;  ///< without uic too, even where that contradicts the network
-  std::string state{};        ///< what its voltage stands for where it is none: "x(s,1)"
+  std::string state{};        ///< the quantity that its voltage represents: "x(s,1)"
 };
 /// v = inductance·i' + Σ mutual·i_other'.
 struct Inductor {
@@ -94,7 +94,7 @@ struct Injection {
   NodeIndex p = ground, n = ground;
   LinearForm current;
 };
-/// Ideal diode behind a series resistance and a forward drop: with d = v − drop − resistance·i:  0 ≤ −d ⊥ i ≥ 0.
+/// Ideal diode in series with a resistance and a forward drop: with d = v − drop − resistance·i:  0 ≤ −d ⊥ i ≥ 0.
 /// With `enabled_by` (switches of the network) only while one of these is closed, else i = 0.
 struct Diode {
   Label label;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include "lcp/lemke.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
@@ -10,8 +11,6 @@ namespace {
 
 using linalg::Matrix;
 using linalg::Vector;
-
-constexpr double switch_rank_tolerance = 1e-11;
 
 }  // namespace
 
@@ -32,7 +31,7 @@ PortProblem without_switches(const PortProblem& problem, int diodes, const std::
   const Vector scale = lcp::diagonal_scale(ss);
   const Matrix scaled = scale.asDiagonal() * ss * scale.asDiagonal();
   Eigen::FullPivLU<Matrix> lu(scaled);
-  lu.setThreshold(switch_rank_tolerance);
+  lu.setThreshold(tolerance::switch_rank);
   if (!lu.isInvertible()) {
     PortProblem split{Matrix(d + 2 * a, d + 2 * a), Vector(d + 2 * a)};
     split.m << reduced.m, ds, -ds, sd, ss, -ss, -sd, -ss, ss;

@@ -6,20 +6,17 @@
 
 #include "lcp/lemke.hpp"
 #include "model/certificate.hpp"
+#include "model/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::model {
 
 namespace {
 
-constexpr double series_noise = 3e-14;
 constexpr double share_of_norm = 0.1;
-constexpr double tie_tolerance = 1e-12;
 /// In units of the rate, s at which G(s) shows what it is from there on, and far enough for what is small in D to show, too.
 constexpr double large_s_factors[] = {1e4, 1e10, 1e16};
 constexpr std::size_t most_own_ports = 10;
-constexpr double twin_tolerance = 1e-10;  ///< of rows and columns
-constexpr double regularisation = 1e-8;   ///< of a problem whose diagonal is about 1
 
 /// With the valves that block: they stand where switches and no signs have them.
 std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
@@ -36,7 +33,7 @@ std::vector<int> active_switches(const System& system, const IndexSet& wanted) {
 std::vector<int> ports_of_their_own(const Matrix& effects) {
   const Eigen::Index k = effects.cols(), n = effects.rows() - k;
   const Matrix m = effects.topRows(k), on_state = effects.bottomRows(n);
-  const auto differ = [](const Vector& a, const Vector& b) { return !((a - b).norm() <= twin_tolerance * a.norm()); };
+  const auto differ = [](const Vector& a, const Vector& b) { return !((a - b).norm() <= tolerance::twin * a.norm()); };
   const auto is_twin = [&](int i, int j) {
     const double sign = m(i, j) < 0.0 ? -1.0 : 1.0;
     return !differ(m.col(i), sign * m.col(j)) && !differ(m.row(i), sign * m.row(j)) && !differ(on_state.col(i), sign * on_state.col(j));
@@ -78,7 +75,7 @@ Matrix RationalProblem::port_matrix(double s) {
       Matrix term = system_.c * w;
       const Matrix term_bound = size_c * bound;
       for (Eigen::Index i = 0; i < term.size(); ++i)
-        if (std::abs(term.data()[i]) <= series_noise * term_bound.data()[i]) term.data()[i] = 0.0;
+        if (std::abs(term.data()[i]) <= tolerance::series_noise * term_bound.data()[i]) term.data()[i] = 0.0;
       markov_.push_back(std::move(term));
       w = system_.a * w / rate_;
       bound = size_a * bound / rate_;
@@ -110,7 +107,7 @@ PortProblem RationalProblem::at(const double* x, double s) {
   double power = 1.0;
   for (int j = 0; j <= size; ++j) {
     const Vector value = system_.c * z;
-    const Vector level = series_noise * (size_c * bound + share_of_norm * z.norm() * row_norm);
+    const Vector level = tolerance::series_noise * (size_c * bound + share_of_norm * z.norm() * row_norm);
     for (int i = 0; i < k; ++i)
       if (std::abs(value[i]) > level[i]) problem.q[i] += value[i] * power;
     z = system_.a * z / rate_;
@@ -182,11 +179,11 @@ std::vector<IndexSet> RationalProblem::candidates(const double* x, double s, con
   pivots_ += static_cast<std::uint64_t>(solution.pivots);
   if (solution.status != lcp::Status::solved) {
     // Rounding of a singular problem (series and parallel diodes) can leave it without a solution; a small multiple of 1 restores one.
-    solution = lcp::lemke(scaled + regularisation * Matrix::Identity(k, k), q);
+    solution = lcp::lemke(scaled + tolerance::regularisation * Matrix::Identity(k, k), q);
     pivots_ += static_cast<std::uint64_t>(solution.pivots);
   }
   if (solution.status != lcp::Status::solved) return {};
-  const double tie = tie_tolerance * (k > 0 ? q.cwiseAbs().maxCoeff() : 0.0);
+  const double tie = tolerance::port_tie * (k > 0 ? q.cwiseAbs().maxCoeff() : 0.0);
   IndexSet by_value = wanted;
   IndexSet by_basis = wanted;
   for (int i = 0; i < system_.diodes; ++i) {

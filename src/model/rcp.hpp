@@ -29,7 +29,7 @@ class RationalProblem {
   /// Whether the problem has one solution for every x, with the switch ports as in `wanted`: G(s) is a P-matrix for all sufficiently
   /// large s (Heemels, Schumacher and Weiland 1999; Cottle, Pang, Stone 1992, Theorem 3.3.7), aside from ports that are others'
   /// twins, the other way round or not (what these share is not unique; x and their sum are), and from those that move nothing and
-  /// are not moved. False where that is not so, is not clear, or would take too long to tell.
+  /// are not moved. False if that is not so, is not certain, or would take too long to decide.
   [[nodiscard]] bool is_uniquely_solvable(const IndexSet& wanted);
 
   /// ‖A‖₂ (1 where A is zero): the unit in which s is large.

@@ -6,23 +6,21 @@
 #include <functional>
 #include <utility>
 
+#include "model/build_mode.hpp"
+#include "model/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::model {
 
 namespace {
 
-/// ‖P x − x‖ below this multiple of a mode's rounding level, against ‖x‖, is no jump.
-constexpr double consistency_per_noise = 30.0;
-/// Of a state, against the largest there was.
-constexpr double state_rounding = 30.0 * 2.220446049250313e-16;
 /// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
 constexpr double brief_per_unseen = 1e4;
 constexpr int most_jumps = 20;
 constexpr int most_rounds_of_rule = 4;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 /// Rounding levels of the verification, tried in turn.
-constexpr double relaxations[] = {1.0, 1e2, 1e4};
+constexpr double relaxations[] = {1.0, 1e2, coarsest_relaxation};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr std::size_t most_remembered = 6;
 
@@ -91,14 +89,14 @@ bool Selector::consistent(const Mode& mode, const double* x, double* projected) 
     return true;
   }
   linalg::multiply(mode.projector, x, projected);
-  const double tolerance = consistency_per_noise * mode.noise * verifier_.relaxation();
+  const double tolerance = tolerance::consistency_per_noise * mode.noise * verifier_.relaxation();
   return linalg::square_distance(projected, x, size) <= tolerance * tolerance * linalg::square(x, size);
 }
 
 /// The same to the rounding of the largest state there was: a state that is small, but there, does not lie in every mode.
 bool Selector::strictly_consistent(const Mode& mode, const double* x, double* projected) const {
   return consistent(mode, x, projected) &&
-         linalg::square_distance(projected, x, system_.size()) <= state_rounding * state_rounding * largest_square_;
+         linalg::square_distance(projected, x, system_.size()) <= tolerance::state_rounding * tolerance::state_rounding * largest_square_;
 }
 
 /// Without a jump: in `projected_`, x as it then is.
@@ -119,7 +117,7 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
   const auto size = static_cast<Eigen::Index>(system_.size());
   const Eigen::Map<const Vector> state(x, size);
   const Vector& start = left_;
-  const Vector rounding = state_rounding * (decays.coordinates.cwiseAbs() * state.cwiseAbs());
+  const Vector rounding = tolerance::state_rounding * (decays.coordinates.cwiseAbs() * state.cwiseAbs());
   for (Eigen::Index k = 0; k < start.size(); ++k)
     if (decays.time_constants[k] == 0.0 && std::abs(start[k]) > rounding[k]) return false;
   coordinates_of_ = nullptr;
@@ -445,7 +443,7 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
       found = search(x, *current, result.jumps == 0 ? trigger : -1, warm, jumped);
       if (found) break;
     }
-    result.relaxation = verifier_.relaxation();
+    result.relaxation = std::max(result.relaxation, verifier_.relaxation());
     if (!found) {
       result.choice = Choice::none;
       result.mode = &mode(*current);

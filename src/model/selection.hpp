@@ -26,7 +26,7 @@ enum class Choice { found, none, several, too_many_jumps };
 /// Which of several different continuations is taken: the first in the order of the ports, or the previous mode where it is one.
 enum class Several { first, stay };
 
-/// What is seldom asked for.
+/// Results that are seldom needed.
 struct Details {
   Vector impulse;                          ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
   bool higher_order = false;               ///< derivatives of impulses acted too
@@ -38,9 +38,12 @@ struct Selected {
   Choice choice = Choice::found;
   const Mode* mode = nullptr;
   int jumps = 0;
-  double relaxation = 1.0;           ///< factor on the rounding level that the verification needed
+  double relaxation = 1.0;           ///< largest factor on the rounding level that the verification needed, over all jumps
   const Details* details = nullptr;  ///< after jumps and with `several`
 };
+
+/// The last rounding level of the verification: `Selected::relaxation` of a mode that no finer level accepts.
+inline constexpr double coarsest_relaxation = 1e4;
 
 /// With so many ports all modes are tried where nothing else helps, and for further continuations.
 inline constexpr int few_ports = 6;
@@ -50,7 +53,7 @@ class Selector {
   Selector(const System& system, Several several);
 
   /// x (system.size() entries) holds the state before, ζ already right of the instant; on return the state after all jumps.
-  /// `wanted`: previous mode's set with the switch ports set as they now stand. `trigger`: port whose guard reached zero, −1: none.
+  /// `wanted`: previous mode's set with the switch ports in their present positions. `trigger`: port whose guard reached zero, −1: none.
   /// Valid until the next selection.
   const Selected& select(double* x, const IndexSet& wanted, int trigger);
   /// The answer where there is nothing to select.
@@ -61,13 +64,13 @@ class Selector {
   /// Its slow motion, where it leaves decays that are much faster; else null.
   const Mode* slow_mode(const IndexSet& set);
   /// Decays that are over within `time`, s, and take no guard to zero, are not followed: x goes to the slow manifold at once.
-  /// The next state that is asked about comes from this mode after its decays are over, so that it lies in its slow motion; null: there is none.
+  /// The next state to select for comes from this mode after its decays have ended, so it lies in its slow motion; null: none.
   void set_settled(const Mode* mode) { settled_mode_ = mode; }
   void set_unseen(double time) {
     unseen_ = time;
     verifier_.set_unseen(time);
   }
-  /// Ports that share freely are all told to conduct, though no signal reads their share.
+  /// Ports that share freely all count as conducting, although no signal reads their share.
   void share_in_any_case() { ports_are_read_ = true; }
   /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
   void rational_only(bool only) { rational_only_ = only; }
@@ -79,7 +82,7 @@ class Selector {
   [[nodiscard]] Verifier& verifier() { return verifier_; }
   void mark_visited(const Mode& mode);
   /// The rule J = (I \ Γ2) ∪ Γ1 of van der Schaft & Schumacher's earlier paper: from I every port changes sides whose guard is about to fall
-  /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: where it asks for a jump it may be adhesive.
+  /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: if it implies a jump, the jump may be adhesive.
   [[nodiscard]] IndexSet by_rule(const double* x, const IndexSet& set);
   /// Numbers of the system's outputs that some visited mode leaves open (their least-norm value is what rows hold).
   [[nodiscard]] std::vector<std::size_t> open_outputs() const;
@@ -88,7 +91,7 @@ class Selector {
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
   /// Coordinates in that mode of x as `select` left it, where the selection has computed them; null elsewhere.
   [[nodiscard]] const double* coordinates(const Mode& mode) const { return coordinates_of_ == &mode ? y_.data() : nullptr; }
-  /// Whether two modes, both consistent at x, go on as one solution.
+  /// Whether two modes, both consistent at x, continue as one solution.
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
 
  private:
@@ -139,9 +142,9 @@ class Selector {
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& wanted);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
-  std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes goes on in one way from every x
-  DecayingSum decaying_;                                        ///< a guard, while what is left beside the slow motion decays
-  std::array<Entry*, 4> recent_{};                              ///< of them, those asked for last
+  std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes has one continuation from every x
+  DecayingSum decaying_;                                        ///< a guard, while the difference from the slow motion decays
+  std::array<Entry*, 4> recent_{};                              ///< the ones used last
   std::size_t next_recent_ = 0;
   IndexSet held_;
   Verifier verifier_;
@@ -155,7 +158,7 @@ class Selector {
   double unseen_ = 0.0;  ///< s
   const Mode* settled_mode_ = nullptr;
   Vector left_;           ///< of decays, when a slow motion was last entered
-  bool may_jump_ = true;  ///< false while it is asked whether the state after a jump goes on without another
+  bool may_jump_ = true;  ///< false while testing whether the state after a jump continues without another
   Selected selected_;
   std::vector<const Mode*> jumped_into_;
   Details details_;

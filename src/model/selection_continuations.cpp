@@ -5,23 +5,17 @@
 #include <functional>
 #include <utility>
 
+#include "model/build_mode.hpp"
 #include "model/selection.hpp"
 #include "model/static_neighbours.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
 
-/// A signal moves along an open direction of u when its terms do not cancel there.
-constexpr double open_tolerance = 1e-9;
-/// By a guard, against ‖row‖·‖y‖; and against the mode's own rounding.
-constexpr double clearly_violated = 1e-6, clearly_above_noise = 1e3;
 /// Modes tried for further continuations where there are more, so that an event does not take seconds.
 constexpr std::size_t most_neighbours = 100;
-/// Continuations of two modes differ when a derivative does by this fraction.
-constexpr double alike_tolerance = 1e-9;
-/// What is left of derivatives that are zero, against the state (and of u and y, times the largest row that gives them).
-constexpr double derivative_noise = 1e-15;
 
 }  // namespace
 
@@ -56,7 +50,7 @@ std::vector<std::size_t> Selector::open_outputs() const {
     for (std::size_t i = 0; i < open.size(); ++i) {
       const Vector moved = directions.transpose() * system_.outputs[i].input;
       const Vector size = directions.cwiseAbs().transpose() * system_.outputs[i].input.cwiseAbs();
-      if (((moved.cwiseAbs() - open_tolerance * size).array() > 0.0).any()) open[i] = 1;
+      if (((moved.cwiseAbs() - tolerance::open_signal * size).array() > 0.0).any()) open[i] = 1;
     }
   }
   std::vector<std::size_t> numbers;
@@ -75,15 +69,15 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
   to_mode(system_, a, x, ca.data());
   to_mode(system_, b, x, cb.data());
   double size = linalg::norm(x, system_.size());
-  double rounding = derivative_noise * size;
+  double rounding = tolerance::derivative_rounding * size;
   const double largest_row = std::sqrt(std::max(
       {a.k.rowwise().squaredNorm().maxCoeff(), b.k.rowwise().squaredNorm().maxCoeff(), system_.c.rowwise().squaredNorm().maxCoeff()}));
   const double growth = std::max({1.0, a.norm_a / rational_.rate(), b.norm_a / rational_.rate()});
   for (int j = 0; j <= system_.size(); ++j, rounding *= growth) {
     from_mode(system_, a, ca.data(), za.data());
     from_mode(system_, b, cb.data(), zb.data());
-    size = std::max({size * 1e-3, za.norm(), zb.norm()});
-    if ((za - zb).norm() > alike_tolerance * size + rounding) return false;
+    size = std::max({size * tolerance::vanishing_derivative, za.norm(), zb.norm()});
+    if ((za - zb).norm() > tolerance::same_derivative * size + rounding) return false;
     linalg::multiply(a.k, za.data(), ua.data());
     linalg::multiply(b.k, zb.data(), ub.data());
     linalg::multiply(system_.c, za.data(), ya.data());
@@ -94,7 +88,7 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
     linalg::multiply(system_.d, du.data(), ya.data());
     dy += ya;
     for (int i = 0; i < system_.ports; ++i)
-      if (std::min(std::abs(du[i]), std::abs(dy[i])) > alike_tolerance * port_size + rounding * largest_row) return false;
+      if (std::min(std::abs(du[i]), std::abs(dy[i])) > tolerance::same_derivative * port_size + rounding * largest_row) return false;
     ca = a.flow.a() * ca / rational_.rate();
     cb = b.flow.a() * cb / rational_.rate();
   }
@@ -105,7 +99,7 @@ bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) co
 bool Selector::is_violated(const Mode& mode, const double* x) {
   coordinates_of_ = &mode;
   to_mode(system_, mode, x, y_.data());
-  const double tolerance = std::max(clearly_violated, clearly_above_noise * mode.noise * verifier_.relaxation());
+  const double tolerance = std::max(tolerance::clearly_violated, tolerance::clearly_above_noise * mode.noise * verifier_.relaxation());
   const double norm = linalg::norm(y_.data(), mode.ny);
   for (int i = 0; i < system_.diodes; ++i)
     if (linalg::row_times(mode.guards, i, y_.data()) < -tolerance * mode.guard_norm[i] * norm) return true;

@@ -10,6 +10,7 @@
 
 #include "linalg/elimination.hpp"
 #include "model/mode.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
@@ -30,14 +31,8 @@ constexpr double gap = 1e4;
 constexpr double least_damping = 0.999;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
 constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
-/// Pivots of the ports' equations, of order one, below this are what rounding leaves of zero.
-constexpr Wide port_tolerance = 1e-17L;
-/// Of an equation that holds of itself, in terms of order one.
-constexpr Wide cancelled = 1e-13L;
-constexpr Wide converged = 1e-17L;
 constexpr int most_iterations = 16;
 constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
-constexpr double eigenvector_tolerance = 1e-9;
 constexpr int rounds_of_equilibration = 4;
 
 /// How many of the mode's motions are decays with a time constant of at most `longest`, far faster than the rest; and the rates on both sides of the cut.
@@ -103,13 +98,13 @@ bool make_resolvent(const System& system, const WideMatrix& b, const WideMatrix&
   cr.rightCols(nz) += product(c.rightCols(nz), of_sources);
   const WideMatrix m = d + product(c.leftCols(n), rb);
   const WideVector scale = equilibration(m);
-  const WideElimination ports(scale.asDiagonal() * m * scale.asDiagonal(), port_tolerance);
+  const WideElimination ports(scale.asDiagonal() * m * scale.asDiagonal(), tolerance::manifold_pivot);
   const WideMatrix right = scale.asDiagonal() * cr;
   if (ports.rank() < m.rows()) {
     // Equations that hold of themselves, and inputs that are in none.
     const WideMatrix open = scale.asDiagonal() * ports.kernel();
     const auto is_zero = [](const WideMatrix& x, const WideMatrix& terms) {
-      return ((x.cwiseAbs() - cancelled * terms).array() <= 0).all();
+      return ((x.cwiseAbs() - tolerance::manifold_identity * terms).array() <= 0).all();
     };
     const WideMatrix left = ports.left_kernel().transpose();
     if (!is_zero(product(left, right), linalg::absolute_product(left, right)) ||
@@ -139,7 +134,7 @@ WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
     WideMatrix next = orthonormal(product(s, basis));
     const Wide change = (next - product(basis, product(basis.transpose(), next))).norm();
     basis = std::move(next);
-    if (change <= converged) break;
+    if (change <= tolerance::manifold_converged) break;
   }
   return basis;
 }
@@ -155,10 +150,12 @@ WideMatrix complement(const WideMatrix& basis) {
 
 class Splitter {
  public:
-  Splitter(const System& system, const Mode& whole, Cut cut, double shift_factor) : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
+  Splitter(const System& system, const Mode& whole, Cut cut, double shift_factor)
+      : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
     // What the mode itself holds at zero is faster still: a jump.
     fast_ = cut.fast + (system.n - whole.n1);
-    resolvent_.shift = static_cast<Wide>(shift_factor) * std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
+    resolvent_.shift = static_cast<Wide>(shift_factor) *
+                       std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
   }
 
   std::optional<SlowManifold> run(const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
@@ -209,7 +206,7 @@ void Splitter::find_lift() {
     next -= product(slow_, product(w_, next));
     const Wide change = (next - lift_).norm();
     lift_ = std::move(next);
-    if (change <= converged * lift_.norm() || !(change < last)) break;
+    if (change <= tolerance::manifold_converged * lift_.norm() || !(change < last)) break;
     last = change;
   }
 }
@@ -262,7 +259,7 @@ bool Splitter::separate_decays() {
   }
   const Matrix vectors = solver.eigenvectors().real();
   const Eigen::FullPivLU<Matrix> lu(vectors);
-  if (!(lu.rcond() > eigenvector_tolerance)) return false;
+  if (!(lu.rcond() > tolerance::eigenvector)) return false;
   result_.slowest = result_.time_constants.maxCoeff();
   result_.fast = result_.fast * vectors;
   result_.coordinates = lu.solve(result_.coordinates);

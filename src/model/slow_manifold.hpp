@@ -1,5 +1,5 @@
 #pragma once
-/// The slow motion of a mode that has very fast decays beside it.
+/// The slow motion of a mode that also has very fast decays.
 ///
 /// A blocked diode's Roff beside an inductor, or a small Ron beside a capacitor, gives a mode rates of 10¹³ s⁻¹ beside those of milliseconds. Its matrix A_J has lost the
 /// slow ones to rounding. They are all in its resolvent at a shift σ between the two, which the ports give without ever forming a fast rate:
@@ -36,7 +36,7 @@ struct SlowManifold {
 };
 
 /// Of `whole`, the mode of the active ports whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
-/// most `longest`, s, or where what is fast is no plain decay. The answer does not depend on `shift_factor`, a few units, but for rounding.
+/// most `longest`, s, or if the fast part is not a plain decay. Except for rounding, the answer does not depend on `shift_factor`, a few units.
 [[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const linalg::WideMatrix& b,
                                                         const linalg::WideMatrix& c, const linalg::WideMatrix& d, double longest,
                                                         double shift_factor = 1.0);

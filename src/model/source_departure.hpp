@@ -27,7 +27,7 @@ class SourceDeparture {
 
   const Exosystem& exosystem_;
   linalg::Matrix absolute_;                  ///< |S|
-  std::vector<double> derivatives_, sizes_;  ///< S^k ζ one behind the other, and sums of the magnitudes that each is a sum of
+  std::vector<double> derivatives_, sizes_;  ///< S^k ζ in sequence, and the sums of the magnitudes of their terms
   std::size_t known_ = 0;
   double time_ = 0.0, tolerance_ = 0.0;
   double steepest_ = 0.0;       ///< bound of the states' first derivatives

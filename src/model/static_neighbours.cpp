@@ -5,30 +5,27 @@
 #include <array>
 #include <cmath>
 
+#include "model/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::model {
-namespace {
-
-/// What decides is far above the rounding of q, against the sum of its terms, and of a state, against the largest so far.
-constexpr double value_tolerance = 1e-9, state_tolerance = 1e-12;
-/// Against the terms that it is a sum of an entry of M below it counts as zero, and is not pivoted on.
-constexpr double least_pivot = 1e-9;
-
-}  // namespace
+namespace {}  // namespace
 
 StaticNeighbours::StaticNeighbours(const System& system, const IndexSet& active, const double* x, double largest)
     : role_(static_cast<std::size_t>(system.ports), Role::restricted),
       tableau_(system.d, system.c * Eigen::Map<const Vector>(x, system.size())),
       size_(system.d.cwiseAbs()) {
   const auto state = Eigen::Map<const Vector>(x, system.size());
-  tolerance_ = value_tolerance * (system.c.cwiseAbs() * state.cwiseAbs()) + state_tolerance * largest * system.c.rowwise().norm();
+  tolerance_ = tolerance::neighbour_value * (system.c.cwiseAbs() * state.cwiseAbs()) +
+               tolerance::neighbour_state * largest * system.c.rowwise().norm();
   for (int i = system.diodes; i < system.ports; ++i) role_[static_cast<std::size_t>(i)] = Role::stays;
   for (const int port : blocked_ports(system, active)) role_[static_cast<std::size_t>(port)] = Role::stays;
   pivot_on_active(system, active);
 }
 
-bool StaticNeighbours::is_zero(int row, int column) const { return std::abs(m()(row, column)) <= least_pivot * size_(row, column); }
+bool StaticNeighbours::is_zero(int row, int column) const {
+  return std::abs(m()(row, column)) <= tolerance::neighbour_pivot * size_(row, column);
+}
 
 /// One by one where the diagonal allows it, by twos where it does not, and those last that nothing allows: they are open, and whom they reach.
 void StaticNeighbours::pivot_on_active(const System& system, const IndexSet& active) {
@@ -83,7 +80,7 @@ bool StaticNeighbours::rest_allows(std::span<const int> flipped, const double* z
     for (std::size_t i = 0; i < flipped.size(); ++i) {
       const double term = m()(k, flipped[i]) * z[i];
       value += term;
-      size += value_tolerance * size_(k, flipped[i]) * std::abs(z[i]) + size_(k, flipped[i]) * z_tolerance[i];
+      size += tolerance::neighbour_value * size_(k, flipped[i]) * std::abs(z[i]) + size_(k, flipped[i]) * z_tolerance[i];
     }
     if (value < -size) return false;
   }
@@ -106,7 +103,7 @@ bool StaticNeighbours::may_flip(int first, int second) const {
   const double a = m()(first, first), b = m()(first, second), c = m()(second, first), d = m()(second, second);
   const double determinant = a * d - b * c;
   const double terms = size_(first, first) * size_(second, second) + size_(first, second) * size_(second, first);
-  if (std::abs(determinant) <= least_pivot * terms) return true;
+  if (std::abs(determinant) <= tolerance::neighbour_pivot * terms) return true;
   const double q1 = q()[first], q2 = q()[second];
   const double z[] = {(b * q2 - d * q1) / determinant, (c * q1 - a * q2) / determinant};
   const double size[] = {(std::abs(b) * tolerance_[second] + std::abs(d) * tolerance_[first]) / std::abs(determinant),

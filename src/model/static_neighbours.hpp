@@ -1,6 +1,6 @@
 #pragma once
-/// Which modes that differ from a given one in one or two ports can go on from a state at all, by what holds at the instant itself:
-/// y = C x + D u with 0 ≤ u ⊥ y ≥ 0. It rejects only; what is left must be built and verified.
+/// Which modes that differ from a given one in one or two ports can continue from a state at all, by the conditions at the instant itself:
+/// y = C x + D u with 0 ≤ u ⊥ y ≥ 0. It only rejects; the remaining modes must be built and verified.
 ///
 /// Principal pivoting (Cottle, Pang, Stone 1992, §2.3) on the ports P of the active set J for which D_PP can be inverted gives w = q + M z: of P
 /// w is u and z is y, of the others w is y and z is u, and in the mode z = 0. What u is at J without P, derivatives settle: these ports, and whom

@@ -1,7 +1,7 @@
 #pragma once
 /// Which steps feed themselves. What a node or an element influences is read off the structure: elements and the nodes that they join influence each
 /// other; a node that a branch ties to ground (or to a node tied so) at a voltage that does not read that branch itself is influenced by what the
-/// voltage reads, and by nothing that hangs on it; a form is influenced by what it reads. Controls of switches do not count: a loop through
+/// voltage reads, and by nothing connected to it; a form is influenced by what it reads. Controls of switches do not count: a loop through
 /// one is closed by decisions only.
 
 #include <vector>

@@ -2,15 +2,12 @@
 
 #include <cmath>
 
-#include "model/descriptor.hpp"
+#include "model/assembly.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
-namespace {
-
-constexpr double rank_tolerance = 1e-9;
-
-}  // namespace
+namespace {}  // namespace
 
 StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   const Assembly assembly(island.network, true);
@@ -32,11 +29,11 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   // in the kernel of Λᵀ holds it.
   const Matrix lambda = assembly.inductance_root();
   const linalg::WideMatrix across = lambda.transpose().cast<linalg::Wide>();
-  const Matrix open = linalg::wide_null_space(across, rank_tolerance).cast<double>();
-  const Matrix solution = linalg::wide_pseudo_inverse(across, rank_tolerance).cast<double>();
+  const Matrix open = linalg::wide_null_space(across, tolerance::rank).cast<double>();
+  const Matrix solution = linalg::wide_pseudo_inverse(across, tolerance::rank).cast<double>();
   const Matrix own = coordinates_.bottomRows(coordinates_.rows() - voltages);
   for (Eigen::Index i = 0; i < currents; ++i) {
-    const bool known = open.row(i).norm() <= rank_tolerance;
+    const bool known = open.row(i).norm() <= tolerance::rank;
     names_.push_back((known ? "i(" : "flux(") + inductors[static_cast<std::size_t>(i)].label.name + ")");
     rows_.row(voltages + i) = (known ? solution : lambda).row(i) * own;
   }

@@ -30,7 +30,7 @@ class StoreValues {
   Matrix rows_;         ///< values × (ξ, ζ)
   Matrix coordinates_;  ///< energy coordinates of all stores, in √J
   Vector sign_;
-  Eigen::Index capacitors_ = 0;  ///< the first so many of the coordinates are theirs
+  Eigen::Index capacitors_ = 0;  ///< this many first coordinates belong to capacitors
 };
 
 }  // namespace pwlsim::model

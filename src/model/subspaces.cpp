@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -12,15 +14,11 @@ using linalg::wide_range_space;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-constexpr double rank_tolerance = 1e-10;    ///< of unit vectors and equilibrated rows
-constexpr double noise_row = 1e-12;         ///< rows and columns below this, after scaling, are rounding
-constexpr double largest_condition = 1e12;  ///< of [V T]
-
 /// Rows divided by their largest entry, rows of rounding dropped.
 WideMatrix equilibrated(const WideMatrix& m, WideMatrix* companion = nullptr) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < m.rows(); ++i)
-    if (m.cols() > 0 && m.row(i).cwiseAbs().maxCoeff() > noise_row) kept.push_back(i);
+    if (m.cols() > 0 && m.row(i).cwiseAbs().maxCoeff() > tolerance::noise_row) kept.push_back(i);
   WideMatrix result(static_cast<Eigen::Index>(kept.size()), m.cols());
   WideMatrix other(static_cast<Eigen::Index>(kept.size()), companion ? companion->cols() : 0);
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -36,7 +34,7 @@ WideMatrix equilibrated(const WideMatrix& m, WideMatrix* companion = nullptr) {
 WideMatrix complement_rows(const WideMatrix& v, Eigen::Index size) {
   if (v.cols() == size) return WideMatrix(0, size);
   if (v.cols() == 0) return WideMatrix::Identity(size, size);
-  return wide_null_space(v.transpose(), rank_tolerance).transpose();
+  return wide_null_space(v.transpose(), tolerance::subspace_rank).transpose();
 }
 
 WideMatrix consistent_subspace(const WideMatrix& a, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
@@ -46,8 +44,8 @@ WideMatrix consistent_subspace(const WideMatrix& a, const WideMatrix& b, const W
     const WideMatrix q = complement_rows(v, size);
     WideMatrix block(q.rows() + c.rows(), v.cols() + b.cols());
     block << q * a * v, q * b, c * v, d;
-    const WideMatrix kernel = wide_null_space(equilibrated(block), rank_tolerance);
-    const WideMatrix next = wide_range_space(v * kernel.topRows(v.cols()), rank_tolerance, 1.0);
+    const WideMatrix kernel = wide_null_space(equilibrated(block), tolerance::subspace_rank);
+    const WideMatrix next = wide_range_space(v * kernel.topRows(v.cols()), tolerance::subspace_rank, 1.0);
     if (next.cols() == v.cols()) break;
     v = next;
   }
@@ -60,7 +58,7 @@ WideMatrix jump_subspace(const WideMatrix& a, const WideMatrix& b, const WideMat
   for (;;) {
     WideMatrix row(c.rows(), t.cols() + d.cols());
     row << c * t, d;
-    const WideMatrix kernel = wide_null_space(row, rank_tolerance, 1.0);
+    const WideMatrix kernel = wide_null_space(row, tolerance::subspace_rank, 1.0);
     WideMatrix direction(size, t.cols() + b.cols());
     direction << a * t, b;
     const WideMatrix image = direction * kernel;
@@ -69,9 +67,9 @@ WideMatrix jump_subspace(const WideMatrix& a, const WideMatrix& b, const WideMat
     Eigen::Index kept = t.cols();
     for (Eigen::Index j = 0; j < image.cols(); ++j) {
       const linalg::Wide norm = image.col(j).norm();
-      if (norm > noise_row) both.col(kept++) = image.col(j) / norm;
+      if (norm > tolerance::noise_row) both.col(kept++) = image.col(j) / norm;
     }
-    const WideMatrix next = wide_range_space(both.leftCols(kept), rank_tolerance, 1.0);
+    const WideMatrix next = wide_range_space(both.leftCols(kept), tolerance::subspace_rank, 1.0);
     if (next.cols() == t.cols()) return t;
     t = next;
   }
@@ -94,7 +92,7 @@ WideMatrix feedback_on(const WideMatrix& v, const WideMatrix& a, const WideMatri
   right << -q * a * v, -c * v;
   const WideMatrix scaled = equilibrated(left, &right);
   if (scaled.rows() == 0) return WideMatrix::Zero(b.cols(), size);
-  const WideMatrix inverse = linalg::wide_pseudo_inverse(scaled, rank_tolerance);
+  const WideMatrix inverse = linalg::wide_pseudo_inverse(scaled, tolerance::subspace_rank);
   condition = std::max(condition, linalg::spectral_norm(inverse.cast<double>()) * linalg::spectral_norm(scaled.cast<double>()));
   const WideMatrix x = inverse * right;
   return linalg::wide_cleaned(x * v.transpose(), x.cwiseAbs() * v.cwiseAbs().transpose());
@@ -103,7 +101,7 @@ WideMatrix feedback_on(const WideMatrix& v, const WideMatrix& a, const WideMatri
 bool reaches_sources(const WideMatrix& v, int n_zeta) {
   if (n_zeta == 0) return true;
   if (v.cols() < n_zeta) return false;
-  return wide_range_space(WideMatrix(v.bottomRows(n_zeta)), rank_tolerance).cols() == n_zeta;
+  return wide_range_space(WideMatrix(v.bottomRows(n_zeta)), tolerance::subspace_rank).cols() == n_zeta;
 }
 
 }  // namespace
@@ -125,14 +123,14 @@ Subspaces find_subspaces(const WideMatrix& a0, const WideMatrix& b0, const WideM
   WideMatrix both(size, size);
   both << v, t;
   result.condition = condition_of(both);
-  if (!(result.condition < largest_condition)) return result;
+  if (!(result.condition < tolerance::largest_condition)) return result;
   const WideMatrix inverse = size > 0 ? WideMatrix(both.inverse()) : both;
   result.projector = v * inverse.topRows(v.cols());
   result.feedback = root * feedback_on(v, a, b, c, d, result.condition);
   result.constraints = complement_rows(v, size);
   WideMatrix effect(size + d.rows(), b.cols());
   effect << b, d;
-  result.free_inputs = wide_null_space(equilibrated(effect), rank_tolerance);
+  result.free_inputs = wide_null_space(equilibrated(effect), tolerance::subspace_rank);
   result.free_inputs = linalg::wide_cleaned(result.free_inputs, WideMatrix::Ones(b.cols(), result.free_inputs.cols()));
   result.regular = true;
   return result;

@@ -1,8 +1,8 @@
 #pragma once
-/// Diodes that conduct only while one of their switches is closed (Diode::enabled_by): else they block, whatever their voltage is.
+/// Diodes that conduct only while one of their switches is closed (Diode::enabled_by): otherwise they block at any voltage.
 ///
 /// With its switches open such a port is no complementarity but an open contact: its current is zero, and no sign ends that. In a set of active
-/// ports it stands on the side on which it blocks; in a mode its guard is zero for good.
+/// ports it stands on the side on which it blocks; in a mode its guard is identically zero.
 
 #include <vector>
 
@@ -17,7 +17,7 @@ namespace pwlsim::model {
 /// These ports on the side on which they block.
 void hold_blocked(const System& system, IndexSet& set);
 
-/// Of M z + q and 0 ≤ z ⊥ M z + q ≥ 0, ports whose z is zero whatever the others do.
+/// Of M z + q and 0 ≤ z ⊥ M z + q ≥ 0, ports whose z is zero for any values of the others.
 template <class Matrix, class Vector>
 void take_out(const std::vector<int>& ports, Matrix& m, Vector& q) {
   for (const int i : ports) {

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/tolerances.hpp"
+
 namespace pwlsim::model {
 
 namespace {
 
 constexpr double share_of_norm = 0.1;
-/// Beyond, the sign of a guard is decided as if it had these digits.
-constexpr double most_guard_noise = 1e-11;
 /// Of decays: as long as they may hold a guard.
 constexpr double time_constants_unresolved = 4.0;
-/// What is left of a state that has come to rest, as a fraction of the largest there ever was; counts at relaxed levels only.
-constexpr double rest_noise = 1e-18;
 
 }  // namespace
 
@@ -42,8 +40,8 @@ void Verifier::extend(const Mode& mode, int order) {
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
   size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
-  double bound = relaxation_ * std::min(mode.guard_noise[row], std::max(mode.noise, most_guard_noise)) * size;
-  if (relaxation_ > 1.0) bound += relaxation_ * rest_noise * mode.guard_norm[row] * largest_;
+  double bound = relaxation_ * std::min(mode.guard_noise[row], std::max(mode.noise, tolerance::most_guard_noise)) * size;
+  if (relaxation_ > 1.0) bound += relaxation_ * tolerance::remainder_of_decay * mode.guard_norm[row] * largest_;
   return bound;
 }
 

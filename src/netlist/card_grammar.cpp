@@ -111,13 +111,15 @@ const auto check_comma = [](auto& context) {
   const bool nothing_before = before != state.context.line.begin() && (before[-1] == '(' || before[-1] == '[');
   const bool nothing_behind = after == state.context.line.end() || *after == ',' || *after == ')' || *after == ']';
   if (nothing_before || nothing_behind) {
-    state.context.report("E-syntax-comma", comma, nothing_before ? "a value is missing before ','" : "a value is missing behind ','");
+    state.context.report("E-syntax-comma", comma, nothing_before ? "a value is missing before ','" : "a value is missing after ','");
   }
 };
 
 const auto joins_parenthesis = [](auto& context) {
   x3::_pass(context) = state_of(context).style.joins_parenthesis(x3::_val(context).text);
 };
+
+const auto braces_allowed = [](auto& context) { x3::_pass(context) = state_of(context).style.is_model(); };
 
 const auto params_word_allowed = [](auto& context) { x3::_pass(context) = state_of(context).style.takes_params(); };
 
@@ -147,23 +149,47 @@ const auto without_value = [](auto& context) {
   Item& item = x3::_val(context);
   if (!item.items.empty()) {
     item.items.clear();
-    state_of(context).context.errors.report("E-syntax-value", item.text_span, "a value is missing behind '" + item.text + " ='");
+    state_of(context).context.errors.report("E-syntax-value", item.text_span, "a value is missing after '" + item.text + " ='");
   }
 };
 
-/// {…} or '…', read by a function of its own.
+/// -{…}
+Expression with_sign(char sign, Expression operand, SourceSpan span) {
+  Expression whole;
+  whole.kind = Expression::Kind::unary;
+  whole.text = std::string(1, sign);
+  whole.span = span;
+  whole.arguments.push_back(std::move(operand));
+  return whole;
+}
+
+/// `Ron=…`: what stands here is a parameter of a model, not an expression.
+bool holds_assignment(const char* at, const char* last) {
+  const auto is_name = [](char c) { return name_rest_byte(static_cast<unsigned char>(c)); };
+  at = std::find_if_not(at, last, is_blank);
+  const char* const end = std::find_if_not(at, last, is_name);
+  const char* const sign = std::find_if_not(end, last, is_blank);
+  return end != at && sign != last && *sign == '=' && (sign + 1 == last || sign[1] != '=');
+}
+
+/// {…} or '…', read by a function of its own; a sign may stand before it.
 struct DelimitedExpression : x3::parser<DelimitedExpression> {
   using attribute_type = Item;
   [[maybe_unused]] static constexpr bool has_attribute = true;
 
   template <typename Iterator, typename Context, typename RuleContext, typename Attribute>
   bool parse(Iterator& first, const Iterator& last, const Context& context, RuleContext&, Attribute& item) const {
-    if (first == last || (*first != '{' && *first != '\'')) {
+    const bool is_signed = first != last && (*first == '-' || *first == '+') && first + 1 != last;
+    const char* const opening = is_signed ? first + 1 : first;
+    if (opening == last || (*opening != '{' && *opening != '\'')) {
       return false;
     }
+    if (state_of(context).style.is_model() && holds_assignment(opening + 1, last)) return false;
     const char* const begin = first;
     Expression expression;
+    first = opening;
     parse_delimited_expression(first, last, state_of(context).context, expression);
+    if (is_signed) expression = with_sign(*begin, std::move(expression), state_of(context).context.line.span(begin, first));
     item.kind = Item::Kind::expression;
     item.expression = std::make_shared<const Expression>(std::move(expression));
     item.span = state_of(context).context.line.span(begin, first);
@@ -212,10 +238,12 @@ constexpr ByteParser<blank_byte> blank{};
 const x3::rule<struct list_rule, std::vector<Item>> list = "items of a card";
 const x3::rule<struct group_list_rule, std::vector<Item>> group_list = "items between ( and )";
 const x3::rule<struct vector_list_rule, std::vector<Item>> vector_list = "items between [ and ]";
+const x3::rule<struct brace_list_rule, std::vector<Item>> brace_list = "parameters of a model between { and }";
 // The gaps are rules of their own because a rule with semantic actions anywhere in it fills no attribute by itself.
 const x3::rule<struct gap_rule> gap = "between items of a card";
 const x3::rule<struct group_gap_rule> group_gap = "between items of a group";
 const x3::rule<struct vector_gap_rule> vector_gap = "between items of a vector";
+const x3::rule<struct brace_gap_rule> brace_gap = "between parameters of a model";
 const x3::rule<struct entry_rule, Item> entry = "item or assignment";
 const x3::rule<struct word_or_group_rule, Item> word_or_group = "word or group";
 const x3::rule<struct other_rule, Item> other = "string, bare group or vector";
@@ -236,27 +264,31 @@ const auto plain_word = (x3::char_('%') >> *word_byte_) | (word_byte_ >> *(word_
 const auto word = x3::raw[(x3::eps[params_word_allowed] >> x3::no_case["params:"]) | plain_word];
 const auto name = ByteParser<name_first_byte>{} >> *ByteParser<name_rest_byte>{};
 
-const auto word_or_group_def =
-    x3::raw[word[set_text(Item::Kind::word)] >> -(-(x3::eps[joins_parenthesis] >> +blank) >> opening('(') >>
-                                                  group_list[set_items(Item::Kind::group)] >> closing(')'))][set_left_span];
+const auto word_or_group_def = x3::raw[word[set_text(Item::Kind::word)] >> -(-(x3::eps[joins_parenthesis] >> +blank) >> opening('(') >>
+                                                                             group_list[set_items(Item::Kind::group)] >> closing(')')) >>
+                                       -(x3::eps[braces_allowed] >> &(*blank >> '{' >> *blank >> name >> is_assignment) >> *blank >>
+                                         opening('{') >> brace_list[set_items(Item::Kind::group)] >> closing('}'))][set_left_span];
 const auto string = opening('"') >> x3::raw[*ByteParser<string_byte>{}][set_text(Item::Kind::string)] >> closing('"');
 const auto other_def = x3::raw[(opening('(') >> group_list[set_items(Item::Kind::group)] >> closing(')')) |
                                (opening('[') >> vector_list[set_items(Item::Kind::vector)] >> closing(']')) | string][set_span];
 const auto braced_def = DelimitedExpression{};
 const auto open_value_def = !(name >> is_assignment) >> OpenExpression{};
-const auto plain_value_def = !(plain_word >> is_assignment) >> (word_or_group | braced | other);
+const auto plain_value_def = !(plain_word >> is_assignment) >> (braced | word_or_group | other);
 const auto value = *blank >> ((x3::eps[wants_expression] >> open_value[set_value]) | plain_value[set_value]);
 const auto assignment = is_assignment >> x3::eps[start_assignment] >> (value | x3::eps[without_value]);
-const auto entry_def = x3::raw[word_or_group[take] >> -assignment][set_span] | (braced[take] >> -is_assignment) | other[take];
+const auto entry_def = (braced[take] >> -is_assignment) | x3::raw[word_or_group[take] >> -assignment][set_span] | other[take];
 
 const auto gap_def = gap_with(x3::char_(")]}"));
 const auto group_gap_def = gap_with(x3::char_("]}"));
 const auto vector_gap_def = gap_with(x3::char_(")}"));
+const auto brace_gap_def = gap_with(x3::char_(")]"));
 const auto list_def = gap >> *(entry >> gap);
 const auto group_list_def = group_gap >> *(entry >> group_gap);
 const auto vector_list_def = vector_gap >> *(entry >> vector_gap);
+const auto brace_list_def = brace_gap >> *(entry >> brace_gap);
 
-BOOST_SPIRIT_DEFINE(gap, group_gap, vector_gap, list, group_list, vector_list, entry, word_or_group, other, braced, open_value, plain_value)
+BOOST_SPIRIT_DEFINE(gap, group_gap, vector_gap, brace_gap, list, group_list, vector_list, brace_list, entry, word_or_group, other, braced,
+                    open_value, plain_value)
 
 /// `.func f(a,b) {body}`, `.func f(a,b) body` or `.func f(a,b) = body`.
 void parse_function(const char*& first, const char* last, State& state, std::vector<Item>& items) {

@@ -46,7 +46,7 @@ bool report_ended_by(const Token& token, const char* opening, const ParseContext
   const bool closes = token.kind == Token::Kind::close;
   context.report("E-syntax-expression", token.whole,
                  closes                             ? "'" + text + "' closes nothing"
-                 : token.kind == Token::Kind::comma ? "',' separates arguments of a function, and there is none here"
+                 : token.kind == Token::Kind::comma ? "',' separates function arguments, but there is no function here"
                  : token.kind == Token::Kind::colon ? "':' has no '?'"
                                                     : "an operator is missing before '" + text + "'");
   return false;

@@ -175,7 +175,7 @@ ExpressionBuilder::Outcome ExpressionBuilder::comma(const Token& token) {
     return Outcome::failed;
   }
   if (pending_.back().kind != Pending::Kind::call) {
-    return fail("E-syntax-expression", token.whole, "',' separates arguments of a function, and there is none here");
+    return fail("E-syntax-expression", token.whole, "',' separates function arguments, but there is no function here");
   }
   operand_expected_ = true;
   return Outcome::taken;
@@ -241,7 +241,7 @@ bool ExpressionBuilder::combine(Expression::Kind kind, const Pending& operation,
   operands_.push_back(std::move(combined));
   if (!allowed) {
     fail("E-limit-expression", operation.whole,
-         "more than " + std::to_string(deepest_expression) + " operations build on one another; try a .param for a part of them");
+         "more than " + std::to_string(deepest_expression) + " nested operations; try a .param for a part of them");
   }
   return allowed;
 }
@@ -249,7 +249,7 @@ bool ExpressionBuilder::combine(Expression::Kind kind, const Pending& operation,
 bool ExpressionBuilder::finish(const char* end, Expression& result) {
   if (operand_expected_) {
     const std::string_view last = pending_.empty() ? part(end, end) : pending_.back().whole;
-    fail("E-syntax-expression", last, pending_.empty() ? "an expression is missing" : "a value is missing behind " + quoted(last));
+    fail("E-syntax-expression", last, pending_.empty() ? "an expression is missing" : "a value is missing after " + quoted(last));
     return false;
   }
   if (!reduce_above(0, false)) {

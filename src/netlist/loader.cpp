@@ -34,7 +34,7 @@ std::string describe(const TextProblem& problem, std::string_view text) {
     return "a byte that is neither UTF-8 nor Latin-1; try saving the file as UTF-8";
   }
   const auto last = static_cast<unsigned char>(text[problem.offset + problem.size - 1]);
-  return fmt::format("the control character U+{:04X} may not stand in a deck", static_cast<unsigned>(last));
+  return fmt::format("the control character U+{:04X} is not allowed in a deck", static_cast<unsigned>(last));
 }
 
 bool looks_like_card(std::string_view title) {
@@ -123,7 +123,7 @@ void Loader::read_cards(const File& file, std::size_t begin, SectionFilter& filt
   while (reader.next(line)) {
     const std::string_view name = card_name(line.text());
     if (line.orphan()) {
-      errors_.report("E-syntax-continuation", line.span(line.text()), "'+' continues a card, and none stands before it");
+      errors_.report("E-syntax-continuation", line.span(line.text()), "'+' continues a card, but there is no card before it");
     } else if (name.starts_with('.')) {
       if (!read_dot_card(file, reader, line, name, filter)) {
         return;
@@ -142,7 +142,7 @@ bool Loader::read_dot_card(const File& file, LineReader& reader, const LogicalLi
   }
   if (same_name(name, ".endl")) {
     if (!filter.end()) {
-      context.report("E-syntax-lib", name, "'.endl' ends no '.lib' section");
+      context.report("E-syntax-lib", name, "'.endl' without a '.lib' section");
     }
     return true;
   }
@@ -162,7 +162,7 @@ bool Loader::read_dot_card(const File& file, LineReader& reader, const LogicalLi
   if (same_name(name, ".control")) {
     skip_control(reader, line.span(name));
   } else if (same_name(name, ".endc")) {
-    context.report("E-syntax-control", name, "'.endc' ends no '.control'");
+    context.report("E-syntax-control", name, "'.endc' without '.control'");
   } else {
     const std::size_t before = deck_.cards.size();
     add_card(line);
@@ -256,15 +256,24 @@ bool Loader::has_card(std::string_view name) const {
   return std::any_of(deck_.cards.begin(), deck_.cards.end(), [&](const Card& card) { return same_name(card.name, name); });
 }
 
+/// Whether arguments without quotes are the name of a file that is there.
+bool Loader::is_one_name(const File& from, const std::vector<FileArgument>& arguments) {
+  if (std::any_of(arguments.begin(), arguments.end(), [](const FileArgument& argument) { return argument.quoted; })) return false;
+  const char* const begin = arguments.front().whole.data();
+  const char* const end = arguments.back().whole.data() + arguments.back().whole.size();
+  return !find_file({begin, static_cast<std::size_t>(end - begin)}, from.directory).path.empty();
+}
+
 void Loader::request_file(const File& from, const ParseContext& context, std::string_view name,
                           const std::vector<FileArgument>& arguments) {
   const bool library = same_name(name, ".lib");
   const std::size_t most = library ? 2 : 1;
   if (arguments.empty()) {
-    context.report("E-syntax-include", name, fmt::format("a file name is missing behind '{}'", name));
+    context.report("E-syntax-include", name, fmt::format("a file name is missing after '{}'", name));
     return;
   }
-  const bool has_blanks = library && arguments.size() > most && is_windows_path(arguments[0].text);  // LTspice's own: C:\Program Files\…
+  // LTspice's own: C:\Program Files\…
+  const bool has_blanks = arguments.size() > most && (is_windows_path(arguments[0].text) || is_one_name(from, arguments));
   if (arguments.size() > most && !has_blanks) {
     context.report("E-syntax-include", arguments[most].whole,
                    fmt::format("'{}' takes {}; try quotes around a name with blanks", name, library ? "a file and a section" : "one file"));
@@ -310,7 +319,7 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
   const auto [path, not_found, is_elsewhere] = find_file(request.file, from.directory);
   if (is_elsewhere)
     errors_.diagnostics().note("N-file-beside", request.file_span,
-                               fmt::format("'{}' is not there: {} is read", request.file, path.string()));
+                               fmt::format("'{}' does not exist: {} is read", request.file, path.string()));
   FileBytes read;
   if (!path.empty()) {
     std::error_code error;

@@ -66,6 +66,7 @@ class Loader {
   void take_control_tran();
   [[nodiscard]] bool has_card(std::string_view name) const;
 
+  [[nodiscard]] static bool is_one_name(const File& from, const std::vector<FileArgument>& arguments);
   void request_file(const File& from, const ParseContext& context, std::string_view name, const std::vector<FileArgument>& arguments);
   void read_request(const File& from, const Request& request);
   const File* open_file(const File& from, const Request& request);

@@ -87,9 +87,10 @@ class DeckWriter {
       const int element = index_.element(condition.name);
       twin_.set_initial_current(static_cast<std::size_t>(element), condition.value);
       if (!at_start)
-        diagnostics_.error("E-no-twin", condition.span,
-                           fmt::format("ngspice forces no current in an operating point: `.ic I({})` counts there with uic only; try uic",
-                                       condition.name));
+        diagnostics_.error(
+            "E-no-twin", condition.span,
+            fmt::format("ngspice forces no current in an operating point: `.ic I({})` has an effect there only with uic; try uic",
+                        condition.name));
     }
   }
 

@@ -53,7 +53,7 @@ NgspiceRun run_ngspice(const std::string& program, const std::string& deck, cons
   if (folder.made() && file)
     end = run_process({program, "-n", "-b", "-r", folder.file("deck.raw"), folder.file("deck.cir")}, folder.file("log"), limits);
   if (!end.started) {
-    run.words = "ngspice could not be started, or there is no room for its files";
+    run.words = "ngspice could not be started, or there is no space for its files";
     return run;
   }
   const std::string log = read_bytes(folder.file("log"));

@@ -270,7 +270,7 @@ class Search {
     const Matrix phi = is_driven() ? v.x : v.return_map();
     const Eigen::JacobiSVD<Matrix> svd(Matrix::Identity(n, n) - phi, Eigen::ComputeFullV);
     const Vector& s = svd.singularValues();
-    orbit_.condition = s[n - 1];
+    orbit_.least_singular = s[n - 1];
     for (Eigen::Index i = 0; i < n; ++i)
       if (s[i] <= singular * std::max(1.0, s[0])) orbit_.free_directions.emplace_back(svd.matrixV().col(i));
     const Eigen::EigenSolver<Matrix> eigen(v.x);

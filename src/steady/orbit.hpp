@@ -25,7 +25,7 @@ struct OrbitTask {
   double period = 0.0;  ///< s, of a driven circuit: k times the common period; 0: self-timed
   int multiple = 1;     ///< k
   Section section;      ///< self-timed
-  double longest = 0.0;  ///< s, self-timed: without an event for so long there is none
+  double longest = 0.0;  ///< s, self-timed: without an event for this long there is none
   int most_iterations = 100;
   int most_periods = 4000;  ///< simulated
   int periods_before = 4;   ///< simulated before the first step
@@ -51,7 +51,7 @@ struct Orbit {
   double residual = 0.0;  ///< ‖φ(x) − x‖ against the largest state on the orbit
   double largest = 0.0;   ///< that state's norm, √J
   int iterations = 0, periods_simulated = 0;
-  double condition = 0.0;               ///< smallest singular value of I − Φ
+  double least_singular = 1.0;          ///< smallest singular value of I − Φ
   std::vector<Vector> free_directions;  ///< of a family of orbits
   Vector drift;                         ///< of ξ in a period, where it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
@@ -62,7 +62,7 @@ struct Orbit {
 
 [[nodiscard]] Orbit find_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);
 
-/// Largest magnitude of the multipliers but the trivial one; 0 where there is none.
+/// Largest magnitude of the multipliers except the trivial one; 0 if there is none.
 [[nodiscard]] double spectral_radius(const Orbit& orbit);
 
 }  // namespace pwlsim::steady

@@ -1,5 +1,5 @@
 #pragma once
-/// A run, remembered: its segments and instants in order, for what is to be computed along them.
+/// A recorded run: its segments and instants in order, for computations along them.
 
 #include <functional>
 #include <vector>

@@ -111,7 +111,7 @@ std::string count_cycles(std::vector<PeriodicSource>& sources) {
   for (const PeriodicSource& source : sources) {
     const auto ratio = fraction_of(source.period / first.period);
     if (!ratio)
-      return fmt::format("no common period of {} and {}: their ratio is no fraction with a denominator up to {}; try period=",
+      return fmt::format("no common period of {} and {}: their ratio is not a fraction with a denominator up to {}; try period=",
                          frequency_text(first), frequency_text(source), largest_denominator);
     ratios.push_back(*ratio);
   }

@@ -20,6 +20,7 @@ constexpr double growth = 16.0;        ///< of the time that is looked at, as lo
 constexpr int most_extensions = 6;
 constexpr double time_constants = 8.0;  ///< the first look
 constexpr double periods_per_hint = 50.0;
+constexpr int most_other_instants = 100'000;  ///< while the event that was asked for does not come
 
 /// What an instant changes: the modes and switches right of it, where something changed.
 std::string signature(const InstantView& view, const std::vector<char>& before) {
@@ -112,10 +113,11 @@ class Finder {
   /// Runs to where an event has recurred, `state` then being right of it.
   std::optional<Section> recurring(RunState& state, double horizon) {
     Counter counter;
-    int count = 0;
+    int count = 0, others = 0;
     const EndsAt ends = [&](const InstantView& view, const std::vector<char>& before) {
       if (!task_.section) return counter(view, before);
-      return view.time > 0.0 && task_.section->is_passed(view, before) && ++count == recurrences;
+      if (view.time > 0.0 && task_.section->is_passed(view, before)) return ++count == recurrences;
+      return ++others == most_other_instants;
     };
     TraceRecorder recorder(state.on, ends);
     const engine::Answer answer = march_.advance(state, horizon, &recorder);
@@ -123,6 +125,10 @@ class Finder {
     failed_ = answer.outcome != engine::Outcome::completed;
     if (failed_) orbit_.verdict = answer.outcome == engine::Outcome::interrupted ? Verdict::interrupted : Verdict::run_failed;
     if (!recorder.has_ended()) return std::nullopt;
+    if (others == most_other_instants) {
+      failed_ = true;
+      orbit_.verdict = Verdict::no_event;
+    }
     if (task_.section) return task_.section;
     return Section{event_text(recorder), [what = counter.found()](const InstantView& view, const std::vector<char>& before) {
                      return signature(view, before) == what;

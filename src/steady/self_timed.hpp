@@ -12,11 +12,11 @@ struct SelfTimedTask {
   OrbitTask orbit;                 ///< period and section are filled in
   std::optional<Section> section;  ///< none: the change of mode whose recurrence shows first
   double hint = 0.0;               ///< s, a guess of the period; 0: none
-  double horizon = 0.0;            ///< s, a time in which something happens; 0: the time constants tell
+  double horizon = 0.0;            ///< s, a time within which an event occurs; 0: taken from the time constants
   double settling_time = 0.0;      ///< s, simulated before
 };
 
-/// Verdict::no_event where the circuit comes to rest, or the section's event does not recur.
+/// Verdict::no_event if the circuit settles to a constant state, or the section's event does not recur.
 [[nodiscard]] Orbit find_self_timed_orbit(engine::March& march, const engine::RunState& start, const SelfTimedTask& task);
 
 /// Where the switch or diode of that name (compared without case) closes or opens; none where it has no port in the model.

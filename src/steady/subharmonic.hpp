@@ -5,7 +5,7 @@
 
 namespace pwlsim::steady {
 
-/// Newton's method on k periods also finds orbits that repeat sooner. Where it has, the search starts anew from a run of many periods, then from beside
+/// Newton's method on k periods also finds orbits that repeat sooner. If it has, the search restarts from a run of many periods, then from beside
 /// that orbit, along its eigenvector of the largest negative multiplier.
 [[nodiscard]] Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);
 

@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 using ComplexVector = Eigen::VectorXcd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-/// What moves instants of itself, beside state and inputs: of each instant of the orbit δt̂, s.
+/// Direct shifts of instants, besides those by state and inputs: δt̂ of each instant of the orbit, s.
 using TimeShifts = std::vector<Complex>;
 
 class Transfer {

@@ -74,7 +74,7 @@ class Walk {
     for (const engine::Change& change : step.changes) {
       if (change.cause == engine::Cause::accumulation) kink(fmt::format("events accumulate at t = {} s", step.time));
       if (change.cause == engine::Cause::undecided && change.before != change.after)
-        kink(fmt::format("the event at t = {} s could not be told from others", step.time));
+        kink(fmt::format("the event at t = {} s could not be distinguished from others", step.time));
     }
     return Eigen::RowVectorXd::Zero(stacking_.size());
   }

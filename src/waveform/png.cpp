@@ -10,7 +10,7 @@ std::optional<std::string> find_png_converter() { return find_program("rsvg-conv
 
 std::optional<std::string> png_of_svg(const std::string& converter, const std::string& svg, std::string& problem) {
   const TemporaryFolder folder;
-  problem = "there is no room for temporary files";
+  problem = "there is no space for temporary files";
   if (!folder.made()) return std::nullopt;
   const std::string source = folder.file("picture.svg"), result = folder.file("picture.png"), log = folder.file("log");
   std::ofstream file(source, std::ios::binary);

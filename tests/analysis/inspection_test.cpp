@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/json.hpp"
+#include "engine/exact/exact.hpp"
 #include "netlist/load.hpp"
 #include "support/json.hpp"
 

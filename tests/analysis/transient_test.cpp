@@ -127,7 +127,7 @@ TEST_CASE("a value beyond the range of numbers ends the run before its row", "[u
   const TransientRun result = run(scratch, simulate);
   CHECK(result.ending == Ending::failed);
   CHECK(result.id == "E-overflow");
-  CHECK(result.message.find("v(a,b) leaves the range of numbers after t = 200 ms") == 0);
+  CHECK(result.message.find("v(a,b) exceeds the range of numbers after t = 200 ms") == 0);
   CHECK(read_file(scratch / "a.csv") == three_rows);
 }
 

@@ -100,42 +100,42 @@ TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   CHECK(refused({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") == 0);
   CHECK(refused({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
   CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"})
-            .find("error[E-option-value]: `--smooth no` is no number from 1e-09 to 1") == 0);
+            .find("error[E-option-value]: `--smooth no` is not a number from 1e-09 to 1") == 0);
 }
 
 TEST_CASE("the help of export and compare, to the letter", "[unit]") {
   CHECK(information({"export", "--help"}) ==
         "Usage: pwlsim export circuit.net -o out.cir [--smooth X]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or an LTspice schematic (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
         "  -o,--output FILE    The ngspice deck; '-' is standard output\n"
-        "  --smooth X          How sharp: ohm of an ideal contact, width of a step, 1e-9 to 1 (default: 1e-3)\n"
-        "  --quiet             No notes and warnings; errors stay\n"
+        "  --smooth X          Sharpness: resistance of an ideal contact in ohm, width of a step, 1e-9 to 1 (default: 1e-3)\n"
+        "  --quiet             Print only errors: no notes and warnings\n"
         "\n"
         "Writes a deck for stock ngspice in batch mode (ngspice -b -r out.raw out.cir): numbers\n"
         "expanded, ideal diodes and switches with resistances, steps and corners rounded.\n"
-        "Of a schematic, schematic.asc -o out.net writes its netlist instead.\n");
+        "For a schematic, schematic.asc -o out.net writes its netlist instead.\n");
   CHECK(information({"compare", "-h"}) ==
         "Usage: pwlsim compare circuit.net [--budget S] [--verbose] [--smooth X] [--json] [--plot out.svg]\n"
         "\n"
-        "  circuit.net         The deck: a SPICE-like netlist, or a schematic of LTspice (.asc)\n"
+        "  circuit.net         The deck: a SPICE-like netlist, or an LTspice schematic (.asc)\n"
         "\n"
         "Options:\n"
         "  -h,--help           Print this text and stop\n"
-        "  --budget S          How long ngspice may run, in seconds (default: 10); a longer deck is compared up to where that reaches\n"
-        "  --smooth X          Where the smoothing starts, 1e-9 to 1 (default: 1e-3)\n"
-        "  --json              As JSON, with all digits\n"
-        "  --plot FILE.svg     Draw the waveforms of both over each other\n"
-        "  --verbose           Say what each signal and each setting of ngspice gave\n"
-        "  --no-progress       No progress bar on a terminal\n"
-        "  --quiet             No notes and warnings; errors stay\n"
+        "  --budget S          How long ngspice may run, in seconds (default: 10); a longer run is compared up to the time reached\n"
+        "  --smooth X          First smoothing, 1e-9 to 1 (default: 1e-3)\n"
+        "  --json              Print JSON, with all digits\n"
+        "  --plot FILE.svg     Draw the waveforms of both programs in one picture\n"
+        "  --verbose           Print the result of each signal and of each setting of ngspice\n"
+        "  --no-progress       Show no progress bar\n"
+        "  --quiet             Print only errors: no notes and warnings\n"
         "\n"
         "Runs the deck, and its smoothed equivalent in ngspice at ever finer steps and smoothing until\n"
-        "the answer no longer changes; then says how far apart the two are and what both took. --verbose: per\n"
-        "signal, how much of it ngspice's own errors explain, and how far its switching times are off.\n");
+        "the result converges; reports how far apart the two are and both run times. --verbose: for each\n"
+        "signal, how much of the difference ngspice's own errors explain, and the error of its switching times.\n");
 }
 
 TEST_CASE("compare takes a deck, a picture, a sharpness, a budget, --json and --verbose", "[unit]") {
@@ -152,7 +152,7 @@ TEST_CASE("compare takes a deck, a picture, a sharpness, a budget, --json and --
   CHECK(compared({"compare", "c.net"}).budget == 10.0);
   CHECK(compared({"compare", "c.net", "--budget", "2.5", "--verbose"}).budget == 2.5);
   CHECK(compared({"compare", "c.net", "--verbose"}).verbose);
-  CHECK(refused({"compare", "c.net", "--budget", "0"}).find("error[E-option-value]: `--budget 0` is no time") == 0);
+  CHECK(refused({"compare", "c.net", "--budget", "0"}).find("error[E-option-value]: `--budget 0` is not a time") == 0);
   CHECK(refused({"compare"}).find("error[E-no-deck]") == 0);
   CHECK(refused({"compare", "c.net", "--plot", "-"}).find("error[E-option-value]: `--plot -`") == 0);
 }
@@ -181,7 +181,7 @@ TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]"
   const std::string text = GENERATE("", "D1", "D1=", "=on", " =on", "D1=maybe", "D1=on,", "D1=on;D2=off");
   CHECK(refused({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
   CHECK(refused({"inspect"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is no option of pwlsim; try `--json`\n");
+  CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is not an option of pwlsim; try `--json`\n");
   CHECK(refused({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") ==
         0);
 }
@@ -189,13 +189,13 @@ TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]"
 TEST_CASE("wrong command lines are refused with a cure", "[golden]") {
   CHECK(refused({}) == "error[E-no-deck]: no deck is given; try pwlsim circuit.net, or pwlsim --help\n");
   CHECK(refused({"a.net", "b.net"}).find("error[E-too-many-files]: one deck is run at a time") == 0);
-  CHECK(refused({"c.net", "--evnts"}) == "error[E-unknown-argument]: `--evnts` is no option of pwlsim; try `--events`\n");
-  CHECK(refused({"c.net", "--zzz=1"}) == "error[E-unknown-argument]: `--zzz` is no option of pwlsim; try pwlsim --help\n");
-  CHECK(refused({"c.net", "-o"}) == "error[E-option-value]: `--output` lacks its value; try pwlsim --help\n");
-  CHECK(refused({"-o", "--events", "c.net"}).find("error[E-option-value]: `--output` lacks its value") == 0);
+  CHECK(refused({"c.net", "--evnts"}) == "error[E-unknown-argument]: `--evnts` is not an option of pwlsim; try `--events`\n");
+  CHECK(refused({"c.net", "--zzz=1"}) == "error[E-unknown-argument]: `--zzz` is not an option of pwlsim; try pwlsim --help\n");
+  CHECK(refused({"c.net", "-o"}) == "error[E-option-value]: `--output` needs a value; try pwlsim --help\n");
+  CHECK(refused({"-o", "--events", "c.net"}).find("error[E-option-value]: `--output` needs a value") == 0);
   CHECK(refused({"c.net", "-o", ""}).find("error[E-option-value]") == 0);
   CHECK(refused({"c.net", "-o", "a", "-o", "b"}).find("error[E-repeated-option]: `--output` is given 2 times") == 0);
-  CHECK(refused({"c.net", "--engine", "warp"}).find("error[E-option-value]: `--engine warp` names no engine") == 0);
+  CHECK(refused({"c.net", "--engine", "warp"}).find("error[E-option-value]: `--engine warp` does not name an engine") == 0);
   CHECK(refused({"c.net", "--format", "xml"}).find("error[E-option-value]: `--format xml` names no format") == 0);
   CHECK(refused({"c.net", "--quiet=banana"}).find("error[E-option-value]") == 0);
   CHECK(refused({"c.net", "--quiet", "--verbose"}).find("error[E-option-conflict]") == 0);

@@ -70,7 +70,7 @@ TEST_CASE("in a circuit without ground a node is taken for it, with a note", "[u
   const Finished finished =
       run_deck(scratch, "no ground\nR1 p m 3\nR2 m q 1\nV1 p q 8\n.tran 1u 10u\n.meas a AVG v(m)\n.meas b AVG v(p,q)\n.meas c AVG v(q)\n");
   REQUIRE(finished.status == 0);
-  CHECK_THAT(finished.err, Contains("note[N-no-ground]: no element is connected to ground: the node q is taken for it"));
+  CHECK_THAT(finished.err, Contains("note[N-no-ground]: no element is connected to ground: the node q is used as ground"));
   CHECK(value_of(finished.out, "a") == Approx(2.0));
   CHECK(value_of(finished.out, "b") == Approx(8.0));
   CHECK(value_of(finished.out, "c") == 0.0);
@@ -84,17 +84,17 @@ TEST_CASE("what a function with memory that is refused is told to try is what do
   const auto said = [&](const std::string& card) {
     return run_deck(scratch, "cures\nV1 a 0 SIN(0 1 50)\n" + card + "\nR1 b 0 1\n.tran 1m 20m\n").err;
   };
-  CHECK_THAT(said("B1 b 0 V=idt(v(a),0,v(a)>1)"), Contains("a switch across it"));
   CHECK_THAT(said("B1 b 0 V=delay(v(a),1m)"), Contains("Laplace=1/(1+s*T)"));
   CHECK_THAT(said("E1 b 0 LAPLACE {V(a)} = {exp(-s*1m)}"), Contains("(1-s*T/2)/(1+s*T/2)"));
 }
 
 TEST_CASE("par('...') on output cards is a column, and a time measures as AT", "[unit]") {
   const Scratch scratch;
-  const Finished finished = run_deck(scratch,
-                                     "columns\nV1 a 0 PWL(0 0 10m 5)\nR1 a b 1\nR2 b 0 4\n.print tran par('v(a)-2*v(b)') twice=par('2*abs(i(v1))')\n"
-                                     ".save dialogbox\n.step temp 0 100 50\n.meas tran t TRIG time=1m TARG time=10m\n"
-                                     ".meas tran f FIND v(b) WHEN time=5m\n.meas tran late FIND v(b) WHEN time=11m\n.tran 5m 10m\n");
+  const Finished finished =
+      run_deck(scratch,
+               "columns\nV1 a 0 PWL(0 0 10m 5)\nR1 a b 1\nR2 b 0 4\n.print tran par('v(a)-2*v(b)') twice=par('2*abs(i(v1))')\n"
+               ".save dialogbox\n.step temp 0 100 50\n.meas tran t TRIG time=1m TARG time=10m\n"
+               ".meas tran f FIND v(b) WHEN time=5m\n.meas tran late FIND v(b) WHEN time=11m\n.tran 5m 10m\n");
   CHECK_THAT(finished.err, Contains("note[N-step-temperature]") && Contains("note[N-dialogbox]"));
   CHECK(value_of(finished.out, "t") == Approx(9e-3));
   CHECK(value_of(finished.out, "f") == Approx(2.0));  // four fifths of 2.5 V
@@ -128,7 +128,7 @@ TEST_CASE("PWL file= reads pairs of a file beside the deck", "[unit]") {
   }
   scratch.write("bad.txt", "0 0\n1m\n");
   const std::string said = run_deck(scratch, "file\nV1 a 0 PWL file=bad.txt\nR1 a 0 1\n.tran 0.1m 4m\n").err;
-  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is no pair"));
+  CHECK_THAT(said, Contains("error[E-pwl-file]: line 2 of 'bad.txt' is not a pair"));
 }
 
 TEST_CASE("integrals and derivatives in expressions", "[unit]") {

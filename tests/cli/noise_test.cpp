@@ -86,8 +86,8 @@ TEST_CASE("LAST=n PERIODS OF something that does not repeat, or of more periods 
     CHECK(finished.status == 2);
     return finished.err;
   };
-  CHECK_THAT(said("LAST=2 PERIODS OF V2"), Contains("error[E-measurement]: measurement m: V2 is no source that repeats"));
-  CHECK_THAT(said("LAST=2 PERIODS OF V9"), Contains("V9 is no source that repeats"));
+  CHECK_THAT(said("LAST=2 PERIODS OF V2"), Contains("error[E-measurement]: measurement m: V2 is not a periodic source"));
+  CHECK_THAT(said("LAST=2 PERIODS OF V9"), Contains("V9 is not a periodic source"));
   CHECK_THAT(said("LAST=3 PERIODS OF V1"), Contains("the run holds 2.3 periods of V1 (0.02 s), not 3"));
   CHECK_THAT(said("LAST=1.5 PERIODS OF V1"), Contains("error[E-range]"));
   CHECK_THAT(said("LAST=2 OF V1"), Contains("error[E-missing-value]"));
@@ -106,7 +106,7 @@ TEST_CASE("an efficiency above one is warned about where its window holds no who
     return run_in(scratch, {"d.net"}).err;
   };
   CHECK_THAT(said("FROM=84u", "eta"),
-             Contains("warning[W-efficiency]: eta = 1.60") && Contains("holds 1.6 periods of Vg; try LAST=1 PERIODS OF Vg"));
+             Contains("warning[W-efficiency]: eta = 1.60") && Contains("contains 1.6 periods of Vg; try LAST=1 PERIODS OF Vg"));
   CHECK_THAT(said("FROM=84u TO=94u", "eff"), !Contains("periods of"));
   CHECK_THAT(said("FROM=84u", "ratio"), !Contains("W-efficiency"));
   CHECK_THAT(said("LAST=1 PERIODS OF Vg", "eta"), !Contains("periods of"));

@@ -164,6 +164,24 @@ TEST_CASE("a loop gain with its crossover and phase margin", "[unit]") {
   check_equal({loop["re"][5].number, loop["im"][5].number}, 100.0 / (1.0 + j * two_pi * 100.0 * 1e-3), 1e-11);
 }
 
+TEST_CASE("voltage and current injected: a loop gain where both sides have the same impedance", "[unit]") {
+  // T = 100·Z/(R1 + Z) with Z = R2 beside C1; Middlebrook 1975: the ratio of voltages alone is T + Zo/Zi, neither side being open.
+  const Scratch scratch;
+  const std::string deck = "loop\nE1 o 0 0 fb 100\nR1 o x 1k\nC1 x 0 1u\nR2 fb 0 1k\nVinj fb x 0\n.save v(x)\n";
+  const double r = 1e3, c = 1e-6;
+  const std::complex<double> s = j * two_pi * 100.0, z = r / (1.0 + s * r * c), expected = 100.0 * z / (r + z);
+  for (const char* source : {"Iinj 0 fb 0", "Iinj fb 0 0", "Iinj 0 x 0"}) {
+    INFO(source);
+    const Json result = result_of(scratch, deck + source + "\n.ac list 100 loop=Vinj,Iinj\n.end\n");
+    const Json& loop = result["ac"]["loops"][0];
+    check_equal({loop["re"][0].number, loop["im"][0].number}, expected, 1e-12);
+  }
+  scratch.write("apart.net", deck + "Iinj 0 o 0\n.ac list 100 loop=Vinj,Iinj\n.end\n");
+  const Finished finished = run_in(scratch, {"apart.net"});
+  CHECK(finished.status == 2);
+  CHECK_THAT(finished.err, Contains("error[E-ac-no-input]") && Contains("Iinj is not a current source at a node of Vinj"));
+}
+
 TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is left out with a warning", "[unit]") {
   const Scratch scratch;
   const std::string rectifier = "rectifier\nV1 a 0 SIN(0 1 50) AC 1\nD1 a b DX\nR1 b 0 1k\n.model DX D\n.ac dec 1 1 10\n";

@@ -57,6 +57,7 @@ TEST_CASE("an RC circuit under a square wave: orbit and multiplier are exponenti
   CHECK(state(pss, "v(C1)") == Approx((1.0 - a) * a / (1.0 - a * a)).epsilon(1e-13));
   REQUIRE(pss["multipliers"].array.size() == 1);
   CHECK(pss["multipliers"][0]["re"].number == Approx(a * a).epsilon(1e-13));
+  CHECK(pss["condition"].number == Approx(1.0 / (1.0 - a * a)).epsilon(1e-13));
   CHECK(measured(result, "mean") == Approx(0.5).epsilon(1e-13));
   CHECK(measured(result, "t") == 1e-3);
   CHECK(measured(result, "three") == Approx(1.5e-3).epsilon(1e-13));  // three whole periods
@@ -74,6 +75,11 @@ TEST_CASE("Deane and Hamill's buck has the multiplier -1 where its period double
   CHECK(product == Approx(std::exp(-400e-6 / (22.0 * 47e-6))).epsilon(1e-11));
   const Json below = steady_state_of(scratch, deane_hamill("20", ".pss uic"));
   CHECK(below["pss"]["stability"].string == "stable");
+  // The ramp falls back below the control voltage at t = 0, and rises above it once a period.
+  const std::vector<Json>& modes = below["pss"]["modes"].array;
+  REQUIRE(modes.size() == 2);
+  CHECK_THAT(modes[0]["event"].string, Contains("S1 opens"));
+  CHECK_THAT(modes[1]["event"].string, Contains("S1 closes"));
   CHECK(below["pss"]["multipliers"][0]["abs"].number == Approx(std::exp(-200e-6 / (22.0 * 47e-6))).epsilon(1e-11));
 }
 
@@ -99,6 +105,15 @@ TEST_CASE("a self-timed circuit gives its period: the 555", "[unit]") {
     CHECK(result["pss"]["period"].number == Approx(std::log(2.0) * 21e3 * 100e-9).epsilon(1e-12));
     CHECK(measured(result, "t") == result["pss"]["period"].number);
   }
+}
+
+TEST_CASE("a trigger that never comes is told, also where other events go on for ever", "[unit]") {
+  const Scratch scratch;
+  scratch.write("never.net", "timer\nVcc vcc 0 9\nR1 vcc d 1k\nR2 d c 10k\nC1 c 0 100n\nS1 d 0 c 0 SX\nS2 x 0 c 0 SY\nR3 x 0 1\n"
+                             ".model SX SW(Vt=4.5 Vh=1.5 Ron=0)\n.model SY SW(Vt=30 Vh=1)\n.pss on=S2\n.end\n");
+  const Finished finished = run_in(scratch, {"never.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-no-trigger]") && Contains("on=S2"));
 }
 
 TEST_CASE("a relay around an RLC circuit: the second half of the orbit is minus the first", "[unit]") {

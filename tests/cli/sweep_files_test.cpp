@@ -40,7 +40,7 @@ TEST_CASE("--no-rows contradicts what needs rows, and --jobs is a number", "[uni
   for (const std::string jobs : {"0", "-1", "x", "1.5", "9999"}) {
     const Finished finished = run_in(scratch, {"s.net", "--jobs=" + jobs});
     CHECK(finished.status == 2);
-    CHECK_THAT(finished.err, Contains("error[E-option-value]: `--jobs " + jobs + "` is no number from 1 to 1024"));
+    CHECK_THAT(finished.err, Contains("error[E-option-value]: `--jobs " + jobs + "` is not a number from 1 to 1024"));
   }
 }
 

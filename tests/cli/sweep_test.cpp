@@ -152,7 +152,7 @@ TEST_CASE("a raw file of a sweep holds the runs one after the other, as LTspice 
 
   const auto program = pwlsim::spice::find_ngspice();
   if (!program) {
-    WARN("ngspice is not installed: the file is not loaded there");
+    WARN("ngspice is not installed: this test is skipped");
     return;
   }
   scratch.write("load.cir", "load\n.control\nload d.raw\nprint length(time) v(b)[3] r[3]\nquit\n.endc\n.end\n");

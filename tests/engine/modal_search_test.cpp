@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "model/build_mode.hpp"
 #include "model/handmade_systems.hpp"
 #include "support/circuit.hpp"
 #include "support/random.hpp"

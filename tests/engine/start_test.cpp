@@ -201,7 +201,7 @@ TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
   CHECK(run.answer.id == "E-no-operating-point");
   CHECK(run.answer.elements == std::vector<std::string>{"SW1"});
   CHECK(run.answer.message ==
-        "no DC operating point: SW1 finds no rest; and without one the switches SW1 find no rest at t = 0 s: each position undoes its own "
+        "no DC operating point: SW1 keeps toggling; and without one the switches SW1 keep toggling at t = 0 s: each state violates its own "
         "condition; try a hysteresis Vh");
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "model/build_mode.hpp"
 #include "model/handmade_systems.hpp"
 
 using namespace pwlsim;

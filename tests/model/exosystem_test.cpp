@@ -185,7 +185,7 @@ TEST_CASE("a repeated part of a polyline", "[unit]") {
   CHECK(player.next() == forever);
 }
 
-TEST_CASE("a polyline repeated for ever does not drift", "[unit]") {
+TEST_CASE("a polyline repeated forever does not drift", "[unit]") {
   Pwl pwl;
   pwl.points = {{0.0, 0.0}, {0.05, 1.0}, {0.1, 0.0}};
   pwl.repeats = forever;

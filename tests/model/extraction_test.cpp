@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "model/mode.hpp"
+#include "model/build_mode.hpp"
 #include "support/circuit.hpp"
 
 using namespace pwlsim;

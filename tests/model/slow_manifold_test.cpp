@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "model/build_mode.hpp"
 #include "model/handmade_systems.hpp"
-#include "model/mode.hpp"
 
 using namespace pwlsim::model;
 using pwlsim::test::handmade;

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "model/build_mode.hpp"
 #include "model/handmade_systems.hpp"
 
 using namespace pwlsim;

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "analysis/json.hpp"
-#include "model/mode.hpp"
+#include "engine/exact/exact.hpp"
+#include "model/build_mode.hpp"
 #include "model/subspaces.hpp"
 #include "property/random_network.hpp"
 #include "support/json.hpp"

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <set>
 
 #include "property/agreement.hpp"
 #include "property/independent.hpp"
@@ -17,19 +19,19 @@ namespace {
 constexpr double most_refused = 0.3;  ///< share of networks whose linear equations may be singular
 constexpr int long_run = 2000;        ///< networks of a family
 
-void check_family(const std::string& name, int networks, int known, const Checks& checks) {
+void check_family(const std::string& name, int networks, const Checks& checks) {
   const Survey result = survey(family(name), networks, checks);
   for (const auto& failure : result.failures) UNSCOPED_INFO(failure);
   INFO(result.wrong << " of " << networks << " networks failed, " << result.refused << " were refused");
-  CHECK(result.wrong <= known);
+  CHECK(result.wrong == 0);
   CHECK(result.refused < most_refused * networks);
 }
 
-void check_properties(const std::string& name, int networks) { check_family(name, networks, family(name).known, {true, false}); }
+void check_properties(const std::string& name, int networks) { check_family(name, networks, {true, false}); }
 
-void check_agreement(const std::string& name, int networks) { check_family(name, networks, 0, {false, true}); }
+void check_agreement(const std::string& name, int networks) { check_family(name, networks, {false, true}); }
 
-void check_all(const std::string& name) { check_family(name, long_run, family(name).known_long, {true, true}); }
+void check_all(const std::string& name) { check_family(name, long_run, {true, true}); }
 
 /// Of a state, between the program's answers for two networks, relative to the largest value of all states of the first that have its unit.
 double largest_relative_change(const RandomNetwork& network, const RandomNetwork& beside) {
@@ -138,21 +140,23 @@ double distance_of_engines(const RandomNetwork& network, double reltol) {
 TEST_CASE("random networks on the sparse engine agree with the exact one", "[property]") {
   constexpr double reltol = 1e-5;
   const double bound = 20.0 * std::cbrt(reltol * reltol);
-  // Known today (docs/developer/open-ends.md); it may only go down.
-  static const std::map<std::string, int> known{{"all parts", 2},   {"no sources", 5}, {"little resistance", 6},
-                                                {"many diodes", 0}, {"floating", 4},   {"up to twelve ports", 0}};
-  const auto [name, most] = GENERATE(from_range(known));
+  // Seeds that fail today, each by not finishing (docs/developer/open-ends.md). No other may fail; one that passes is to be removed here.
+  static const std::map<std::string, std::set<std::uint64_t>> known{
+      {"all parts", {}},   {"no sources", {10'033}}, {"little resistance", {20'101}},
+      {"many diodes", {}}, {"floating", {40'273}},   {"up to twelve ports", {}}};
+  const auto [name, expected] = GENERATE(from_range(known));
   const Family& f = family(name);
-  int unlike = 0;
+  std::set<std::uint64_t> unlike;
   for (int i = 0; i < sparse_networks; ++i) {
     const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(i);
     const double distance = distance_of_engines(make_random_network(seed, f.recipe), reltol);
     if (distance >= 0.0 && distance <= bound) continue;
-    ++unlike;
+    unlike.insert(seed);
     UNSCOPED_INFO(seed << ": " << (distance < 0.0 ? "not finished" : "differs by " + std::to_string(distance)));
   }
-  INFO(name << ": " << unlike << " of " << sparse_networks << " networks");
-  CHECK(unlike <= most);
+  INFO(name << ": " << unlike.size() << " of " << sparse_networks << " networks");
+  CHECK(std::includes(expected.begin(), expected.end(), unlike.begin(), unlike.end()));
+  if (unlike != expected) WARN(name << ": a network that is known to fail passes; remove it from the list");
 }
 
 TEST_CASE("2,000 networks of all parts", "[property][long]") { check_all("all parts"); }

@@ -13,16 +13,16 @@ namespace {
 
 constexpr std::size_t most_printed = 3;  ///< failures that are minimised and printed; of others the seed
 
-Family all_parts() { return {"all parts", 1, {}, 0}; }
+Family all_parts() { return {"all parts", 1, {}}; }
 
 Family without_sources() {
-  Family family{"no sources", 10'001, {}, 0};
+  Family family{"no sources", 10'001, {}};
   family.recipe.voltage = family.recipe.current = 0.0;
   return family;
 }
 
 Family little_resistance() {
-  Family family{"little resistance", 20'001, {}, 0};
+  Family family{"little resistance", 20'001, {}};
   family.recipe.resistor = 1.0;
   family.recipe.capacitor = 4.0;
   family.recipe.inductor = 3.0;
@@ -32,14 +32,14 @@ Family little_resistance() {
 }
 
 Family many_diodes() {
-  Family family{"many diodes", 30'001, {}, 0};
+  Family family{"many diodes", 30'001, {}};
   family.recipe.diode = 8.0;
   family.recipe.most_nodes = 5;
   return family;
 }
 
 Family floating() {
-  Family family{"floating", 40'001, {}, 0};
+  Family family{"floating", 40'001, {}};
   family.recipe.floating = 1.0;
   family.recipe.diode = 5.0;
   family.recipe.switch_ = 2.0;
@@ -48,14 +48,14 @@ Family floating() {
 
 /// Modes up to 10^12 times faster than what one looks at.
 Family real_diodes() {
-  Family family{"real diodes", 50'001, {}, 0, 0, false};
+  Family family{"real diodes", 50'001, {}, false};
   family.recipe.diode = 5.0;
   family.recipe.real_diodes = 0.8;
   return family;
 }
 
 Family twelve_ports() {
-  Family family{"up to twelve ports", 70'001, {}, 0};
+  Family family{"up to twelve ports", 70'001, {}};
   family.recipe.diode = 12.0;
   family.recipe.switch_ = 3.0;
   family.recipe.most_diodes = 10;

@@ -13,8 +13,6 @@ struct Family {
   std::string name;
   std::uint64_t first_seed = 0;
   Recipe recipe;
-  int known = 0;            ///< of the first 500: networks that are known to fail today (docs/developer/open-ends.md); it may only go down
-  int known_long = 0;       ///< of the first 2,000, with the independent solution
   bool independent = true;  ///< whether implicit Euler can follow them
 };
 

@@ -202,7 +202,7 @@ TEST_CASE("sizes of a raw system that do not fit are named with their line", "[u
   CHECK(refused("A\n0 1\n0 0\nB\n1\n").find("test.lcs:4:1: error[E-lcs]: B is 1 by 1, where 2 by 1 is meant") != std::string::npos);
   CHECK(refused("A\n0 1\n0\n").find(":3:1: error[E-lcs]: a row of 1 numbers in A, whose first row has 2") != std::string::npos);
   CHECK(refused("A\n0 x\n0 0\n").find(":2:3: error[E-lcs]: 'x' is not a number") != std::string::npos);
-  CHECK(refused("1 2\n").find(":1:1: error[E-lcs]: rows stand behind a keyword") != std::string::npos);
+  CHECK(refused("1 2\n").find(":1:1: error[E-lcs]: rows must follow a keyword") != std::string::npos);
   CHECK(refused("A\n1\nA\n1\n").find(":3:1: error[E-lcs]: a second A") != std::string::npos);
   CHECK(refused("A\n0\nx0\n1e400\n").find(":4:1: error[E-lcs]: '1e400' is too large") != std::string::npos);
   CHECK(refused("x0\n").find("neither states nor ports") != std::string::npos);

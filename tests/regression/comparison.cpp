@@ -109,6 +109,7 @@ std::vector<std::filesystem::path> decks_in(const std::string& folder) {
   std::vector<std::filesystem::path> decks;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(PWLSIM_SOURCE_DIR) / folder))
     if (entry.path().extension() == ".net") decks.push_back(entry.path());
+  REQUIRE(!decks.empty());
   std::sort(decks.begin(), decks.end());
   return decks;
 }

@@ -39,7 +39,7 @@ const std::string pulse = "V1 c 0 PULSE(0 5 0 1n 1n 5u 10u)";
 
 TEST_CASE("a control that comes to rest at a threshold is told, with what the switch does there", "[regression]") {
   // PULSE is at 5 V from 1 ns on; what counts there is the contract's rule for each kind of switch.
-  check(pulse, "VSWITCH(Von=5 Voff=0)", "the control of S1 comes to rest at its threshold of 5 V at t = 1e-09 s: the switch is on there", "");
+  check(pulse, "VSWITCH(Von=5 Voff=0)", "the control of S1 stops at its threshold of 5 V at t = 1e-09 s: the switch is on there", "");
   check(pulse, "SW(Vt=5)", "at its threshold of 5 V at t = 1e-09 s: the switch is off there", "S1 is off for the whole run");
   check(pulse, "SW(Vt=4 Vh=1)", "at its threshold of 5 V at t = 1e-09 s: the switch keeps its position", "S1 is off for the whole run");
   check("V1 c 0 5", "SW(Vt=5)", "at its threshold of 5 V at t = 0 s", "");
@@ -48,10 +48,11 @@ TEST_CASE("a control that comes to rest at a threshold is told, with what the sw
 }
 
 TEST_CASE("a control that moves and never passes its threshold is told, with its range", "[regression]") {
-  check(pulse, "SW(Vt=5.5)", "", "S1 is off for the whole run: its control moves between about 0 and 5 V and never passes the threshold of 5.5 V");
-  check(pulse, "VSWITCH(Von=-1 Voff=7)", "", "between about 0 and 5 V and never passes the threshold of -1 V");
-  check("V1 c 0 SIN(1 2 100k)", "SW(Vt=4 Vh=0.5)", "", "never passes the threshold of 4.5 V");
-  check("V1 a 0 PULSE(0 5 0 1n 1n 5u 10u)\nR1 a c 1k\nC1 c 0 1n", "SW(Vt=6)", "", "never passes the threshold of 6 V");
+  check(pulse, "SW(Vt=5.5)", "",
+        "S1 is off for the whole run: its control moves between about 0 and 5 V and never crosses the threshold of 5.5 V");
+  check(pulse, "VSWITCH(Von=-1 Voff=7)", "", "between about 0 and 5 V and never crosses the threshold of -1 V");
+  check("V1 c 0 SIN(1 2 100k)", "SW(Vt=4 Vh=0.5)", "", "never crosses the threshold of 4.5 V");
+  check("V1 a 0 PULSE(0 5 0 1n 1n 5u 10u)\nR1 a c 1k\nC1 c 0 1n", "SW(Vt=6)", "", "never crosses the threshold of 6 V");
 }
 
 TEST_CASE("a switch that changes, one at a steady level and one at a rippled supply are not told", "[regression]") {

@@ -82,26 +82,28 @@ int print_networks(int networks) {
 int main(int argc, char** argv) {
   const int networks = argc > 1 ? std::atoi(argv[1]) : default_networks;
   fmt::print(
-      "# Hard cases and random networks\n\nMade by `validation/hard_cases{}` on {:%Y-%m-%d}, {}. Numbers of random networks depend on "
-      "nothing but "
-      "their seeds.\n\n## The hard cases\n\n",
+      "# Hard cases and random networks\n\nMade by `validation/hard_cases{}` on {:%Y-%m-%d}, {}. Numbers of random networks depend "
+      "only on their "
+      "seeds.\n\n## The hard cases\n\n",
       argc > 1 ? fmt::format(" {}", networks) : "", fmt::gmtime(std::chrono::system_clock::now()), processor());
   fmt::print(
-      "Circuits and systems with answers in closed form, which no simulator made. Errors of signals are relative to the largest value of "
+      "Circuits and systems with closed-form answers that no simulator computed. Errors of signals are relative to the largest value of "
       "the signal, those of "
       "times to the length of\nthe run. References: tests/reference, 20 digits (validation/references), or a formula in the table's "
       "program. Case 31 touches its stop "
-      "without speed: a double root\ncosts half the digits of its time.\n\n");
+      "with zero speed: a double root\ncosts half the digits of its time.\n\n");
   int failed = print_cases();
   fmt::print(
       "\n## Random passive networks\n\nEach is run three times (as it is, renumbered, with half the output step); residuals are the "
       "largest of the certificates. "
-      "Refused: its linear equations are singular\nwhatever the diodes do. Beside it stands an independent solution: implicit Euler with "
+      "Refused: its linear equations are singular\nin every position of the diodes. It is compared with an independent solution: implicit "
+      "Euler with "
       "every step solved by trying the "
-      "positions of the diodes, steps h, h/2, h/4, h/8\n(tests/property/agreement.hpp). Difference: from the program at h/8, in the norm "
+      "positions of the diodes, steps h, h/2, h/4, h/8\n(tests/property/agreement.hpp). Difference: between the program and h/8, in the "
+      "norm "
       "of stored energy, relative; "
-      "extrapolated: from 2 x(h/8) − x(h/4); order: median over\nthe networks of log₂ of the factor by which a halving of h brings the two "
-      "nearer.\n\n");
+      "extrapolated: from 2 x(h/8) − x(h/4); order: median over\nthe networks of log₂ of the factor by which halving h reduces the "
+      "difference.\n\n");
   failed += print_networks(networks);
   return failed == 0 ? 0 : 1;
 }

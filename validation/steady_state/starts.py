@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""validation/steady_state/starts.py [PROGRAM]: the orbit of each deck here from rest and from eight random starts; a Markdown table on standard output.
+"""validation/steady_state/starts.py [PROGRAM]: the orbit of each deck here from zero and from eight random starts; a Markdown table on standard output.
 
 Capacitors start within 20 V and inductors within 5 A of zero, evenly distributed; the seed is fixed. Periods are those simulated, counted by the program.
 """
@@ -36,7 +36,7 @@ def orbit_of(deck, folder):
 def main():
     random.seed(5)
     periods = []
-    print("| deck | stable | largest multiplier | periods from rest | periods from random starts |\n| --- | --- | --- | --- | --- |")
+    print("| deck | stable | largest multiplier | periods from zero | periods from random starts |\n| --- | --- | --- | --- | --- |")
     with tempfile.TemporaryDirectory() as folder:
         for path in sorted(HERE.glob("*.net")):
             deck = path.read_text()
@@ -47,7 +47,7 @@ def main():
             shown = [str(c) if c else "none" for c in counts]
             print(f"| {path.stem} | {orbits[0]['stability'] if orbits[0] else 'not found'} | {radius:.6g} | {shown[0]} | {', '.join(shown[1:])} |")
     found = sorted(c for c in periods if c)
-    print(f"\nFound: {len(found)} of {len(periods)}. Periods: median {found[len(found) // 2]}, nine of ten at most {found[int(0.9 * len(found))]}.")
+    print(f"\nFound: {len(found)} of {len(periods)}. Periods: median {found[len(found) // 2]}, 90 % at most {found[int(0.9 * len(found))]}.")
 
 
 main()

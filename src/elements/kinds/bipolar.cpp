@@ -93,7 +93,11 @@ constexpr Parameter model_parameters[] = {
     part_type,
 };
 
-void complete(Model& model, const Settings& settings, Diagnostics&) { take_junction_current(model, settings); }
+/// The law of a junction has a saturation current of its own: this one says that currents are to be found.
+void complete(Model& model, const Settings& settings, Diagnostics&) {
+  if (settings.finds_currents && !model.values.has("I0")) model.law = exponential_law(model.values.get("IS"), model.values.get("NF"), 0.0);
+  take_junction_current(model, settings);
+}
 
 constexpr ModelKind npn{"NPN", "NPN transistor", model_parameters, complete, nullptr, true};
 constexpr ModelKind pnp{"PNP", "PNP transistor", model_parameters, complete, nullptr, true};
@@ -121,6 +125,14 @@ Tangent reverse_law(const Instance& instance, const Model& model) {
   return law_of(instance, model, "NR", share_of(model.values.get("BR")));
 }
 
+/// A diode carries 1/alpha of the transport current, whose saturation current is IS.
+std::optional<model::ExponentialLaw> exponential_of(const Instance& instance, const Model& model, std::string_view emission_name,
+                                                    double share) {
+  if (!model.law) return std::nullopt;
+  const Values& v = model.values;
+  return in_parallel(exponential_law(v.get("IS") / share, v.get(emission_name), 0.0), instance.values.get("m"));
+}
+
 /// The node behind a series resistance.
 model::NodeIndex behind(Emission& emission, std::string_view name, std::size_t terminal) {
   const model::NodeIndex outside = emission.instance().nodes[terminal];
@@ -142,8 +154,12 @@ void emit(Emission& emission) {
   const bool p_type = is_p_type(model);
   const double forward_share = share_of(model.values.get("BF")), reverse_share = share_of(model.values.get("BR"));
   const model::NodeIndex c = behind(emission, "RC", 0), b = behind(emission, "RB", 1), e = behind(emission, "RE", 2);
-  const int forward = add_junction(emission, {"base-emitter diode", p_type, {b, e}, forward_law(instance, model)}, forward_share);
-  const int reverse = add_junction(emission, {"base-collector diode", p_type, {b, c}, reverse_law(instance, model)}, -1.0);
+  const Junction emitter{"base-emitter diode",         p_type,   {b, e},
+                         forward_law(instance, model), infinite, exponential_of(instance, model, "NF", forward_share)};
+  const Junction collector{"base-collector diode",       p_type,   {b, c},
+                           reverse_law(instance, model), infinite, exponential_of(instance, model, "NR", reverse_share)};
+  const int forward = add_junction(emission, emitter, forward_share);
+  const int reverse = add_junction(emission, collector, -1.0);
   const double sign = p_type ? -1.0 : 1.0;
   add_transport(emission, {c, b}, forward, sign * forward_share);
   add_transport(emission, {e, b}, reverse, sign * reverse_share);

@@ -43,7 +43,7 @@ Kind block() {
   kind.letter = 'A';
   kind.usage =
       "A<name> input | [inputs] output model, each port node | %v node | %vd(p,n) | %i node | %id(p,n), an input also %vnam element";
-  kind.text = "A block of XSPICE, or a relay, a dead zone, friction: as the type of its model says.";
+  kind.text = "A block of XSPICE, or a relay, a dead zone, friction: depending on the type of its model.";
   kind.tail = Tail::block;
   kind.models = models;
   kind.joins_terminals = is_voltage_formula;

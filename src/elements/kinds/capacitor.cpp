@@ -7,8 +7,8 @@ namespace pwlsim::elements {
 namespace {
 
 constexpr Parameter parameters[] = {
-    {"C", "F", 0.0, Range::any, false, "Capacitance; negative values as far as the circuit stays solvable, zero is an open circuit."},
-    {"ic", "V", 0.0, Range::any, false, "Voltage at the start; counts with uic only."},
+    {"C", "F", 0.0, Range::any, false, "Capacitance; negative values are allowed if the circuit remains solvable; zero is an open circuit."},
+    {"ic", "V", 0.0, Range::any, false, "Voltage at the start; used only with uic."},
     multiplicity,
     series_resistance,
     series_inductance,
@@ -29,7 +29,7 @@ constexpr Parameter parameters[] = {
 };
 
 constexpr Parameter model_parameters[] = {
-    {"C", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    {"C", "", 1.0, Range::any, false, "Factor of the value on the card; the value itself if the card has none."},
     temperature_linear,
     temperature_square,
     {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},
@@ -44,7 +44,7 @@ void emit(Emission& emission) {
   const double capacitance = emission.value("C") * emission.value("m");
   if (capacitance == 0.0) {
     emission.diagnostics().note("N-zero-capacitance", emission.span_of("C"),
-                                emission.instance().name + " has no capacitance: it is left open");
+                                emission.instance().name + " has no capacitance: it is an open circuit");
   } else {
     const NodePair core = add_series_parts(emission);
     const int index =

@@ -24,7 +24,7 @@ constexpr Parameter model_parameters[] = {
     {"N", "", 1.0, Range::positive, false, "Emission coefficient; read for the tangent at i0."},
     {"RS", "ohm", 0.0, Range::not_negative, false, "Series resistance; read for the tangent at i0, and becomes Rrev."},
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage; becomes Vrev."},
-    {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current; that through Roff comes on top."},
+    {"Ilimit", "A", infinite, Range::positive, true, "Limit of the forward current; the current through Roff is added."},
     {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current."},
     ignored("Epsilon", "Width of the rounded corner at Vfwd."),
     ignored("Revepsilon", "Width of the rounded corner at -Vrev."),
@@ -139,8 +139,8 @@ constexpr Parameter thyristor_parameters[] = {
     {"Ron", "ohm", 0.0, Range::not_negative, false, "Resistance when on."},
     {"Roff", "ohm", infinite, Range::positive, true, "Resistance when off."},
     {"Vfwd", "V", 0.0, Range::not_negative, false, "Forward drop."},
-    {"Vgt", "V", 0.5, Range::any, false, "Gate voltage, against the cathode, above which it conducts as a diode does."},
-    {"Ih", "A", 0.0, Range::not_negative, false, "Holding current: above it, it goes on conducting without a gate."},
+    {"Vgt", "V", 0.5, Range::any, false, "Gate voltage, against the cathode, above which it conducts like a diode."},
+    {"Ih", "A", 0.0, Range::not_negative, false, "Holding current: above it, conduction continues without a gate signal."},
 };
 
 void complete_thyristor(Model& model, const Settings&, Diagnostics& diagnostics) {
@@ -220,7 +220,7 @@ void report_gate(Emission& emission, bool has_gate) {
   const std::string &name = emission.instance().name, &model = emission.model().name;
   if (has_gate) {
     emission.diagnostics().error("E-wrong-model-type", emission.instance().span,
-                                 fmt::format("{} has a gate, and its model {} is that of a diode; try a model of type SCR", name, model));
+                                 fmt::format("{} has a gate, but its model {} is that of a diode; try a model of type SCR", name, model));
   } else {
     emission.diagnostics().error(
         "E-missing-node", emission.instance().span,

@@ -5,8 +5,8 @@ namespace pwlsim::elements {
 namespace {
 
 constexpr Parameter parameters[] = {
-    {"L", "H", 0.0, Range::any, false, "Inductance; negative values as far as the circuit stays solvable, zero is a short circuit."},
-    {"ic", "A", 0.0, Range::any, false, "Current at the start; counts with uic only."},
+    {"L", "H", 0.0, Range::any, false, "Inductance; negative values are allowed if the circuit remains solvable; zero is a short circuit."},
+    {"ic", "A", 0.0, Range::any, false, "Current at the start; used only with uic."},
     multiplicity,
     series_resistance,
     series_inductance,
@@ -41,7 +41,7 @@ void emit_inductor(Emission& emission, const NodePair& core, double inductance) 
 }
 
 constexpr Parameter model_parameters[] = {
-    {"L", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    {"L", "", 1.0, Range::any, false, "Factor of the value on the card; the value itself if the card has none."},
     temperature_linear,
     temperature_square,
     {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},

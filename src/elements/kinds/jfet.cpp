@@ -48,11 +48,12 @@ constexpr Parameter model_parameters[] = {
 void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) {
   Values& values = model.values;
   if (values.has("Vt0") && !values.has("Vto")) values.set("Vto", values.get("Vt0"), values.span("Vt0"));
+  if (settings.finds_currents && !model.values.has("I0")) model.law = exponential_law(model.values.get("Is"), model.values.get("N"), 0.0);
   take_junction_current(model, settings);
   if (values.has("Ron") || values.get("Vto") < 0.0) return;
   diagnostics.error(
       "E-not-idealised", model.span,
-      fmt::format("the {} {} is no switch: it is off at v(gate,source) = 0; try Ron= on the model", model.kind->text, model.name));
+      fmt::format("the {} {} is not a switch: it is off at v(gate,source) = 0; try Ron= on the model", model.kind->text, model.name));
 }
 
 constexpr ModelKind n_channel{"NJF", "junction FET", model_parameters, complete, nullptr, true};
@@ -80,7 +81,12 @@ Tangent law_of(const Instance& instance, const Model& model) {
 }
 
 Junction gate_diode(const Instance& instance, const Model& model, std::string_view part, std::size_t terminal) {
-  return {part, is_p_type(model), {instance.nodes[1], instance.nodes[terminal]}, law_of(instance, model)};
+  return {part,
+          is_p_type(model),
+          {instance.nodes[1], instance.nodes[terminal]},
+          law_of(instance, model),
+          infinite,
+          in_parallel(model.law, instance.values.get("m"))};
 }
 
 void emit(Emission& emission) {

@@ -19,7 +19,7 @@ constexpr Parameter body_saturation{
     "Is", "A", 1e-14, Range::positive, false, "Saturation current of the body diode; read for its tangent at i0."};
 constexpr Parameter body_emission{
     "N", "", 1.0, Range::positive, false, "Emission coefficient of the body diode; read for its tangent at i0."};
-constexpr Parameter body_drop{"Vfwd", "V", 0.0, Range::not_negative, false, "Drop of the body diode; from Is and N where they are given."};
+constexpr Parameter body_drop{"Vfwd", "V", 0.0, Range::not_negative, false, "Drop of the body diode; from Is and N if given."};
 constexpr Parameter body_slope{"Rfwd", "ohm", 0.0, Range::not_negative, false, "Slope resistance of the body diode, likewise."};
 
 constexpr Parameter planar_parameters[] = {
@@ -38,8 +38,8 @@ constexpr Parameter planar_parameters[] = {
     body_emission,
     body_drop,
     body_slope,
-    {"W", "m", 1e-4, Range::positive, false, "Width of the channel; one of the element rules."},
-    {"L", "m", 1e-4, Range::positive, false, "Length of the channel; one of the element rules."},
+    {"W", "m", 1e-4, Range::positive, false, "Width of the channel; a value on the element takes precedence."},
+    {"L", "m", 1e-4, Range::positive, false, "Length of the channel; a value on the element takes precedence."},
     {"level", "", 1.0, Range::any, false, "1, 2 or 3: Shichman-Hodges, Grove-Frohman, semi-empirical."},
     without_effect("gamma"),
     without_effect("phi"),
@@ -104,8 +104,8 @@ constexpr Parameter vertical_parameters[] = {
     {"BV", "V", infinite, Range::not_negative, true, "Breakdown voltage of the body diode."},
     body_drop,
     body_slope,
-    {"nchan", "", 0.0, Range::any, false, "A word of its own: N channel, which it is anyway.", Use::honoured, false, true},
-    {"pchan", "", 0.0, Range::any, false, "A word of its own: P channel.", Use::honoured, false, true},
+    {"nchan", "", 0.0, Range::any, false, "A single word: N channel, the default.", Use::honoured, false, true},
+    {"pchan", "", 0.0, Range::any, false, "A single word: P channel.", Use::honoured, false, true},
     without_effect("phi"),
     without_effect("lambda"),
     without_effect("mtriode"),
@@ -188,10 +188,12 @@ double overdrive(const Model& model) {
 }
 
 void take_body_diode(Model& model, const Settings& settings) {
-  bool exponential = false;
-  for (std::string_view name : body_names) exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
-  if (!exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
-  const Tangent law = tangent(model.values.get("Is"), model.values.get("N"), optional(model, "Rb", 0.0), settings.tangent_current);
+  bool is_exponential = false;
+  for (std::string_view name : body_names) is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
+  if (!is_exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
+  const model::ExponentialLaw exponential = exponential_law(model.values.get("Is"), model.values.get("N"), optional(model, "Rb", 0.0));
+  const Tangent law = exponential.tangent(settings.tangent_current);
+  if (settings.finds_currents) model.law = exponential;
   model.values.set("Vfwd", law.drop);
   model.values.set("Rfwd", law.resistance);
 }
@@ -213,7 +215,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (values.has("Ron") || overdrive(model) > 0.0) return;
   diagnostics.error(
       "E-not-idealised", model.span,
-      fmt::format("the {} {} is no switch: a drive of {} V does not reach its threshold Vto = {} V; try Ron= on the model, or "
+      fmt::format("the {} {} is not a switch: a drive of {} V does not reach its threshold Vto = {} V; try Ron= on the model, or "
                   ".options vdrive=",
                   model.kind->text, model.name, values.get("Vdrive"), values.get("Vto")));
 }
@@ -266,7 +268,8 @@ Junction body_diode(const Instance& instance, const Model& model, std::string_vi
           is_p_type(model),
           {bulk_of(instance, model), instance.nodes[terminal]},
           {v.get("Rfwd") / instance.values.get("m"), v.get("Vfwd")},
-          optional(model, "BV", infinite)};
+          optional(model, "BV", infinite),
+          in_parallel(model.law, instance.values.get("m"))};
 }
 
 void note(Emission& emission, const Channel& channel) {

@@ -5,7 +5,7 @@ namespace pwlsim::elements {
 namespace {
 
 constexpr Parameter parameters[] = {
-    {"R", "ohm", 0.0, Range::any, false, "Resistance; zero and negative values as far as the circuit stays solvable."},
+    {"R", "ohm", 0.0, Range::any, false, "Resistance; zero and negative values are allowed if the circuit remains solvable."},
     multiplicity,
     series_resistance,
     series_inductance,
@@ -26,7 +26,7 @@ constexpr Parameter parameters[] = {
 };
 
 constexpr Parameter model_parameters[] = {
-    {"R", "", 1.0, Range::any, false, "Factor of a value behind the model's name; the value itself where the card has none."},
+    {"R", "", 1.0, Range::any, false, "Factor of the value on the card; the value itself if the card has none."},
     temperature_linear,
     temperature_square,
     {"dev", "", 0.0, Range::any, false, "Tolerance.", Use::ignored},

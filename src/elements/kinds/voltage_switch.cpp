@@ -41,7 +41,7 @@ void check_levels(Model& model, const Settings&, Diagnostics& diagnostics) {
   if (v.has(threshold) && v.has(level))
     diagnostics.error(
         "E-duplicate-parameter", v.span(threshold),
-        fmt::format("{} of model {} says what {} says already; try either Von and Voff, or Vt and Vh", threshold, model.name, level));
+        fmt::format("{} of model {} repeats what {} already defines; try either Von and Voff, or Vt and Vh", threshold, model.name, level));
 }
 
 constexpr ModelKind level_model{"VSWITCH", "voltage-controlled switch", level_parameters, check_levels};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
@@ -10,9 +12,6 @@ namespace {
 constexpr int longest_period = 6;
 constexpr int shrinking_intervals = 8;  ///< in a row, before it is called an accumulation
 constexpr double largest_ratio = 0.95;
-constexpr double ratio_spread = 1e-2;  ///< among those intervals, against the ratio
-/// A state's own ratio above this is no convergence; below this change it has converged.
-constexpr double converged = 1e-15;
 
 }  // namespace
 
@@ -41,7 +40,7 @@ bool AccumulationWatch::repeats(int period) const {
     least = std::min(least, r);
     largest = std::max(largest, r);
   }
-  return largest < largest_ratio && largest - least <= ratio_spread * largest;
+  return largest < largest_ratio && largest - least <= tolerance::ratio_spread * largest;
 }
 
 double AccumulationWatch::limit_time(int period, int i) const {
@@ -67,7 +66,8 @@ std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() {
     for (Eigen::Index i = 0; i < last.size(); ++i) {
       const double change = last[i] - before[i];
       const double r = change / (before[i] - earlier[i]);
-      if (std::abs(change) > converged * std::abs(last[i]) && std::abs(r) < largest_ratio) limit.xi[i] += change * r / (1.0 - r);
+      if (std::abs(change) > tolerance::converged_state * std::abs(last[i]) && std::abs(r) < largest_ratio)
+        limit.xi[i] += change * r / (1.0 - r);
     }
     return limit;
   }

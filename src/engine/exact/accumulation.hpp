@@ -3,7 +3,7 @@
 ///
 /// Near the limit the motion repeats itself on a shrinking scale: every p events the same modes, the times between them smaller by a
 /// ratio r. Then t* = t_n + (t_n − t_{n−p})·r/(1 − r), and each state converges alike (Aitken's Δ² process; van der Schaft &
-/// Schumacher 1996 leave such sequences out). The run goes on from the limit.
+/// Schumacher 1996 leave such sequences out). The run continues from the limit.
 
 #include <cstdint>
 #include <optional>

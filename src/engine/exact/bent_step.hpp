@@ -5,7 +5,7 @@
 
 namespace pwlsim::engine {
 
-/// Steps after which only the bracket is halved: so many take any root that is not far from where the curvature changes.
+/// Steps after which only the bracket is halved: fewer find any root that is not far from a change of curvature.
 inline constexpr int most_bent_steps = 12;
 
 /// Newton's step times this is Chebyshev's, `bend` = −g g''/(2 g'²). A bend of 1 would make no step at all, far from a root, and such a place may attract: where

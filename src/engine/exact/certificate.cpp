@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/exact/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::engine {
@@ -16,11 +17,7 @@ using linalg::Vector;
 
 constexpr std::size_t most_samples = 16;
 constexpr std::size_t most_first_visits = 32;
-constexpr double sum_rounding = 64.0 * 2.220446049250313e-16;  ///< of a sum of terms, against the sum of their magnitudes
-constexpr int most_panels = 8;                                 ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
-/// A row whose terms never exceed this fraction of the island's largest is judged against that fraction: what it carries may be the
-/// rounding of the largest.
-constexpr double idle_row = 1e-3;
+constexpr int most_panels = 8;      ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 constexpr double panel_rate = 0.5;  ///< rate·panel: eight Gauss points are exact to rounding there
 
 /// Gauss–Legendre, 8 points on [−1, 1] (Abramowitz & Stegun, table 25.4).
@@ -85,7 +82,7 @@ double complementarity(const model::System& s, const model::Mode& mode, const Po
     const bool active = mode.active.contains(i);
     const bool is_diode = i < s.diodes && std::find(blocked.begin(), blocked.end(), i) == blocked.end();
     const double violation = is_diode ? std::abs(std::min(p.u[i], p.y[i])) : std::abs(active ? p.y[i] : p.u[i]);
-    const double rounding = sum_rounding * (p.u[i] < p.y[i] ? size_u[i] : size_y[i]);
+    const double rounding = tolerance::sum_rounding * (p.u[i] < p.y[i] ? size_u[i] : size_y[i]);
     worst = std::max(worst, violation - rounding);
   }
   return worst;
@@ -114,7 +111,7 @@ Residuals kirchhoff(const IslandModel& island, const Point& p) {
 
 double worst_relative(const Vector& residual, const Vector& size, double unit) {
   double worst = 0.0;
-  const double floor = idle_row * std::max(unit, size.size() > 0 ? size.maxCoeff() : 0.0);
+  const double floor = tolerance::idle_row * std::max(unit, size.size() > 0 ? size.maxCoeff() : 0.0);
   for (Eigen::Index i = 0; i < residual.size(); ++i)
     if (size[i] > 0.0) worst = std::max(worst, residual[i] / std::max(size[i], floor));
   return worst;
@@ -211,12 +208,13 @@ Certificate CertificateRecorder::check() const {
     const auto& [row, rate] = rows[island];
     // Rates that the island's largest voltage would make: at rest they are rounding of that.
     const Matrix& sx = island->extraction.descriptor.sx;
-    const double unit_rate = sx.size() > 0 && scale.row.size() > 0 ? idle_row * scale.row.maxCoeff() * sx.cwiseAbs().maxCoeff() : 0.0;
+    const double unit_rate =
+        sx.size() > 0 && scale.row.size() > 0 ? tolerance::idle_row * scale.row.maxCoeff() * sx.cwiseAbs().maxCoeff() : 0.0;
     certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row, 0.0), worst_relative(rate, scale.rate, unit_rate)});
-    const double idle = idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
+    const double idle = tolerance::idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
     const double energy = std::max(scale.energy, 0.5 * idle * idle);
     if (energy > 0.0) certificate.energy = std::max(certificate.energy, energies[island] / energy);
-    const double port = std::max(scale.port, scale.row.size() > 0 ? idle_row * scale.row.maxCoeff() : 0.0);
+    const double port = std::max(scale.port, scale.row.size() > 0 ? tolerance::idle_row * scale.row.maxCoeff() : 0.0);
     if (port > 0.0) certificate.complementarity = std::max(certificate.complementarity, ports[island] / port);
   }
   return certificate;

@@ -9,12 +9,12 @@
 
 namespace pwlsim::engine {
 
-/// Keeps the first segment of every mode and an evenly thinning sample of the rest, and checks them after the run:
+/// Keeps the first segment of every mode and an evenly thinned sample of the others, and checks them after the run:
 ///
 ///  - complementarity: |min(u_i, y_i)| of diodes (and the variable a switch forces to zero) against the island's largest |u|, |y|;
 ///  - KCL/KVL: every row of F x + G z + H_a a + H_w ζ and of x' − S_x z against the largest sum of its terms' magnitudes over the
 ///    run (the rows before index reduction and before ports were chosen);
-///  - energy: change of ½|x|² over a stretch against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
+///  - energy: change of ½|x|² over an interval against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
 class CertificateRecorder {
  public:
   /// The state x = (ξ, ζ) an island starts from, before anything is projected.

@@ -13,7 +13,7 @@ class ContinuityWatch {
  public:
   explicit ContinuityWatch(const model::System& system);
 
-  /// Instants are known to this time, s: so far states have moved beside them.
+  /// Instants are known to this accuracy, s: states may have moved by that much of time.
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
   /// An instant begins, with the state x = (ξ, ζ) left of it.
   void begin(const double* x);

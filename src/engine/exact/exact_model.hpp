@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/exact/exact.hpp"
+#include "engine/run.hpp"
 #include "engine/threshold_watch.hpp"
 #include "model/extraction.hpp"
 #include "model/islands.hpp"

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
 
-/// What is left of a run that has come to rest, of the largest value of any guard: the rounding of rounding.
-constexpr double rest_noise = 1e-18;
 /// Segments that are looked into; of those behind them one in so many.
 constexpr std::uint64_t first_segments = 256, selection = 32;
 /// Points inside: one for each unit of rate·length, up to so many. Where that is below one, a guard is nearly a parabola, which cannot dip between two looks.
@@ -55,7 +55,7 @@ void GuardWatch::look_inside(const model::Mode& mode, const double* y0, double b
 
 void GuardWatch::find_violation(const model::Mode& mode, const double* y, int port, double value, double time) {
   const double own_level = mode.guard_noise[port] * mode.guard_norm[port] * linalg::norm(y, mode.ny);
-  const double level = std::max(own_level, rest_noise * *std::max_element(largest_.begin(), largest_.end()));
+  const double level = std::max(own_level, tolerance::remainder * *std::max_element(largest_.begin(), largest_.end()));
   const double below = -value - rounding_levels * level;
   const std::size_t quantity = 2 * static_cast<std::size_t>(port) + static_cast<std::size_t>(mode.active.contains(port));
   if (!(below > below_[quantity])) return;

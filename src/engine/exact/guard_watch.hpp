@@ -15,7 +15,7 @@
 namespace pwlsim::engine {
 
 /// Of a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖): what two modes that follow one another may make of one zero.
-inline constexpr double rounding_levels = 30.0;
+inline constexpr double rounding_levels = 30.0;  ///< Of: a guard's rounding level. Why: two modes differ by that at one zero.
 /// Of a quantity's largest value, and of its rounding level: from both on a violation ends the run; below, it counts in the certificate.
 inline constexpr double broken_share = 1e-2, broken_levels = 1e4;
 

@@ -8,6 +8,7 @@
 
 #include "base/largest.hpp"
 #include "base/rounded_sum.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "model/clock.hpp"
 #include "model/valves.hpp"
 
@@ -15,16 +16,8 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// A row step is taken with the cached matrix when it differs from the grid's step by rounding only.
-constexpr double step_rounding = 1e-9;
-/// Of a row's time, against that time: four units of its last place.
-constexpr double row_time_rounding = 8.9e-16;
 /// A propagator for the row step is built when it has been wanted this often.
 constexpr std::uint64_t worth_building = 4;
-/// Entries of a control's row below this fraction of the largest are rounding.
-constexpr double row_noise = 1e-12;
-/// Decays that are over within 1e-9 of the run are not followed, where they take no guard to zero.
-constexpr double unseen_per_tolerance = 1e5;
 constexpr int settled = -2;  ///< in the place of a guard's row: no guard ends the segment, but the end of its fast decays
 constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
 
@@ -55,7 +48,7 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Selector& selector)
   control_departures_.resize(system_.controls.size());
   passed_.resize(system_.controls.size());
   for (const auto& control : system_.controls) {
-    const double noise = row_noise * std::max(largest(entries(control.value.state)), 1e-300);
+    const double noise = tolerance::row_entry * std::max(largest(entries(control.value.state)), 1e-300);
     const bool reads_ports = largest(entries(control.value.input)) > noise;
     const bool reads_state = largest(entries(control.value.state).first(static_cast<std::size_t>(system_.n))) > noise;
     control_reads_.push_back(reads_ports ? Reads::ports : reads_state ? Reads::state : Reads::sources);
@@ -208,6 +201,8 @@ const model::Selected& IslandRun::select() {
   const model::Mode* before = mode;
   selector_.set_settled(is_settled_ ? mode : nullptr);
   const model::Selected& result = selector_.select(x.data(), wanted, trigger);
+  if (result.relaxation >= model::coarsest_relaxation) [[unlikely]]
+    is_coarse_ = true;
   is_settled_ = false;
   const bool same = result.mode == before && result.jumps == 0;
   rests_ = same ? trigger : -1;
@@ -383,7 +378,7 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
 void IslandRun::set_tolerance(double tolerance) {
   tolerance_ = tolerance;
   source_departure_.set_tolerance(tolerance);
-  selector_.set_unseen(unseen_per_tolerance * tolerance);
+  selector_.set_unseen(tolerance::unseen_per_merge * tolerance);
   continuity_watch_.set_tolerance(tolerance);
 }
 
@@ -395,9 +390,18 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   event_ = {};
   time_to_settle_ = time_to_settle();
   begin_segment(time, late_);
+  if (is_coarse_) [[unlikely]]
+    note_coarse(time);
   choose_guards(on);
   selector_.mark_visited(*mode);
   row_valid_ = false;
+}
+
+/// The certificate counts what the coarse level has let pass.
+[[gnu::noinline]] void IslandRun::note_coarse(double time) {
+  is_coarse_ = false;
+  if (coarse_selections_++ == 0) first_coarse_ = time;
+  guard_watch_.look(*mode, segment_.y0.data(), time);
 }
 
 /// From x in the mode as it is.
@@ -448,14 +452,14 @@ void IslandRun::add_signals(double time, double* out) {
     row_valid_ = true;
   }
   const double step = (time - row_time_) - row_late_;
-  if (std::abs(step - row_step_) <= step_rounding * row_step_ && ++row_propagator_->uses >= worth_building) {
+  if (std::abs(step - row_step_) <= tolerance::row_step * row_step_ && ++row_propagator_->uses >= worth_building) {
     model::Matrix& propagator = row_propagator_->matrix;
     if (propagator.size() == 0) propagator = m.flow.minus_identity(row_step_);
     advance_row(propagator, 1.0);
     row_time_ += row_step_;
     // A row's time is k·Tstep rounded; what adds up beyond that is made good.
     const double rest = (time - row_time_) - row_late_;
-    if (std::abs(rest) > row_time_rounding * time) {
+    if (std::abs(rest) > tolerance::row_time * time) {
       advance_row(m.flow.a(), rest);
       row_time_ = time;
       row_late_ = 0.0;

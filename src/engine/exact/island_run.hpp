@@ -24,6 +24,9 @@ class IslandRun {
   [[nodiscard]] model::Selector& selector() { return selector_; }
   [[nodiscard]] const model::Selector& selector() const { return selector_; }
   [[nodiscard]] const Locator& locator() const { return locator_; }
+  /// Instants at which a mode was accepted only at the coarsest rounding level, and the time of the first, s.
+  [[nodiscard]] std::uint64_t coarse_selections() const { return coarse_selections_; }
+  [[nodiscard]] double first_coarse() const { return first_coarse_; }
   [[nodiscard]] const GuardWatch& guards() const { return guard_watch_; }
   [[nodiscard]] const ContinuityWatch& continuity() const { return continuity_watch_; }
   /// The run ends at `time`, within the segment.
@@ -68,7 +71,7 @@ class IslandRun {
   [[nodiscard]] bool senses_state() const;
   /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
   const std::vector<int>& violated_controls(const std::vector<char>& on);
-  /// Those whose switch changes because its control rests at the threshold from here on, of the controls that violated_controls looked at last.
+  /// Of the controls that violated_controls examined last: those whose switch changes because the control stays at the threshold from here on.
   const std::vector<int>& controls_at_rest(const std::vector<char>& on);
   /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
@@ -86,10 +89,10 @@ class IslandRun {
 
   std::vector<double> x;  ///< full state (ξ, ζ) while open
   const model::Mode* mode = nullptr;
-  model::IndexSet wanted;  ///< active set with the switches as they stand
+  model::IndexSet wanted;  ///< active set with the present positions of the switches
   int trigger = -1;        ///< diode port whose guard reached zero
   int passed_row = -1;     ///< guard of the event at which this was opened last; −1: none
-  /// Whether the mode goes on otherwise than `before` would have: a port determined in both modes, and not identically zero, lies on
+  /// Whether the mode continues differently than `before` would have: a port determined in both modes, and not identically zero, lies on
   /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
   bool changes_visibly(const model::Mode& before);
   /// At the instant at hand: why it was opened, and how long the segment before it was, s.
@@ -119,6 +122,7 @@ class IslandRun {
   void settle();
   void locate(double length);
   void choose_guards(const std::vector<char>& on);
+  void note_coarse(double time);
   void outputs_from(const model::Mode& m, const double* y, double* out);
   void advance_row(const model::Matrix& m, double factor);
 
@@ -148,9 +152,12 @@ class IslandRun {
   double length_before_ = 0.0;
   bool opened_at_limit_ = false;
   bool is_as_before_ = false;  ///< open, and no mode selected yet
+  bool is_coarse_ = false;     ///< open, and a mode was accepted at the coarsest rounding level
+  std::uint64_t coarse_selections_ = 0;
+  double first_coarse_ = 0.0;
   std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
   bool is_set_ = false;        ///< a switch of it, since the instant began
-  bool undecided_ = false;     ///< the event at hand is only where the locator could not tell
+  bool undecided_ = false;     ///< the present event is only a time at which the locator could not decide
   bool all_rest_ = false;      ///< and nothing came of it: guards at zero are looked at again once they are visibly negative
   int rests_ = -1;             ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 

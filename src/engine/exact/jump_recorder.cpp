@@ -2,14 +2,13 @@
 
 #include <cmath>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 
 namespace {
 
 constexpr std::size_t most_jumps_kept = 1000;
-/// Of an impulse against the largest at the instant, and of a store's change against its value: rounding.
-constexpr double impulse_rounding = 1e-12;
-constexpr double change_rounding = 1e-14;
 
 }  // namespace
 
@@ -35,7 +34,7 @@ std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open
   std::vector<Jump::Impulse> result;
   const double largest = open.impulse.cwiseAbs().maxCoeff();
   for (int i = 0; i < system.ports; ++i) {
-    if (std::abs(open.impulse[i]) <= impulse_rounding * largest) continue;
+    if (std::abs(open.impulse[i]) <= tolerance::impulse * largest) continue;
     const model::Port& port = system.port[static_cast<std::size_t>(i)];
     const auto diodes = static_cast<int>(islands_[island].island.network.diodes.size());
     const bool is_multiplier = i >= diodes && i < system.diodes;
@@ -62,7 +61,7 @@ void JumpRecorder::after(std::size_t island, double time, const std::vector<doub
   jump.energy_after = stores.energy(now);
   for (Eigen::Index i = 0; i < old_values.size(); ++i) {
     const double size = std::max(std::abs(old_values[i]), std::abs(new_values[i]));
-    if (std::abs(new_values[i] - old_values[i]) > change_rounding * size)
+    if (std::abs(new_values[i] - old_values[i]) > tolerance::change * size)
       jump.states.push_back({stores.names()[static_cast<std::size_t>(i)], old_values[i], new_values[i]});
   }
   jumps_.push_back(std::move(jump));

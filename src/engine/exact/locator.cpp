@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/exact/bent_step.hpp"
+#include "engine/exact/tolerances.hpp"
 
 namespace pwlsim::engine {
 
@@ -11,17 +12,7 @@ namespace {
 
 using model::Mode;
 
-constexpr double epsilon = 2.220446049250313e-16;
-/// A minimum of a guard within this fraction of the terms it is made of touches zero.
-constexpr double graze_noise = 1e-13;
 constexpr double share_of_norm = 0.1;
-/// A root is found when the guard is this small against the sum of its terms' magnitudes.
-constexpr double root_noise = 4.0 * epsilon;
-/// ‖A‖·step that a search for a root may leave over.
-constexpr double left_to_polish = 1e-7;
-/// ‖A‖·step that second order makes exactly; and one behind which no other is due.
-constexpr double longest_polish = 1e-6, last_polish = 1e-8;
-constexpr double smallest_interval = 0x1p-50;  ///< of the segment: shorter ones count as undecidable
 constexpr int most_iterations = 80;
 constexpr int most_series_intervals = 40;
 /// ‖A‖·step of the tests of low order below which the series goes farther, for so many intervals; and where it did not, how long to wait.
@@ -59,7 +50,7 @@ double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::mi
 double Locator::noise_of(const Segment& s, int row) const {
   const double size = std::max(linalg::absolute_row_times(s.mode->guards, row, s.y.data()),
                                share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
-  return std::max(graze_noise, s.mode->guard_noise[row]) * size;
+  return std::max(tolerance::graze, s.mode->guard_noise[row]) * size;
 }
 
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
@@ -217,8 +208,8 @@ Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double 
     (slope < 0.0 ? low : high) = at;
     double next = curvature > 0.0 ? at - slope / curvature : 0.5 * (low + high);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    const bool done =
-        std::abs(next - at) <= 1e-12 * h || std::abs(slope) <= 1e-15 * m.guard_norm[row] * m.norm_a * linalg::norm(s.y.data(), m.ny);
+    const bool done = std::abs(next - at) <= tolerance::minimum_step * h ||
+                      std::abs(slope) <= tolerance::minimum_slope * m.guard_norm[row] * m.norm_a * linalg::norm(s.y.data(), m.ny);
     if (done) break;
     at = next;
   }
@@ -253,7 +244,7 @@ double Locator::approach_root(const Segment& s, std::size_t i, double lower, dou
     const double slope = linalg::row_times(m.guards, row, a1_.data());
     (value > 0.0 ? low : high) = at;
     // Against the terms of this very sum: a large part of the state that the row does not read says nothing here.
-    if (std::abs(value) <= root_noise * linalg::absolute_row_times(m.guards, row, at_.data())) break;
+    if (std::abs(value) <= tolerance::root * linalg::absolute_row_times(m.guards, row, at_.data())) break;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
     const double newton = -value / slope;
     const double bend = 0.5 * newton * linalg::row_times(m.guards, row, a2_.data()) / slope;
@@ -261,12 +252,12 @@ double Locator::approach_root(const Segment& s, std::size_t i, double lower, dou
     const bool inside = iteration < most_bent_steps && chebyshev > low && chebyshev < high;
     const double next = inside ? chebyshev : 0.5 * (low + high);
     const double step = next - at;
-    if (std::abs(step) <= epsilon * (s.tau + at)) break;
+    if (std::abs(step) <= tolerance::unit_rounding * (s.tau + at)) break;
     if (!m.flow.shift(step, at_.data(), work_.data())) state_at(s, next, at_.data());
     at = next;
     // What the bend and a third derivative of ‖A‖² times the first leave for the next step is so short that `polish` makes it exactly.
     const double reach = std::abs(newton) * m.norm_a;
-    if (inside && reach * (2.0 * bend * bend + reach * reach / 6.0) <= left_to_polish) break;
+    if (inside && reach * (2.0 * bend * bend + reach * reach / 6.0) <= tolerance::left_to_polish) break;
   }
   return at;
 }
@@ -281,13 +272,13 @@ bool Locator::polish(const Segment& s, int row, double& tau) {
     const double slope = linalg::row_times(m.guards, row, a1_.data());
     if (value == 0.0 || slope == 0.0) return value == 0.0;
     const double shift = -value / slope;
-    if (std::abs(shift) * m.norm_a > longest_polish) return false;
+    if (std::abs(shift) * m.norm_a > tolerance::longest_polish) return false;
     linalg::multiply(m.flow.a(), a1_.data(), a2_.data());
     for (int i = 0; i < m.ny; ++i)
       event_[static_cast<std::size_t>(i)] += shift * (a1_[static_cast<std::size_t>(i)] + 0.5 * shift * a2_[static_cast<std::size_t>(i)]);
     tau += shift;
     // What is left is the third power of ‖A‖·shift, or the square of its curvature: nothing after a step this short.
-    if (std::abs(shift) * m.norm_a <= last_polish || std::abs(shift) <= epsilon * tau) return true;
+    if (std::abs(shift) * m.norm_a <= tolerance::last_polish || std::abs(shift) <= tolerance::unit_rounding * tau) return true;
   }
   return true;
 }
@@ -448,7 +439,8 @@ void Locator::locate(Segment& s, double end, Located& located) {
 
 void Locator::march(Segment& s, double end, Located& located) {
   if (s.mode->piecewise_linear) return straight_lines(s, end, located);
-  const double shortest = std::max(smallest_interval * end, s.is_brief ? 0.0 : 4.0 * epsilon * (s.anchor + end));
+  const double shortest =
+      std::max(tolerance::smallest_interval * end, s.is_brief ? 0.0 : 4.0 * tolerance::unit_rounding * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
     derive(s);

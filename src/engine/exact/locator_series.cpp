@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/exact/locator.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "linalg/small.hpp"
 
 namespace pwlsim::engine {
@@ -23,7 +24,6 @@ constexpr double longer = 1.15;          ///< of the reach, after an interval de
 constexpr int most_shortenings = 16;     ///< before the tests of low order take over
 constexpr double beyond_end = 1.25;      ///< of what is left: tried where a guard seems to be zero at the very end
 constexpr double bracket_margin = 0.02;  ///< of the interval, behind an isolated root
-constexpr double last_step = 1e-9;       ///< of Newton's, which squares what it is off by: relative to the root
 constexpr int most_depth = 6;            ///< of subdivision
 
 using Coefficients = std::array<double, order + 1>;
@@ -175,7 +175,7 @@ double polynomial_root(const Coefficients& c, double low, double high) {
     (value > 0.0 ? low : high) = at;
     double next = slope < 0.0 ? at - value / slope : 0.5 * (low + high);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - at) <= last_step * std::abs(at)) return next;
+    if (std::abs(next - at) <= tolerance::series_root_step * std::abs(at)) return next;
     at = next;
   }
   return at;

@@ -4,23 +4,19 @@
 
 #include <cmath>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 
-namespace {
-
-/// Of the energy stored before the jump: less is rounding, or what a transformer's coupling leaves.
-constexpr double least_loss = 1e-9;
-/// Of an inductor's current: the share whose loss makes it a broken one.
-constexpr double least_change = 1e-6;
-
-}  // namespace
+namespace {}  // namespace
 
 std::string LossWatch::broken_currents(const model::StoreValues& stores, const model::Vector& before, const model::Vector& now) const {
   const model::Vector old_values = stores.values(before), new_values = stores.values(now);
   std::string names;
   for (Eigen::Index i = 0; i < old_values.size(); ++i) {
     const std::string& name = stores.names()[static_cast<std::size_t>(i)];
-    if (!name.starts_with("i(") || std::abs(new_values[i] - old_values[i]) <= least_change * std::abs(old_values[i])) continue;
+    if (!name.starts_with("i(") || std::abs(new_values[i] - old_values[i]) <= tolerance::least_broken_current * std::abs(old_values[i]))
+      continue;
     names += fmt::format("{}{} from {:.4g} A to {:.4g} A", names.empty() ? "" : ", ", name, old_values[i], new_values[i]);
   }
   return names;
@@ -33,7 +29,7 @@ void LossWatch::after(std::size_t island, double time, const model::Vector& befo
   const model::StoreValues& stores = stores_.try_emplace(island, model.island, model.extraction).first->second;
   const double stored = stores.energy(before);
   const double lost = stores.magnetic_energy(before) - stores.magnetic_energy(now);
-  if (!(lost > least_loss * std::abs(stored)) || count_++ > 0) return;
+  if (!(lost > tolerance::least_loss * std::abs(stored)) || count_++ > 0) return;
   first_ = fmt::format(
       "at t = {:.6g} s {} {} a current that has no other path ({}): {:.3g} J of the {:.3g} J stored there are lost at once", time,
       fmt::join(switches, ", "), switches.size() > 1 ? "break" : "breaks", broken_currents(stores, before, now), lost, stored);

@@ -1,6 +1,6 @@
 #pragma once
 /// Switches that break the current of an inductor: it has no other path, so the energy that it stores is gone in no time. The jump is what the ideal
-/// elements ask for, and seldom what the user meant. (Charge that closed contacts share without resistance loses energy, too, but no current breaks.)
+/// elements require, and seldom what the user intended. (Charge that closed contacts share without resistance loses energy, too, but no current breaks.)
 
 #include <map>
 #include <optional>

@@ -1,21 +1,14 @@
 #pragma once
-/// A run that can be entered from any state, watched, and asked for the state it ends in. Its modes are kept from one stretch to the next.
+/// A run that can start from any state, be observed, and return the state in which it ends. It keeps its modes from one call to the next.
 
 #include <atomic>
-#include <vector>
 
 #include "engine/exact/observer.hpp"
+#include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
 #include "engine/exact/start.hpp"
 
 namespace pwlsim::engine {
-
-/// All that the future of a run depends on, beside its sources: left of t = 0, so that what happens at t = 0 is still to come.
-struct RunState {
-  std::vector<linalg::Vector> xi;       ///< energy coordinates of each island
-  std::vector<char> on;                 ///< switches of the model
-  std::vector<model::IndexSet> active;  ///< of each island, the mode's active set: where selection begins. Empty: it begins with blocking diodes.
-};
 
 class March {
  public:
@@ -26,8 +19,8 @@ class March {
   /// `model` must outlive it.
   March(const ExactModel& model, const Options& options) : model_(model), options_(options), selectors_(model, options.non_unique) {}
 
-  /// Runs for `length` s from t = 0, up to but without what happens at its end; `state` is where it starts and then where it ends. Instants closer than
-  /// 1e-14 of `length` are one. `observer` may be null; where it ends the run the answer is complete and its time the instant's, and the state that
+  /// Runs for `length` s from t = 0, up to but excluding the instant at its end; `state` is the start and then the end. Instants closer than
+  /// 1e-14 of `length` are one. `observer` may be null; if it ends the run, the answer is complete, its time is that of the instant, and the state is
   /// right of the instant.
   Answer advance(RunState& state, double length, Observer* observer);
   /// An ordinary run with rows from such a state.
@@ -41,7 +34,7 @@ class March {
   Selectors selectors_;
 };
 
-/// Where `start` leads in.
+/// The state in which `start` begins a run.
 [[nodiscard]] RunState state_of(const Start& start);
 
 }  // namespace pwlsim::engine

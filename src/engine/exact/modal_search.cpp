@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/exact/bent_step.hpp"
+#include "engine/exact/tolerances.hpp"
 
 namespace pwlsim::engine {
 
@@ -13,10 +14,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double epsilon = 2.220446049250313e-16;
-constexpr double coordinate_noise = 8.0 * epsilon;  ///< of z' against the terms it is a sum of
-constexpr double short_interval = 2.0;              ///< |λ|·h up to which a term is enclosed by its second derivative
-constexpr double series_reach = 0.5;                ///< |λ|·τ up to which e₂ is summed: beyond, differences lose next to nothing
+constexpr double short_interval = 2.0;  ///< |λ|·h up to which a term is enclosed by its second derivative
+constexpr double series_reach = 0.5;    ///< |λ|·τ up to which e₂ is summed: beyond, differences lose next to nothing
 /// Terms of that sum by the exponent of |λ|·τ, to rounding.
 constexpr std::array<int, 6> series_terms{13, 10, 9, 8, 7, 6};
 constexpr int fewest_terms = 5;
@@ -24,7 +23,6 @@ constexpr int most_depth = 40;  ///< of halving
 constexpr std::uint64_t most_intervals = 1000;
 constexpr std::size_t most_guards = 64;
 constexpr double beyond_last_root = 1.25;  ///< where a root is looked for, against where the last one was
-constexpr double last_step = 1e-13;  ///< of Newton's, relative to the root
 constexpr int most_iterations = 60;
 
 constexpr std::array<double, 16> reciprocal = [] {
@@ -130,7 +128,7 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
         c.bend = product(rate.value, c.velocity) + c.push;
         c.bend_size = std::sqrt(std::norm(c.bend));
       }
-      c.noise = coordinate_noise * weight_sizes[k] * (size_[2 * k] + size_[2 * k + 1]);
+      c.noise = tolerance::coordinate * weight_sizes[k] * (size_[2 * k] + size_[2 * k + 1]);
     }
   }
 }
@@ -138,12 +136,12 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
 /// What rounding leaves of a guard and its slope anywhere in the interval: from z' and f', and from the phase λτ of what moves on.
 ModalSearch::Noise ModalSearch::noise_of(std::size_t guard, const Interval& in) const {
   const Coefficients* c = &coefficients_[guard * count_];
-  const double drift = epsilon * std::abs(drift_[guard]);
+  const double drift = tolerance::unit_rounding * std::abs(drift_[guard]);
   Noise noise{guards_[guard].noise + drift * in.right, drift};
   for (std::size_t k = 0; k < count_; ++k) {
     const Exponents& at = in.at_right[k];
-    const double push = coordinate_noise * (std::abs(c[k].push.real()) + std::abs(c[k].push.imag()));
-    const double phase = epsilon * c[k].bend_size * at.moving;
+    const double push = tolerance::coordinate * (std::abs(c[k].push.real()) + std::abs(c[k].push.imag()));
+    const double phase = tolerance::unit_rounding * c[k].bend_size * at.moving;
     noise.slope += at.growth * (c[k].noise + push * at.lasting) + phase;
     noise.value += (at.growth * (c[k].noise + push * in.right) + phase) * at.lasting;
   }
@@ -273,7 +271,7 @@ double ModalSearch::root(std::size_t g, const Interval& in) {
     at = inside ? next : 0.5 * (low + high);
     // What it leaves for the next one, to leading order.
     const double left = 2.0 * bent * bent + newton * newton * std::abs(curvature.third / (6.0 * steepness));
-    if (inside && std::abs(newton) * left <= last_step * at) break;
+    if (inside && std::abs(newton) * left <= tolerance::modal_root_step * at) break;
   }
   return at;
 }

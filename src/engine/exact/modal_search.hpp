@@ -3,8 +3,8 @@
 ///
 /// Over [l, r] each term is enclosed between straight lines: by its chord, its tangents and the sign of its second derivative where the rate is real, by
 /// ±|second derivative|(r − l)²/8 about the chord where it is slow, by its own decaying magnitude where it is fast. A term that decays in no time costs nothing but that, so
-/// that the interval need not be of its length. An interval that is not decided so is halved. What there is to search may be the rest of a long run: it begins with a length that holds the
-/// root that was found last in the mode, and goes on in doubled ones.
+/// that the interval need not be of its length. An undecided interval is halved. What there is to search may be the rest of a long run: it begins with a length that holds the
+/// root that was found last in the mode, and continues with doubled ones.
 
 #include <algorithm>
 #include <complex>
@@ -95,7 +95,7 @@ class ModalSearch {
   std::vector<Exponents> points_;           ///< at the ends of the interval that is halved, and where intervals of each depth were halved
   std::vector<Exponents> trial_;
   double positive_until_ = 0.0;
-  bool is_stuck_ = false;  ///< at a guard that is rounding where an interval begins: no shorter one tells more
+  bool is_stuck_ = false;  ///< at a guard that is rounding where an interval begins: a shorter one decides no more
   std::uint64_t intervals_ = 0, last_interval_ = 0;  ///< all so far, and at which of them this search gives up
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run tells of itself: the segments it went through, and the instants between them.
+/// What a run reports to an observer: its segments, and the instants between them.
 
 #include <span>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace pwlsim::engine {
 
-/// A stretch of one island in one mode; y = (c, ζ), mode.ny entries.
+/// A time interval of one island in one mode; y = (c, ζ), mode.ny entries.
 struct SegmentView {
   std::size_t island = 0;
   const model::Mode* mode = nullptr;
@@ -17,14 +17,14 @@ struct SegmentView {
   const double* y1 = nullptr;        ///< at its end, sources at their left limit
 };
 
-/// Why an island was looked at.
+/// Why an island is examined at an instant.
 enum class Cause {
   start,         ///< t = 0
-  time,          ///< a source or a clock, at a time that no state moves
-  guard,         ///< a guard of its own passed zero
-  outside,       ///< a switch of it was moved by another island
-  decays,        ///< fast decays are over, and the slow motion goes on
-  undecided,     ///< the search for events could not tell: what happens here has no guard
+  time,          ///< a source or a clock, at a time that does not depend on any state
+  guard,         ///< one of its own guards crosses zero
+  outside,       ///< another island moves one of its switches
+  decays,        ///< fast decays have ended, and the slow motion continues
+  undecided,     ///< the search for events could not decide: no guard is known
   accumulation,  ///< the limit of infinitely many events
 };
 
@@ -35,7 +35,7 @@ struct Change {
   int guard = -1;                      ///< row of `before->guards`, with Cause::guard
   const model::Mode* before = nullptr;  ///< null at the start
   std::vector<double> y_before;         ///< in `before`
-  std::vector<const model::Mode*> by_way_of;  ///< modes that were entered for no time, or jumped into, in order; the last is `after`
+  std::vector<const model::Mode*> by_way_of;  ///< modes entered for zero time, or jumped into, in order; the last is `after`
   const model::Mode* after = nullptr;
   std::vector<double> y_after;  ///< in `after`
 };

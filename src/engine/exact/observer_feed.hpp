@@ -10,11 +10,11 @@ class ObserverFeed {
  public:
   ObserverFeed(Observer* observer, std::size_t islands) : observer_(observer), place_(observer ? islands : 0, none) {}
 
-  /// The island stands open at t = 0.
+  /// The island is open at t = 0.
   void started(std::size_t island) {
     if (observer_) begin(island).cause = Cause::start;
   }
-  /// The island has been opened; its segment ends. `from_outside`: neither its sources nor its guards ask for it.
+  /// The island has been opened; its segment ends. `from_outside`: neither its sources nor its guards are the reason.
   void opened(std::size_t island, const IslandRun& run, double time, bool from_outside, bool breaks) {
     if (observer_) take_opening(island, run, time, from_outside, breaks);
   }

@@ -4,24 +4,16 @@
 #include <array>
 #include <cmath>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 namespace {
 
 constexpr std::size_t points = linalg::legendre_points;
-constexpr double rounding = 2.3e-16;
-/// The last coefficients of a resolved signal, against its largest value on the interval.
-constexpr double resolution = 2e-15;
-/// Of the largest value of the run: what is smaller needs no digits of its own.
-constexpr double dead = 1e-12;
-/// Rounding of a value at a point, in units of |c e^{Aτ}||y|.
-constexpr double point_noise = 8.0 * rounding;
-/// Intervals this short, of the window, hang on rounding that is larger than that: after each so many of them in a segment it counts twice, and so often.
-constexpr double crowding = 1e-7;
 constexpr std::uint64_t crowd = 4096;
 constexpr std::uint64_t most_doublings = 10;
 /// Derivatives at the begin may differ by so many resolutions of a coefficient, and by so many roundings of their own terms.
 constexpr double derivative_slack = 32.0;
-constexpr double derivative_noise = 16.0 * rounding;
 /// rate·2^p below which sixteen points resolve any motion.
 constexpr double easy = 0.5;
 constexpr std::size_t most_intervals = 512;  ///< kept for one mode
@@ -87,7 +79,7 @@ void PieceMaker::advance(const std::vector<IslandRun>& islands, double time) {
     for (fill(level); level > least && !resolved(std::ldexp(1.0, level)); fill(level)) --level;
     const double next = std::min(end, at + std::ldexp(1.0, level));
     hand_over(at, next, level);
-    if (next - at < crowding * (probes_.to - probes_.from)) ++short_;
+    if (next - at < tolerance::piece_crowding * (probes_.to - probes_.from)) ++short_;
     cut_ = interrupt_ && interrupt_->load(std::memory_order_relaxed) != 0;
     if (cut_) cut_at_ = next;
     if (cut_ || next == at) return;  // shorter than the time's own rounding
@@ -211,20 +203,20 @@ void PieceMaker::fill(int level) {
 
 bool PieceMaker::resolved(double length) const {
   static const EndDerivatives ends = end_derivatives();
-  const double noise_unit = std::ldexp(point_noise, static_cast<int>(std::min(short_ / crowd, most_doublings)));
+  const double noise_unit = std::ldexp(tolerance::piece_point, static_cast<int>(std::min(short_ / crowd, most_doublings)));
   for (std::size_t probe = 0; probe < largest_.size(); ++probe) {
     const double* values = &values_[probe * points];
     const linalg::LegendreSeries series(values);
-    double size = dead * largest_[probe];
+    double size = tolerance::piece_dead * largest_[probe];
     for (std::size_t i = 0; i < points; ++i) size = std::max(size, std::abs(values[i]));
     const double noise = noise_unit * terms_[probe];
-    const double tolerance = resolution * size + noise;
+    const double tolerance = tolerance::piece_resolution * size + noise;
     if (series.tail() > tolerance) return false;
     linalg::LegendreSeries derivative = series;
     double unit = 1.0;
     for (std::size_t m = 0; m < derivatives; ++m) {
       const std::size_t place = probe * derivatives + m;
-      const double slack = derivative_slack * ends[m][points] * tolerance + derivative_noise * bounds_[place] * unit;
+      const double slack = derivative_slack * ends[m][points] * tolerance + tolerance::piece_derivative * bounds_[place] * unit;
       if (std::abs(derivative(-1.0) - starts_[place] * unit) > slack) return false;
       derivative = derivative.derivative();
       unit *= 0.5 * length;

@@ -5,7 +5,7 @@
 /// mode and p, times the state at the interval's begin. An interval is accepted when the last coefficients of every signal are rounding and the
 /// polynomial has the signal's value and its first three derivatives at the begin; else it is halved. By the derivatives a transient that is over before the
 /// first point is seen: a stiff segment costs some intervals for each octave between its fastest rate and its length. The last interval may reach
-/// beyond the segment's end, where the mode's motion goes on undisturbed.
+/// beyond the segment's end, where the mode's motion continues undisturbed.
 
 #include <atomic>
 #include <cstdint>
@@ -40,7 +40,7 @@ class PieceMaker {
   /// The interval of length 2^level in one mode.
   struct Interval {
     linalg::Matrix points;  ///< shares·16 × ny
-    /// shares × ny: the largest magnitudes of a share's rows, here and in shorter intervals: rounding of y excites fast modes anew.
+    /// shares × ny: the largest magnitudes of a share's rows, here and in shorter intervals: rounding of y excites fast modes again.
     linalg::Matrix bound;
     linalg::Matrix advance;  ///< e^{A 2^level} − 1
   };
@@ -63,7 +63,7 @@ class PieceMaker {
     std::uint64_t segment = 0;
     double time = 0.0;  ///< of y
     std::vector<double> y, work;
-    bool is_fresh = false;  ///< nothing of the segment has been handed over
+    bool is_fresh = false;  ///< nothing of the segment has been passed on
   };
 
   void follow(Track& track, const IslandRun& run, double time);
@@ -84,7 +84,7 @@ class PieceMaker {
   int level_ = 0;  ///< of the interval before
   bool cut_ = false;
   double cut_at_ = 0.0;
-  bool resumes_ = false;     ///< level_ is of this stretch
+  bool resumes_ = false;     ///< level_ belongs to this interval
   std::uint64_t short_ = 0;  ///< intervals of the segment that are short against the window
   std::vector<double> values_, starts_, bounds_, scratch_;
   std::vector<double> terms_;    ///< Σ |row||y| of a value at any point of the interval: what its rounding is a part of

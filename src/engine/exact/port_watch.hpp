@@ -11,7 +11,7 @@ namespace pwlsim::engine {
 
 class PortWatch {
  public:
-  /// Nothing is told where `watcher` is null.
+  /// Nothing is reported if `watcher` is null.
   PortWatch(const std::vector<IslandRun>& islands, EventWatcher* watcher) : islands_(islands), watcher_(watcher) {}
 
   void begin();

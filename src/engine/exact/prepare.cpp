@@ -1,6 +1,7 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/left_out.hpp"
 

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/exact/tolerances.hpp"
+
 namespace pwlsim::engine {
 namespace {
-
-/// Of the terms that an impulse is a sum of.
-constexpr double rounding = 1e-12;
 
 /// Whether ports whose impulses are of that order give the signal one: directly, or, beyond the first, by way of states, x = Σ A^{j−2} B u^{−j} δ + ….
 bool may_act(const model::System& system, const model::OutputRow& row, int order) {
@@ -16,7 +15,7 @@ bool may_act(const model::System& system, const model::OutputRow& row, int order
   model::Vector reads = row.state;
   for (int k = 2; k <= order; ++k) {
     const model::Vector share = system.b.transpose() * reads, terms = system.b.cwiseAbs().transpose() * reads.cwiseAbs();
-    if ((share.cwiseAbs().array() > rounding * terms.array()).any()) return true;
+    if ((share.cwiseAbs().array() > tolerance::probe_impulse * terms.array()).any()) return true;
     reads = system.a.transpose() * reads;
   }
   return false;
@@ -70,7 +69,7 @@ void ProbeImpulses::ports_jumped(std::size_t island, const model::Selected& sele
 void ProbeImpulses::end(double time, bool wanted) {
   if (!any_) return;
   for (std::size_t probe = 0; probe < values_.size(); ++probe)
-    if (std::abs(values_[probe]) <= rounding * terms_[probe]) values_[probe] = 0.0;
+    if (std::abs(values_[probe]) <= tolerance::probe_impulse * terms_[probe]) values_[probe] = 0.0;
   if (wanted) probes_.sink->impulse(time, values_);
   std::fill(values_.begin(), values_.end(), 0.0);
   std::fill(terms_.begin(), terms_.end(), 0.0);

@@ -16,7 +16,7 @@ class ProbeImpulses {
 
   /// The state x = (ξ, ζ) of an island left of the instant.
   void before(std::size_t island, const std::vector<double>& x);
-  /// Its sources have jumped: ζ now stands right of the instant.
+  /// Its sources have jumped: ζ is now right of the instant.
   void sources_jumped(std::size_t island, const std::vector<double>& x);
   /// A selection in it has jumped.
   void ports_jumped(std::size_t island, const model::Selected& selected);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engine/exact/static_solution.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
@@ -167,11 +168,10 @@ class OperatingPointSolver {
 
   /// Of a control's value: against its terms, and against the largest current or voltage of a port where it reads ports.
   [[nodiscard]] static double rounding_at(const StaticSolution& at, const model::Control& control) {
-    constexpr double rounding = 1e-13;
     double size = std::max(std::abs(control.on_level), std::abs(control.off_level));
     size += control.value.state.cwiseAbs().dot(at.x.cwiseAbs());
     if (at.u.size() > 0) size += control.value.input.cwiseAbs().maxCoeff() * at.u.cwiseAbs().maxCoeff();
-    return rounding * size;
+    return tolerance::control_at_start * size;
   }
 
   const ExactModel& model_;
@@ -223,12 +223,11 @@ model::Island with_initial_values(model::Island island) {
 
 /// Whether values given were moved: any that is not zero, and a zero that a capacitor's own ic= says.
 bool contradicts(const model::Network& network, const Vector& given, const Vector& taken) {
-  constexpr double rounding = 1e-9;
   if (given.size() == 0) return false;
   const Vector moved = (taken - given).cwiseAbs();
-  if (given.norm() > 0.0 && moved.norm() > rounding * given.norm()) return true;
+  if (given.norm() > 0.0 && moved.norm() > tolerance::moved_start * given.norm()) return true;
   for (std::size_t i = 0; i < network.capacitors.size(); ++i)
-    if (network.capacitors[i].has_initial && moved[static_cast<Eigen::Index>(i)] > rounding * taken.norm()) return true;
+    if (network.capacitors[i].has_initial && moved[static_cast<Eigen::Index>(i)] > tolerance::moved_start * taken.norm()) return true;
   return false;
 }
 
@@ -242,7 +241,7 @@ Vector projected_initial_state(const IslandModel& island, const model::Island& v
   if (contradicts(values.network, full, d.store_state * x))
     remarks.push_back(
         {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "
-                                          "as any jump, conserving charge and flux",
+                                          "like any jump, conserving charge and flux",
                                           island_elements(s))});
   return x.head(s.n);
 }

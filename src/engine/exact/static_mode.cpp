@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/exact/tolerances.hpp"
 #include "linalg/elimination.hpp"
 
 namespace pwlsim::engine {
@@ -19,14 +20,8 @@ using linalg::WideVector;
 constexpr double first_epsilon = 1e-3, last_epsilon = 1e-17, epsilon_step = 1e-3;  ///< in units of `rate`
 constexpr double input_share = 1e-8;                                               ///< δ/ε
 constexpr int most_iterations = 20, most_rounds = 8;
-constexpr Wide same_value = 1e-14L;                      ///< of ξ and u, of their largest
-constexpr Wide residual_tolerance = 1e-12L;              ///< of an equation against its coefficients times the largest ξ and u
 constexpr Wide rounding = linalg::wide_clean_tolerance;  ///< of an entry of A, B, C: of the largest of what it is a sum of
-constexpr Wide port_rounding = 1e-15L;                   ///< of an entry of D, which is of order one
-constexpr Wide small_change = 1e-12L;                    ///< of ξ and u, of the largest of both
-constexpr Wide largest_noise = 1e-6L;                    ///< of v in a step: without a solution it keeps growing
 constexpr Wide stagnation = 0.5L;                        ///< of two steps, one behind the other
-constexpr Wide free_share = 1e-6L;                       ///< of a random vector, left when all but the kernel has died away
 
 /// K and r in units of time in which `rate` is one, each equation divided by its largest coefficient.
 class ModeEquations {
@@ -69,7 +64,7 @@ class ModeEquations {
     WideVector terms = rounding * (k_.cwiseAbs() * v.cwiseAbs() + right_.cwiseAbs());
     terms.head(n_) += rounding * fastest_ * largest_state(v) * scale_.head(n_);
     const Wide of_d = unit_ * unit_ / (slow_unit_ * slow_unit_);
-    terms.tail(size_ - n_) += port_rounding * of_d * largest_input(v) * scale_.tail(size_ - n_);
+    terms.tail(size_ - n_) += tolerance::dc_port_rounding * of_d * largest_input(v) * scale_.tail(size_ - n_);
     for (Eigen::Index i = 0; i < size_; ++i) terms[i] *= std::sin(static_cast<Wide>(7 * i + 1));
     return terms;
   }
@@ -122,14 +117,14 @@ bool converges(const ModeEquations& equations, const WideElimination& held, Wide
     if (!step.allFinite()) return false;
     v += step;
     const Wide of_xi = equations.largest_state(step), of_u = equations.largest_input(step), largest = v.cwiseAbs().maxCoeff();
-    const bool xi_rests = of_xi <= std::max(same_value * equations.largest_state(v), small_change * largest);
-    const bool u_rests = of_u <= std::max(same_value * equations.largest_input(v), small_change * largest);
+    const bool xi_rests = of_xi <= std::max(tolerance::same_value * equations.largest_state(v), tolerance::dc_small_change * largest);
+    const bool u_rests = of_u <= std::max(tolerance::same_value * equations.largest_input(v), tolerance::dc_small_change * largest);
     const bool decreases = (!xi_rests && of_xi <= stagnation * xi_before) || (!u_rests && of_u <= stagnation * u_before);
     xi_before = of_xi;
     u_before = of_u;
-    if (i == 0 || decreases || equations.error(v) > residual_tolerance) continue;
+    if (i == 0 || decreases || equations.error(v) > tolerance::dc_residual) continue;
     if (xi_rests && u_rests) return true;
-    if (of_xi > largest_noise * equations.scale_of_states(v) || of_u > largest_noise * largest) continue;
+    if (of_xi > tolerance::dc_largest_noise * equations.scale_of_states(v) || of_u > tolerance::dc_largest_noise * largest) continue;
     const WideVector noise = held.solve(equations.rounding_of(v));
     if (of_xi <= equations.largest_state(noise) && of_u <= equations.largest_input(noise)) return true;
   }
@@ -145,7 +140,7 @@ bool settles(const ModeEquations& equations, const WideElimination& held, const 
   for (int round = 0; round < most_rounds && !rests; ++round) {
     v << x0, u;
     if (!converges(equations, held, v)) return false;
-    rests = round > 1 && (v.head(xi.size()) - xi).norm() <= same_value * xi.norm();
+    rests = round > 1 && (v.head(xi.size()) - xi).norm() <= tolerance::same_value * xi.norm();
     xi = v.head(xi.size());
     u = round == 0 ? equations.least_inputs(xi) : WideVector(v.tail(u.size()));
   }
@@ -160,7 +155,7 @@ bool leaves_states_open(const ModeEquations& equations, const WideElimination& h
   for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = std::sin(Wide{1} + Wide{37} * static_cast<Wide>(i * i + 1));
   const Wide before = equations.largest_state(v);
   for (int i = 0; i < most_iterations; ++i) v += held.solve(equations.homogeneous_residual(v));
-  return equations.largest_state(v) > free_share * before;
+  return equations.largest_state(v) > tolerance::dc_free_share * before;
 }
 
 }  // namespace

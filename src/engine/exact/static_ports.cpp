@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/exact/tolerances.hpp"
 #include "lcp/lemke.hpp"
 #include "lcp/solve.hpp"
 #include "model/causality.hpp"
@@ -19,9 +20,6 @@ using linalg::Vector;
 using linalg::Wide;
 using linalg::WideMatrix;
 using linalg::WideVector;
-
-/// What each wave loses at its port: parallel diodes and rings of closed switches share their current, series ones their voltage.
-constexpr Wide loss = 1e-12L;
 
 WideMatrix solved(const WideMatrix& m, const WideMatrix& right) {
   if (m.rows() == 0) return right;
@@ -81,7 +79,7 @@ StaticPorts::Waves StaticPorts::waves(double epsilon, const Vector& x0) const {
   const WideMatrix state = solved(Wide{epsilon} * WideMatrix::Identity(n, n) - a_, right);
   Waves result{{}, {}, state.leftCols(k), state.col(k)};
   result.s = WideMatrix::Identity(k, k) + 2 * (d_ + c_ * result.to_state);
-  result.s *= 1 - loss;
+  result.s *= 1 - tolerance::dc_wave_loss;
   result.s0 = 2 * (f_ + c_ * result.state0);
   return result;
 }

@@ -6,6 +6,7 @@
 
 #include "engine/exact/static_mode.hpp"
 #include "engine/exact/static_ports.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "model/valves.hpp"
 
 namespace pwlsim::engine {
@@ -19,9 +20,6 @@ using linalg::WideVector;
 /// How weakly states are held, in units of the slowest rate. Too strongly, and what leaks slowly counts as blocked; too weakly, and rounding
 /// decides what the hold should: each end of the ladder serves circuits that the other does not.
 constexpr double ladder[] = {1e-8, 1e-6, 1e-10, 1e-4, 1e-12, 1e-2, 1e-14};
-constexpr Wide sign_tolerance = 1e-12L;  ///< of u, y against the largest term of any
-constexpr double same_distance = 1e-6;   ///< of two distances, relative
-constexpr double same_state = 1e-6;
 
 class StaticProblem {
  public:
@@ -48,7 +46,7 @@ class StaticProblem {
         auto found = solution_of(active, x0);
         if (!found) continue;
         const bool is_alone = !found->kernel && !found->degenerate;
-        const bool is_nearest = !system_.passive || is_alone || found->distance <= proposal.distance * (1.0 + same_distance);
+        const bool is_nearest = !system_.passive || is_alone || found->distance <= proposal.distance * (1.0 + tolerance::dc_same_distance);
         if (!best || found->distance < best->distance) best = std::move(found);
         if (is_nearest) return best;
       }
@@ -65,7 +63,7 @@ class StaticProblem {
     for (Eigen::Index i = 0; i < aside.size(); ++i) aside[i] = size * std::sin(1.0 + 37.0 * static_cast<double>(i * i + 1));
     for (const double side : {1.0, -1.0}) {
       const auto other = nearest(found.xi.cast<double>() + side * aside);
-      if (other && (other->xi - found.xi).norm() > same_state * size) return false;
+      if (other && (other->xi - found.xi).norm() > tolerance::dc_same_state * size) return false;
     }
     return true;
   }
@@ -90,8 +88,8 @@ class StaticProblem {
     const WideVector terms = (wide->c.cwiseAbs() * x.cwiseAbs() + wide->d.cwiseAbs() * found.u.cwiseAbs()).head(d);
     for (const int i : active)
       if (i < d) y[i] = 0;
-    const Wide tolerance = sign_tolerance * std::max({terms.maxCoeff(), found.u.cwiseAbs().maxCoeff(),
-                                                      std::sqrt(Wide{ports_.slowest_rate()}) * found.xi.norm()});
+    const Wide tolerance = tolerance::dc_sign * std::max({terms.maxCoeff(), found.u.cwiseAbs().maxCoeff(),
+                                                          std::sqrt(Wide{ports_.slowest_rate()}) * found.xi.norm()});
     for (Eigen::Index i = 0; i < d; ++i) {
       if (std::find(blocked_.begin(), blocked_.end(), i) != blocked_.end()) continue;
       if (found.u[i] < -tolerance || y[i] < -tolerance) return false;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/exact/steering.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
@@ -15,8 +16,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Breakpoints and crossings closer than this fraction of the run are one instant.
-constexpr double merge_fraction = 1e-14;
 constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
@@ -24,6 +23,17 @@ constexpr int slow_size = 50;         ///< states and ports whose modes take mil
 constexpr double longest_wait = 0.1;  ///< s, of rows of such circuits for their block to be full
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Of switches that find no rest. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
+std::string cure_of(const std::vector<std::string>& switches) {
+  const auto is_transistor = [](const std::string& name) {
+    const char letter = name[name.find_last_of('.') + 1];  // of none at the end: the first of all
+    return letter == 'M' || letter == 'm' || letter == 'J' || letter == 'j';
+  };
+  if (!std::any_of(switches.begin(), switches.end(), is_transistor)) return "a hysteresis Vh";
+  return "a capacitor from gate to source of the transistors, whose gates take no time here, or a source that drives them against their "
+         "own source";
+}
 
 }  // namespace
 
@@ -44,7 +54,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   for (std::size_t i = 0; i < model_.islands.size(); ++i) islands_.emplace_back(model_.islands[i], selectors.of(i));
   if (request.watcher != nullptr)
     for (auto& island : islands_) island.selector().share_in_any_case();
-  tolerance_ = merge_fraction * request.stop;
+  tolerance_ = tolerance::merge * request.stop;
   make_clocks();
   make_groups();
   modes_before_.assign(islands_.size(), nullptr);
@@ -310,8 +320,8 @@ bool Transient::settle(Instant& instant, bool at_start) {
   std::vector<std::string> names;
   for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
   fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches {} find no rest at t = {} s: each position undoes its own condition; try a hysteresis Vh",
-                   fmt::join(names, ", "), instant.time),
+       fmt::format("the switches {} keep toggling at t = {} s: each state violates its own condition; try {}",
+                   fmt::join(names, ", "), instant.time, cure_of(names)),
        names);
   return false;
 }

@@ -10,11 +10,12 @@
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
 #include "engine/exact/loss_watch.hpp"
-#include "engine/exact/march.hpp"
 #include "engine/exact/observer_feed.hpp"
 #include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/probe_impulses.hpp"
+#include "engine/exact/run_state.hpp"
+#include "engine/exact/selectors.hpp"
 #include "engine/exact/start.hpp"
 #include "model/clock.hpp"
 
@@ -120,7 +121,7 @@ class Transient {
   std::vector<char> on_;         ///< switches
   std::vector<int> flips_;       ///< switches that are to change
   std::vector<int> last_flips_;  ///< and those that did last
-  std::vector<char> rested_;     ///< switches that have changed at this instant because their control rests at a threshold
+  std::vector<char> rested_;     ///< switches that have changed at this instant because their control stays at a threshold
   bool is_slow_ = false;         ///< an island is large
   std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
   std::vector<const model::Mode*> modes_before_;

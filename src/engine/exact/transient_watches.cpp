@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "engine/exact/tolerances.hpp"
 #include "engine/exact/transient.hpp"
 #include "engine/remarks.hpp"
 
@@ -13,18 +14,8 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// Of the time from the first event of a sequence to its limit: so far ahead it is crossed once the limit is known to rounding; and so far
-/// where it is known to a fraction of what is ahead. There rounding begins to tell in states that shrink with the square of the time.
-constexpr double crossing_fraction = 1e-4;
-constexpr double last_crossing_fraction = 1e-5;
-constexpr double limit_tolerance = 1e-13;  ///< of the limit's time
-constexpr double known_fraction = 1e-2;
-/// A run whose certificate is worse than this says so.
-constexpr double doubtful_residual = 1e-6;
 /// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
-constexpr double crowd_fraction = 1e-9;
-constexpr double idle_crowd_fraction = 1e-6;  ///< the same where guards are passed and nothing happens
 
 /// Elements with a port that is meant; ports of one element stand side by side, and it is named once.
 template <typename IsMeant>
@@ -73,9 +64,9 @@ void Transient::watch_accumulation(const Instant& instant) {
 /// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
 bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
   const double ahead = limit.time - time;
-  const bool known_exactly = limit.uncertainty <= limit_tolerance * limit.time;
-  if (!(ahead > 0.0) || ahead > (known_exactly ? crossing_fraction : last_crossing_fraction) * limit.span) return false;
-  if (limit.uncertainty > known_fraction * ahead) return false;
+  const bool known_exactly = limit.uncertainty <= tolerance::limit * limit.time;
+  if (!(ahead > 0.0) || ahead > (known_exactly ? tolerance::crossing : tolerance::last_crossing) * limit.span) return false;
+  if (limit.uncertainty > tolerance::known_limit * ahead) return false;
   if (limit.time >= request_.stop ||
       (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
     return false;
@@ -106,12 +97,12 @@ bool Transient::Crowd::note(double time, double length) {
 }
 
 bool Transient::watch_crowd(const Instant& instant) {
-  return !crowd_.note(instant.time, crowd_fraction * request_.stop) || fail_crowd(instant, crowd_);
+  return !crowd_.note(instant.time, tolerance::crowd * request_.stop) || fail_crowd(instant, crowd_);
 }
 
 /// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
 bool Transient::watch_idle_crowd(const Instant& instant) {
-  return !instant.crossing || !idle_crowd_.note(instant.time, idle_crowd_fraction * request_.stop) || fail_crowd(instant, idle_crowd_);
+  return !instant.crossing || !idle_crowd_.note(instant.time, tolerance::idle_crowd * request_.stop) || fail_crowd(instant, idle_crowd_);
 }
 
 /// The element whose guard was passed at the event at which the island was opened; empty where that is not known.
@@ -155,7 +146,7 @@ bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
 
 void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
-  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways", time,
+  several_text_ = fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways", time,
                               fmt::join(differing_elements(island.system(), selected.details->continuations), ", "),
                               selected.details->continuations.size());
 }
@@ -198,7 +189,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   if (selected.choice == model::Choice::several) {
     const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
-         fmt::format("the solution is not unique at t = {} s: {} may go on in {} ways; {}", time, fmt::join(names, ", "),
+         fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways; {}", time, fmt::join(names, ", "),
                      selected.details->continuations.size(), advice_of(island)),
          names);
     return;
@@ -213,7 +204,7 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
   const bool jumps = selected.choice == model::Choice::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
-                   jumps ? "the state jumps without end" : "no solution continues", time, fmt::join(names, ", ")),
+                   jumps ? "the state keeps jumping" : "no solution continues", time, fmt::join(names, ", ")),
        names);
 }
 
@@ -245,12 +236,12 @@ void Transient::note_open_signals() {
     for (const std::size_t output : island.selector().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
   if (!names.empty())
-    answer_.remarks.push_back(Remark{
-        "N-indeterminate",
-        fmt::format("{}: the circuit leaves open how currents divide, or where a floating part lies, in some of its modes; the rows hold "
-                    "the values of least norm",
-                    fmt::join(names, ", ")),
-        {names.begin(), names.end()}});
+    answer_.remarks.push_back(Remark{"N-indeterminate",
+                                     fmt::format("{}: the circuit does not determine how currents divide, or the potential of a floating "
+                                                 "part, in some of its modes; the rows hold "
+                                                 "the values of least norm",
+                                                 fmt::join(names, ", ")),
+                                     {names.begin(), names.end()}});
 }
 
 /// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.
@@ -287,11 +278,19 @@ void Transient::finish() {
     s.lcp_pivots += island.selector().pivots();
     s.steps += island.locator().intervals();
     passive &= island.system().passive;
+    if (const std::uint64_t coarse = island.coarse_selections(); coarse > 0)
+      answer_.remarks.push_back(
+          {"N-coarse-selection",
+           fmt::format(
+               "at t = {} s{} the next mode of the part with {} was accepted only at {:.0e} times the rounding level: events there lie "
+               "within rounding of each other; the certificate counts what that leaves",
+               island.first_coarse(), coarse > 1 ? fmt::format(" (and {} more times)", coarse - 1) : "", island.system().name,
+               model::coarsest_relaxation)});
     if (island.locator().sampled() > 0)
       answer_.remarks.push_back(
           {"W-events-sampled",
-           fmt::format("in {} segments of the part with {} events were looked for at {} points only: parts of it are too fast for "
-                       "the bounds that guarantee them; try larger Ron, or no Roff, beside small capacitors and inductors",
+           fmt::format("in {} segments of the part with {} events were searched at {} points only: parts of it are too fast for "
+                       "guaranteed bounds; try larger Ron, or no Roff, beside small capacitors and inductors",
                        island.locator().sampled(), island.system().name, 1024)});
   }
   s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
@@ -303,9 +302,10 @@ void Transient::finish() {
   if (several_ > 0)
     answer_.remarks.push_back(
         {"N-not-unique",
-         fmt::format("{}{}; {} was taken, as .options nonunique says", several_text_,
+         fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
                      several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
-                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,")});
+                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,",
+                     request_.non_unique == NonUnique::first ? "first" : "stay")});
   s.seconds_model = model_.seconds;
   const auto clock = std::chrono::steady_clock::now();
   if (!watching_.leaves_end_open) answer_.certificate = recorder_.check();
@@ -314,7 +314,7 @@ void Transient::finish() {
     answer_.certificate.kcl_kvl = std::max(answer_.certificate.kcl_kvl, island.continuity().worst().share);
   }
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
-  if (worst > doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
+  if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
   answer_.certificate.has_passivity = true;
   answer_.certificate.passive = passive;
   s.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();

@@ -114,7 +114,7 @@ bool Block::look_back() {
 }
 
 bool Block::give_up(const std::string& what) {
-  fail(Outcome::no_solution, "E-step", what + ": a solution may not exist; try --engine exact, which examines it", {});
+  fail(Outcome::no_solution, "E-step", what + ": a solution may not exist; try --engine exact, which checks it", {});
   return false;
 }
 
@@ -281,9 +281,10 @@ bool Block::fail_step(Solved solved, double error) {
     if (factors_.out_of_memory()) {
       fail(Outcome::no_solution, "E-out-of-memory", fmt::format("no memory is left for the factors at t = {} s", time), {});
     } else {
-      fail(Outcome::no_solution, "E-singular",
-           fmt::format("the equations leave {} open at t = {} s; try a resistor to ground, or one in its loop of sources", what, time),
-           {what});
+      fail(
+          Outcome::no_solution, "E-singular",
+          fmt::format("the equations do not determine {} at t = {} s; try a resistor to ground, or one in its loop of sources", what, time),
+          {what});
     }
   } else if (solved == Solved::no_position) {
     const auto elements = names(ports_.disputed());

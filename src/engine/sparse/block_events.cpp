@@ -188,7 +188,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
   for (const Control& control : controls_)
     if (point_.on[control.port] != position_before_[control.port]) restless.push_back(descriptor_.ports()[control.port].name);
   fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches find no rest at t = {} s: each position undoes its own condition{}{}; try a hysteresis Vh", instant.time,
+       fmt::format("the switches keep toggling at t = {} s: each state violates its own condition{}{}; try a hysteresis Vh", instant.time,
                    restless.empty() ? "" : ", of ", fmt::join(restless, ", ")),
        restless);
   trial_.solved = Solved::no_position;
@@ -357,7 +357,7 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
       }
       if (end) {
         fail(Outcome::no_solution, "E-jump-order",
-             fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot step over; try --engine exact",
+             fmt::format("the state jumps at t = {} s by impulses of higher order, which this engine cannot follow; try --engine exact",
                          instant.time),
              {});
         return false;

@@ -73,7 +73,7 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
     if (!factors.at(1.0, first_position(part->island.network, part->descriptor)) && !factors.out_of_memory()) {
       const int unknown = factors.singular_unknown();
       diagnostics.error("E-singular", {},
-                        fmt::format("the equations leave {} open; try a resistor to ground, or one in its loop of sources",
+                        fmt::format("the equations do not determine {}; try a resistor to ground, or one in its loop of sources",
                                     unknown >= 0 ? part->descriptor.unknown_name(unknown) : part->loop_of_sources()));
       regular = false;
     }

@@ -18,7 +18,7 @@ constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e
 /// come of it.
 constexpr double cliff = 1e6;
 constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
-/// Without events, in an active network, at so many looks in a row: what is left would take a million times that many steps. A ring may die down meanwhile.
+/// Without events, in an active network, at so many looks in a row: the rest of the run would take a million times that many steps. A ring may die down meanwhile.
 constexpr double hopeless_stretch = 1e-6;
 constexpr int most_stuck_looks = 20;
 /// Nearly every second one leads to a passage after which every port stays on its side, or, in a passive network too, stands at a cliff, between so many
@@ -60,8 +60,8 @@ std::string StallWatch::look(const Certificate& certificate, const Place& now) {
     const double stretch = now.time - last_.time;
     const std::string why = look_at_steps(certificate, now, stretch);
     if (!why.empty())
-      return fmt::format("steps get too short before t = {} s ({} of them within {:.3g} s), and {}", now.time, steps_between_looks, stretch,
-                         why);
+      return fmt::format("steps become too short before t = {} s ({} of them within {:.3g} s), and {}", now.time, steps_between_looks,
+                         stretch, why);
   }
   return are_passages_idle() ? look_at_passages(certificate, now) : "";
 }
@@ -79,7 +79,8 @@ std::string StallWatch::look_at_steps(const Certificate& certificate, const Plac
   count_in_a_row(stuck_looks_, is_quiet && !passive_ && stretch <= hopeless_stretch * stop_);
   const bool is_blocked = is_quiet && (passive_ ? cliff_looks_ >= most_idle_looks : cliffs > most_cliffs);
   if (stuck_looks_ >= most_stuck_looks)
-    return fmt::format("what is left would take {:.0e} of them", static_cast<double>(steps_between_looks) * (stop_ - now.time) / stretch);
+    return fmt::format("the rest of the run would take {:.0e} of them",
+                       static_cast<double>(steps_between_looks) * (stop_ - now.time) / stretch);
   if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= idle_stretch * stop_)
     return fmt::format("at {} of them ports leave their sides and find no others", idle);
   if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * stop_) return "";

@@ -50,7 +50,7 @@ class RestFinder {
       if (!flip_switches(rounds.together())) return found;
       rounds.turns_to_one_by_one(on);
     }
-    problem = "the switches find no rest";
+    problem = "the switches keep toggling";
     return false;
   }
 
@@ -85,7 +85,7 @@ class RestFinder {
         }
         if (step > 0 && rests(before)) return true;
       }
-    problem = "nothing comes to rest with inductors short and capacitors open";
+    problem = "no DC state exists with inductors short and capacitors open";
     return false;
   }
 

@@ -334,8 +334,8 @@ void Transient::finish() {
   if (!c.passive)
     answer_.remarks.push_back(
         {"N-not-examined",
-         "the circuit holds controlled sources or blocks that may feed energy in, so that its solution need not be the only "
-         "one; the sparse engine takes the one it finds, --engine exact examines it"});
+         "the circuit contains controlled sources or blocks that may feed energy in, so its solution need not be unique; "
+         "the sparse engine takes the one it finds, --engine exact checks it"});
   answer_.statistics.seconds_certificate = seconds_since(clock);
 }
 

@@ -125,7 +125,7 @@ class Netlister {
     }
     if (found.symbol->prefix.empty() && !call_block(element, found, folder)) return;
     if (element.attribute("InstName").empty() && !is_jumper(element)) {
-      diagnostics_.error("E-schematic-name", instance.span, "this symbol has no name; try a line 'SYMATTR InstName R1' behind it");
+      diagnostics_.error("E-schematic-name", instance.span, "this symbol has no name; try a line 'SYMATTR InstName R1' after it");
       return;
     }
     placed.push_back(element);
@@ -135,7 +135,7 @@ class Netlister {
     const std::string near = nearest_name(without_folder(instance.symbol), standard_symbol_names());
     diagnostics_.error(
         "E-schematic-symbol", instance.span,
-        fmt::format("no symbol '{}' is known, and no file {}.asy is beside the schematic; try {}", instance.symbol,
+        fmt::format("unknown symbol '{}', and there is no file {}.asy beside the schematic; try {}", instance.symbol,
                     without_folder(instance.symbol), near.empty() ? "to copy that file, and its model, to the schematic's folder" : near));
   }
 
@@ -146,7 +146,7 @@ class Netlister {
     if (file.empty()) {
       diagnostics_.error(
           "E-schematic-symbol", element.instance->span,
-          fmt::format("the symbol '{}' has no prefix, so it stands for a block, and no schematic {}.asc is beside it; try to copy "
+          fmt::format("the symbol '{}' has no prefix, so it represents a block, but there is no schematic {}.asc beside it; try to copy "
                       "that file to its folder",
                       name, without_folder(name)));
       return false;

@@ -66,7 +66,7 @@ class SheetReader {
       const std::string_view line = trimmed(text_.substr(0, text_.find('\n')));
       diagnostics_.error(
           "E-schematic", span(line.empty() ? text_.substr(0, 0) : line),
-          "this is no schematic of LTspice: its first line is not 'Version 4'; try a netlist under another ending than .asc");
+          "this is not an LTspice schematic: its first line is not 'Version 4'; try another file ending than .asc for a netlist");
       return std::move(sheet_);
     }
     while (!rest.empty()) read_line(trimmed(take_line(rest)));
@@ -96,11 +96,11 @@ class SheetReader {
       is_read = read_text(rest);
     } else if (!is_decoration(keyword)) {
       diagnostics_.warning("W-schematic-line", span(keyword),
-                           fmt::format("lines '{}' of a schematic are not known and are ignored; try to draw it otherwise", keyword));
+                           fmt::format("lines '{}' of a schematic are unknown and ignored; try drawing it differently", keyword));
     }
     if (!is_read)
       diagnostics_.error("E-schematic-line", span(line),
-                         fmt::format("this line of the schematic is no {}; try to save the schematic anew in LTspice", keyword));
+                         fmt::format("this line of the schematic is not a valid {}; try saving the schematic again in LTspice", keyword));
   }
 
   bool read_wire(std::string_view rest) {

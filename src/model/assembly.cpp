@@ -1,4 +1,4 @@
-#include "model/descriptor.hpp"
+#include "model/assembly.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,11 @@
 
 #include "base/log_mean.hpp"
 #include "linalg/doubled.hpp"
+#include "model/tolerances.hpp"
 
 namespace pwlsim::model {
 
 namespace {
-
-/// Resistors below this fraction of R0 carry their current as an unknown: as conductances they would drown their node's row.
-constexpr double low_resistance = 1e-3;
-/// Pivots of the unit-diagonal inductance matrix below this are zero: |k| = 1.
-constexpr double coupling_rank_tolerance = 1e-12;
 
 bool needs_constant(const Network& network) {
   const auto has_one = [](const LinearForm& form) {
@@ -71,7 +67,7 @@ Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) 
   add_ports();
 }
 
-bool Assembly::is_low(double resistance) const { return std::abs(resistance) < low_resistance * r0; }
+bool Assembly::is_low(double resistance) const { return std::abs(resistance) < tolerance::low_resistance * r0; }
 
 void Assembly::choose_scales() {
   LogMean capacitance, inductance, time;
@@ -105,13 +101,13 @@ void Assembly::factor_inductances() {
   for (; rank < n; ++rank) {
     Eigen::Index pivot = 0;
     const Wide largest = rest.diagonal().maxCoeff(&pivot);
-    if (largest < coupling_rank_tolerance) break;
+    if (largest < tolerance::coupling_rank) break;
     factor.col(rank) = rest.col(pivot) / std::sqrt(largest);
     rest.noalias() -= factor.col(rank) * factor.col(rank).transpose();
     rest.row(pivot).setZero();
     rest.col(pivot).setZero();
   }
-  if (n > 0 && rest.cwiseAbs().maxCoeff() > 1e3 * coupling_rank_tolerance) coupling_possible = false;
+  if (n > 0 && rest.cwiseAbs().maxCoeff() > 1e3 * tolerance::coupling_rank) coupling_possible = false;
   inductor_factor = root.asDiagonal() * factor.leftCols(rank) / std::sqrt(static_cast<Wide>(r0) * tau0);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcp/monotone.hpp"
 #include "lcp/solve.hpp"
 
 namespace pwlsim::model {

@@ -1,0 +1,393 @@
+"""Circuits: built in Python, read from a deck, or both."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, MutableMapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core
+from .errors import Interrupted, PwlsimWarning, _messages
+from .result import Result
+from .steady import LoopGain, Response, SteadyState
+
+__all__ = ["Circuit", "Element"]
+
+Value = Union[float, int, str]
+"""A number, taken over to the last bit; or text as a deck has it: "10k", "{2*R}", "inf"."""
+
+
+def _warn(raw: Iterable[tuple], level: int) -> None:
+    for message in _messages(list(raw)):
+        if message.kind == "warning":
+            warnings.warn(PwlsimWarning(f"{message.id}: {message.text}", message.id), stacklevel=level)
+
+
+class Element:
+    """An element of a circuit, by its name.
+
+    >>> circuit = Circuit.from_text("divider\\nV1 in 0 10\\nR1 in out {2*r}\\nR2 out 0 1k\\n.param r=1k\\n")
+    >>> circuit["R1"].value
+    2000.0
+    >>> circuit["R1"].value = 4e3
+    >>> circuit.operating_point()["v(out)"]
+    2.0
+    """
+
+    def __init__(self, circuit: "Circuit", name: str) -> None:
+        self._circuit = circuit
+        self.name = name
+
+    @property
+    def value(self) -> float:
+        """Of R, C, L in ohm, farad, henry; of V and I in V and A (a number or, when set, a waveform: AC stays); the gain of E, F, G, H;
+        the coefficient of K. Raises Error: E-unknown-element, E-no-value, and what is wrong with the circuit."""
+        return self._circuit._core.value(self.name)
+
+    @value.setter
+    def value(self, value: Value) -> None:
+        self._circuit.set_value(self.name, value)
+
+    def __repr__(self) -> str:
+        return f"<pwlsim.Element {self.name}>"
+
+
+class _Parameters(MutableMapping[str, Any]):
+    """Parameters that were given in Python; they rule over those of the deck."""
+
+    def __init__(self, circuit: "Circuit") -> None:
+        self._circuit = circuit
+        self._given: Dict[str, Any] = {}
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        self._circuit.parameter(name, value)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._given[name.lower()]
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("a parameter that was given cannot be taken back; give it another value")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._given)
+
+    def __len__(self) -> int:
+        return len(self._given)
+
+
+class Circuit:
+    """A circuit; each function adds a card of the deck language and returns the circuit.
+
+    Nodes are names; "0" and "gnd" are ground. The name of an element begins with its kind's letter. Case does not matter. Names are checked at once
+    (Error, E-name), all else by `run`. Further parameters of a card are keywords: ``circuit.inductor("L1", "a", "b", 1e-3, Rser=0.1, ic=2)``.
+
+    >>> circuit = Circuit("divider").voltage_source("V1", "in", "0", 10).resistor("R1", "in", "out", 1e3).resistor("R2", "out", "0", "4k")
+    >>> circuit.run(stop=1e-3)["v(out)"][-1]
+    8.0
+    """
+
+    def __init__(self, title: str = "circuit") -> None:
+        self._begin(("new", title))
+
+    def _begin(self, start: Tuple[str, str]) -> None:
+        kind, text = start
+        self._start = start
+        self._calls: List[Tuple[str, tuple]] = []
+        self._core = _core.Circuit(text) if kind == "new" else _core.Circuit.from_file(text) if kind == "file" else _core.Circuit.from_text(text)
+        self.parameters = _Parameters(self)
+
+    @classmethod
+    def from_file(cls, path: Union[str, "os.PathLike[str]"]) -> "Circuit":
+        """The deck or LTspice schematic in a file, which is read by `run`; what is added in Python counts as written at its end."""
+        circuit = cls.__new__(cls)
+        circuit._begin(("file", os.fspath(path)))
+        return circuit
+
+    @classmethod
+    def from_text(cls, deck: str) -> "Circuit":
+        """A deck; its first line is the title. Files it includes are sought from the current directory."""
+        circuit = cls.__new__(cls)
+        circuit._begin(("text", deck))
+        return circuit
+
+    def _call(self, name: str, *arguments: Any) -> "Circuit":
+        getattr(self._core, name)(*arguments)
+        self._calls.append((name, arguments))
+        if name == "parameter":
+            self.parameters._given[arguments[0].lower()] = arguments[1]
+        return self
+
+    def __getstate__(self) -> Any:
+        return self._start, self._calls
+
+    def __setstate__(self, state: Any) -> None:
+        start, calls = state
+        self._begin(start)
+        for name, arguments in calls:
+            self._call(name, *arguments)
+
+    def copy(self) -> "Circuit":
+        """A circuit of its own that begins as this one."""
+        copy = type(self).__new__(type(self))
+        copy.__setstate__((self._start, list(self._calls)))
+        return copy
+
+    __copy__ = copy
+
+    def __deepcopy__(self, _memo: Any) -> "Circuit":
+        return self.copy()
+
+    def resistor(self, name: str, p: str, n: str, resistance: Value, **more: Value) -> "Circuit":
+        """R…, in ohm."""
+        return self._call("resistor", name, p, n, resistance, more)
+
+    def capacitor(self, name: str, p: str, n: str, capacitance: Value, **more: Value) -> "Circuit":
+        """C…, in farad; ic=v is its initial voltage."""
+        return self._call("capacitor", name, p, n, capacitance, more)
+
+    def inductor(self, name: str, p: str, n: str, inductance: Value, **more: Value) -> "Circuit":
+        """L…, in henry; ic=i is its initial current."""
+        return self._call("inductor", name, p, n, inductance, more)
+
+    def coupling(self, name: str, inductors: Sequence[str], coefficient: Value = 1) -> "Circuit":
+        """K…: couples inductors by −1 ≤ coefficient ≤ 1; 1 is exact."""
+        return self._call("coupling", name, list(inductors), coefficient)
+
+    def voltage_source(self, name: str, p: str, n: str, voltage: Value = 0, **more: Value) -> "Circuit":
+        """V…: a number in V, the text of `sine`, `pulse`, `straight_lines`, or any other as a deck has it ("EXP(0 1 0 1m)")."""
+        return self._call("voltage_source", name, p, n, voltage, more)
+
+    def current_source(self, name: str, p: str, n: str, current: Value = 0, **more: Value) -> "Circuit":
+        """I…, in A as `voltage_source`: the current flows from p through the source to n."""
+        return self._call("current_source", name, p, n, current, more)
+
+    def diode(self, name: str, anode: str, cathode: str, model: str = "", **more: Value) -> "Circuit":
+        """D…: ideal, or by a model of type D."""
+        return self._call("diode", name, anode, cathode, model, more)
+
+    def voltage_switch(self, name: str, p: str, n: str, cp: str, cn: str, model: str, on: bool = False) -> "Circuit":
+        """S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the start within its hysteresis."""
+        return self._call("voltage_switch", name, p, n, cp, cn, model, on)
+
+    def current_switch(self, name: str, p: str, n: str, element: str, model: str, on: bool = False) -> "Circuit":
+        """W…: closed while the current of an element is above the threshold of a model of type CSW."""
+        return self._call("current_switch", name, p, n, element, model, on)
+
+    def voltage_controlled_voltage(self, name: str, p: str, n: str, cp: str, cn: str, gain: Value) -> "Circuit":
+        """E…: v(p,n) = gain·v(cp,cn)."""
+        return self._call("voltage_controlled_voltage", name, p, n, cp, cn, gain)
+
+    def voltage_controlled_current(self, name: str, p: str, n: str, cp: str, cn: str, gain: Value) -> "Circuit":
+        """G…: a current of gain·v(cp,cn) from p through it to n."""
+        return self._call("voltage_controlled_current", name, p, n, cp, cn, gain)
+
+    def current_controlled_voltage(self, name: str, p: str, n: str, element: str, gain: Value) -> "Circuit":
+        """H…: v(p,n) = gain·i(element)."""
+        return self._call("current_controlled_voltage", name, p, n, element, gain)
+
+    def current_controlled_current(self, name: str, p: str, n: str, element: str, gain: Value) -> "Circuit":
+        """F…: a current of gain·i(element) from p through it to n."""
+        return self._call("current_controlled_current", name, p, n, element, gain)
+
+    def expression_voltage(self, name: str, p: str, n: str, expression: str) -> "Circuit":
+        """B…: v(p,n) = a piecewise-linear expression of voltages, currents and time: "max(v(a),2*i(R1))"."""
+        return self._call("expression_voltage", name, p, n, expression)
+
+    def expression_current(self, name: str, p: str, n: str, expression: str) -> "Circuit":
+        """B…: a current of such an expression from p through it to n."""
+        return self._call("expression_current", name, p, n, expression)
+
+    def subcircuit(self, name: str, nodes: Sequence[str], definition: str, **more: Value) -> "Circuit":
+        """X…: a subcircuit of the deck, or of the library that is part of the program."""
+        return self._call("subcircuit", name, list(nodes), definition, more)
+
+    def model(self, name: str, type: str, **parameters: Value) -> "Circuit":
+        """`.model`: ``circuit.model("fast", "D", Ron=0.01, Vfwd=0.7)``."""
+        return self._call("model", name, type, parameters)
+
+    def parameter(self, name: str, value: Value) -> "Circuit":
+        """`.param`: the last one of a name rules, over those of the deck too. ``circuit.parameters["R"] = 5`` does the same.
+
+        >>> circuit = Circuit.from_text("drop\\nV1 a 0 1\\nR1 a b {r}\\nR2 b 0 1\\n.param r=1\\n")
+        >>> circuit.parameters["r"] = 3
+        >>> circuit.operating_point()["v(b)"]
+        0.25
+        """
+        return self._call("parameter", name, value)
+
+    def option(self, name: str, value: Value) -> "Circuit":
+        """`.options`."""
+        return self._call("option", name, value)
+
+    def initial_voltage(self, node: str, voltage: Value) -> "Circuit":
+        """`.ic` of a node, V: forced in the operating point, the start with use_initial_conditions."""
+        return self._call("initial_voltage", node, voltage)
+
+    def initial_current(self, inductor: str, current: Value) -> "Circuit":
+        """`.ic` of an inductor, A."""
+        return self._call("initial_current", inductor, current)
+
+    def save(self, *signals: str) -> "Circuit":
+        """`.save`: signals "v(n)", "v(a,b)", "i(X)". Without any: all node voltages, and the currents of L, V, E, H, D, S."""
+        return self._call("save", list(signals))
+
+    def measure(self, name: str, what: str) -> "Circuit":
+        """`.meas tran name …`: ``circuit.measure("mean", "AVG v(out) FROM=1m")``."""
+        return self._call("measure", name, what)
+
+    def cards(self, lines: str) -> "Circuit":
+        """Any lines of the deck language: subcircuits, blocks A, `.func`, …"""
+        return self._call("cards", lines)
+
+    def set_value(self, element: str, value: Value) -> "Circuit":
+        """The value of an element outside of subcircuits from now on, as ``circuit[element].value = value``."""
+        return self._call("set_value", element, value)
+
+    def __getitem__(self, name: str) -> Element:
+        return Element(self, name)
+
+    def elements(self) -> List[str]:
+        """Names of all elements, those of subcircuits as "X1:R1". Raises Error where the circuit is wrong."""
+        return self._core.elements()
+
+    @property
+    def text(self) -> str:
+        """What was added in Python, as cards below the title. Messages name it `code`."""
+        return self._core.text()
+
+    def run(
+        self,
+        stop: float = 0.0,
+        step: float = 0.0,
+        start: float = 0.0,
+        *,
+        use_initial_conditions: bool = False,
+        engine: str = "auto",
+        reltol: Optional[float] = None,
+        rows_at_events: bool = False,
+        events: bool = True,
+        evaluable: bool = True,
+        run: int = 0,
+        progress: Optional[Callable[[float], None]] = None,
+    ) -> Result:
+        """Runs the circuit to `stop` (s), with rows `step` (s) apart from `start` (s) on; the run begins at 0 all the same.
+
+        stop: 0 takes the deck's `.tran`. step: 0 is a thousandth of what is run; rows are a grid to read from, not a step of integration.
+        use_initial_conditions: no operating point, but `ic=` and zero elsewhere (uic). engine: "auto", "exact" or "sparse", with `reltol` of the latter.
+        rows_at_events: a row before and after every event. events: keep a list of all events. evaluable: keep the model, for ``result(signal, t)``
+        and ``result.report()``. run: which of the runs of the deck's `.step`. progress: called with the time reached, s, some twenty times a second.
+
+        Raises Error where the circuit is wrong, RunError where the run came to no end (its `result` has the rows), Interrupted after Ctrl-C. Warnings of
+        the simulator are PwlsimWarning. Other threads run meanwhile.
+        """
+        options = {
+            "stop": stop,
+            "step": step,
+            "start": start,
+            "use_initial_conditions": use_initial_conditions,
+            "engine": engine,
+            "reltol": reltol,
+            "rows_at_events": rows_at_events,
+            "events": events,
+            "evaluable": evaluable,
+            "run": run,
+        }
+        core, interrupted = self._core.run(options, progress)
+        result = Result(core)
+        _warn(core.messages, 3)
+        if interrupted:
+            raise Interrupted(result)
+        return result
+
+    def operating_point(self, *, engine: str = "auto") -> Dict[str, float]:
+        """Names and values (V, A) of the saved signals at the DC operating point. Raises as `run` does."""
+        return dict(self._core.operating_point({"engine": engine}))
+
+    def steady_state(
+        self,
+        period: Optional[float] = None,
+        *,
+        multiple: Optional[int] = None,
+        on: Optional[str] = None,
+        off: Optional[str] = None,
+        when: Optional[str] = None,
+        settling_time: Optional[float] = None,
+        points: Optional[int] = None,
+        use_initial_conditions: bool = False,
+    ) -> SteadyState:
+        """The periodic steady state, as `.pss` of the deck or as asked for.
+
+        period: s, a multiple of the common period of the sources (default: that); of a self-timed circuit a guess. multiple: periods of the sources in
+        one of the orbit. on, off: the element whose closing or opening begins the period of a self-timed circuit; when: "v(a)=0 rise". settling_time: s
+        that are simulated before the search. points: rows a period.
+
+        Raises Error where the circuit is wrong, RunError (E-pss-…) where no orbit was found.
+        """
+        return self._steady_state(self._around(period, multiple, on, off, when, settling_time, points, use_initial_conditions))
+
+    @staticmethod
+    def _around(period: Any, multiple: Any, on: Any, off: Any, when: Any, settling: Any, points: Any, uic: bool) -> Dict[str, Any]:
+        events = [f"{word}{name}" for word, name in (("on=", on), ("off=", off), ("when ", when)) if name is not None]
+        if len(events) > 1:
+            raise ValueError("give one of on, off and when")
+        return {
+            "period": period,
+            "multiple": multiple,
+            "begins": events[0] if events else None,
+            "settling_time": settling,
+            "points": points,
+            "use_initial_conditions": uic,
+        }
+
+    def _steady_state(self, what: Mapping[str, Any]) -> SteadyState:
+        found = self._core.steady_state(what, {})
+        found["states"] = dict(found["states"])
+        _warn(found["waveform"].messages, 4)
+        found["waveform"] = Result(found["waveform"])
+        return SteadyState(**found)
+
+    def ac(
+        self,
+        frequencies: Union[Sequence[float], np.ndarray],
+        *,
+        source: str = "",
+        loop: str = "",
+        harmonic: int = 0,
+        sample: Optional[float] = None,
+        period: Optional[float] = None,
+        multiple: Optional[int] = None,
+        on: Optional[str] = None,
+        off: Optional[str] = None,
+        when: Optional[str] = None,
+        settling_time: Optional[float] = None,
+        use_initial_conditions: bool = False,
+    ) -> Response:
+        """Small signals at `frequencies` (Hz): around the steady state, or of a linear circuit as it is.
+
+        source: "V1", "freq(V1)", "duty(V1)"; default: all sources with AC values. loop: a source of 0 V in a loop, for its loop gain. harmonic: the
+        sideband at f + harmonic/period. sample: s, the sampled response at that time of the period. The rest is as of `steady_state`.
+
+        Raises as `steady_state` does; E-ac-no-input, E-ac-no-derivative.
+
+        >>> circuit = Circuit("low-pass").voltage_source("V1", "in", "0", "0 AC 1").resistor("R1", "in", "out", 1e3).capacitor("C1", "out", "0", 1e-6)
+        >>> response = circuit.ac([1 / (2 * 3.141592653589793 * 1e-3)])
+        >>> complex(response["v(out)"][0].round(12))
+        (0.5-0.5j)
+        """
+        what = {"from": source, "loop": loop, "harmonic": harmonic, "sample": sample}
+        around = self._around(period, multiple, on, off, when, settling_time, None, use_initial_conditions)
+        grid = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        frequency, values, gain, messages = self._core.small_signals(grid.tolist(), what, around)
+        _warn(messages, 3)
+        return Response(frequency, values, LoopGain(*gain) if gain else None)
+
+    def runs(self) -> int:
+        """How many runs the deck's `.step` asks for; 1 without. Raises as `run` does."""
+        return self._core.runs()
+
+    def __repr__(self) -> str:
+        kind, text = self._start
+        name = text if kind != "text" else text.split("\n", 1)[0]
+        return f"<pwlsim.Circuit {name!r}>"

@@ -1,0 +1,27 @@
+#pragma once
+/// An exponential diode as straight lines: its tangents at one, two or three currents.
+///
+/// v(i) is concave, so that every tangent lies above it, and the least of them is a drop v̂(i) ≥ v(i). With the charge q(i) that is carried at each current,
+/// m is the mean of v̂ − v and s its deviation. All tangents are lowered by m, so that the diode loses as much energy as the exponential one; s is what is left.
+
+#include <vector>
+
+#include "measure/diode_currents.hpp"
+#include "model/exponential_law.hpp"
+
+namespace pwlsim::analysis {
+
+struct DiodeLines {
+  std::vector<double> currents;       ///< A of one of those in parallel, ascending: where the tangents are taken
+  std::vector<model::Tangent> lines;  ///< of all in parallel, lowered; the first has the largest resistance
+};
+
+/// The fewest tangents for which s is at most `tolerance` V, three where none has that. One tangent is taken at `mean`, A.
+[[nodiscard]] DiodeLines fit_lines(const model::ExponentialLaw& law, const std::vector<measure::ChargeSpectrum::Bin>& spectrum, double mean,
+                                   double tolerance);
+
+/// The diodes that together conduct as the lines say, i = max over lines of (v − drop)/resistance: the first line itself, and for each other one a diode in
+/// parallel from the corner on, with the conductance that is added there.
+[[nodiscard]] std::vector<model::Tangent> parallel_diodes(const std::vector<model::Tangent>& lines);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,107 @@
+#include "api/compilation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "analysis/fitted_diodes.hpp"
+#include "api/element_value.hpp"
+#include "api/messages.hpp"
+#include "base/names.hpp"
+#include "netlist/load.hpp"
+
+namespace pwlsim {
+
+Compilation::Compilation(const Circuit& circuit, const Options& options, const Wanted& wanted) {
+  read(circuit, options);
+  std::erase_if(deck_.cards, [&](const netlist::Card& card) {
+    return std::any_of(wanted.replaced.begin(), wanted.replaced.end(), [&](const std::string& name) { return same_name(card.name, name); });
+  });
+  if (options.stop != 0.0) set_transient(options);
+  if (!wanted.cards.empty()) append_lines("options", wanted.cards);
+  of_reading_ = diagnostics_;
+  compile(options, wanted);
+}
+
+void Compilation::compile(const Options& options, const Wanted& wanted) {
+  compiled_ = circuit::compile(
+      deck_, sources_, diagnostics_,
+      {.analysis_required = wanted.analysis_required, .measure = true, .run = options.run, .keep_circuit = wanted.keeps_circuit});
+  check();
+}
+
+Compilation::Compilation(const Compilation& read, const Options& options, const std::vector<GivenValue>& given)
+    : sources_(read.sources_), diagnostics_(read.of_reading_), of_reading_(read.of_reading_), deck_(read.deck_) {
+  for (const auto& [name, value] : given) {
+    if (api::has_parameter(deck_.cards, name))
+      append_lines("values", fmt::format(".param {}={}", name, Value(value).text()));
+    else
+      give_value(name, Value(value).text());
+  }
+  compile(options, {.analysis_required = true});
+}
+
+std::vector<Message> Compilation::messages() const { return api::messages_of(diagnostics_, sources_); }
+
+analysis::PreparedEngine Compilation::engine(const Options& options) {
+  const auto choice = options.engine == Engine::exact    ? analysis::EngineChoice::exact
+                      : options.engine == Engine::sparse ? analysis::EngineChoice::sparse
+                                                         : analysis::EngineChoice::automatic;
+  const double reltol = analysis::relative_tolerance(options.reltol, compiled_->analyses);
+  if (const auto note = analysis::fit_diodes(*compiled_, choice, reltol, nullptr)) diagnostics_.note(note->id, note->span, note->text);
+  analysis::PreparedEngine engine = analysis::prepare_engine(compiled_->network, choice, reltol, diagnostics_);
+  check();
+  return engine;
+}
+
+void Compilation::check() const {
+  if (diagnostics_.has_errors()) throw Error(messages());
+}
+
+void Compilation::read(const Circuit& circuit, const Options&) {
+  if (circuit.base_ == Circuit::Base::file) load(circuit.base_text_);
+  if (circuit.base_ == Circuit::Base::text) deck_ = netlist::parse("deck", circuit.base_text_, sources_, diagnostics_);
+  const bool has_cards = circuit.text_.find('\n') + 1 < circuit.text_.size();
+  if (has_cards || circuit.base_ == Circuit::Base::none) append(netlist::parse("code", circuit.text_, sources_, diagnostics_));
+  for (const auto& [element, value] : circuit.values_) give_value(element, value);
+}
+
+void Compilation::load(const std::string& path) {
+  netlist::Loaded loaded = netlist::load(path, sources_, diagnostics_);
+  if (!loaded.readable) check();
+  deck_ = std::move(loaded.deck);
+}
+
+void Compilation::append(netlist::Deck deck) {
+  std::move(deck.cards.begin(), deck.cards.end(), std::back_inserter(deck_.cards));
+  if (deck_.title.empty()) deck_.title = std::move(deck.title);
+}
+
+void Compilation::append_lines(std::string_view name, std::string_view lines) {
+  append(netlist::parse(std::string(name), fmt::format("\n{}\n", lines), sources_, diagnostics_));
+}
+
+void Compilation::set_transient(const Options& options) {
+  std::erase_if(deck_.cards, [](const netlist::Card& card) { return same_name(card.name, ".tran"); });
+  append_lines("options", fmt::format(".tran {} {} {}{}", Value(options.step).text(), Value(options.stop).text(),
+                                      Value(options.start).text(), options.use_initial_conditions ? " uic" : ""));
+}
+
+void Compilation::give_value(const std::string& element, const std::string& value) {
+  netlist::Card* const card = api::find_card(deck_.cards, element);
+  if (card == nullptr)
+    throw api::error("E-unknown-element",
+                     fmt::format("no element '{}' stands outside of subcircuits; try a parameter for those inside", element));
+  const std::optional<api::ValuePlace> place = api::place_of_value(*card);
+  if (!place)
+    throw api::error("E-no-value", fmt::format("the card of {} holds no value that can be replaced; try a parameter on it", element));
+  const netlist::Deck parsed =
+      netlist::parse(element, fmt::format("\n{} {}\n", api::head_of_value(*card, *place), value), sources_, diagnostics_);
+  check();
+  if (!parsed.cards.empty()) api::replace_value(*card, *place, parsed.cards.front());
+}
+
+}  // namespace pwlsim

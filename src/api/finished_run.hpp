@@ -1,0 +1,24 @@
+#pragma once
+/// Runs a compiled circuit and fills a result.
+
+#include <memory>
+
+#include <pwlsim/circuit.hpp>
+
+#include "analysis/prepared_engine.hpp"
+#include "api/compilation.hpp"
+#include "api/result_data.hpp"
+
+namespace pwlsim::api {
+
+/// Signals, messages so far, engine.
+[[nodiscard]] std::shared_ptr<Result::Data> begin_result(Compilation& compilation, const analysis::PreparedEngine& engine);
+
+/// The run of `kept`; with options.evaluable the result keeps it. False where it failed; `data` has the message then.
+/// `longest_window`: as of analysis::RunControl.
+[[nodiscard]] bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, double longest_window = 0.0);
+
+/// Certificate, counts, end and remarks of an operating point.
+void take_answer_of(const engine::Answer& answer, Result::Data& data);
+
+}  // namespace pwlsim::api

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "linalg/dense.hpp"
+#include "model/index_set.hpp"
+
+namespace pwlsim::engine {
+
+/// Everything that the rest of a run depends on, besides its sources: left of t = 0, so that the instant t = 0 is still to come.
+struct RunState {
+  std::vector<linalg::Vector> xi;       ///< energy coordinates of each island
+  std::vector<char> on;                 ///< switches of the model
+  std::vector<model::IndexSet> active;  ///< of each island, the mode's active set: where selection begins. Empty: all diodes block.
+};
+
+}  // namespace pwlsim::engine

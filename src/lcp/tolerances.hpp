@@ -1,0 +1,53 @@
+#pragma once
+
+/// Tolerances of this room. Each says what it is relative to (Of) and why it has that size (Why);
+/// docs/developer/tolerances.md is made from these lines by docs/developer/make_tolerances.
+namespace pwlsim::lcp::tolerance {
+
+/// Of: the largest entry of its kind (q', w or z).
+/// Why: some thousand roundings of double: a negative entry above its negative counts as zero.
+inline constexpr double sign = 1e-12;
+/// Of: the largest entry of z.
+/// Why: some hundred roundings of double, after a solution with a regular basis.
+inline constexpr double rounding_of_largest = 1e-13;
+/// Of: a problem whose diagonal is about one.
+/// Why: the square root of rounding: it makes degenerate problems solvable, and the answer is assessed without it.
+inline constexpr double regularisation = 1e-8;
+
+/// Of: the largest entry of the tableau in double, Lemke's method and principal pivoting.
+/// Why: rounding of a tableau after some ten exchanges; a smaller pivot is zero.
+inline constexpr double pivot = 1e-11;
+/// Of: the ratios that are compared, in double.
+/// Why: below the pivot tolerance, so that a tie is decided by the lexicographic rule.
+inline constexpr double tie = 1e-12;
+/// Of: the largest entry of M in double.
+/// Why: what an exchange leaves of an entry that is a difference; small entries of a column make large ratios of it.
+inline constexpr double entry_rounding = 1e-15;
+/// Of: the largest entry of the tableau in extended precision.
+/// Why: as `pivot`, for the longer fraction.
+inline constexpr long double wide_pivot = 1e-15L;
+/// Of: the ratios that are compared, in extended precision.
+/// Why: as `tie`, for the longer fraction.
+inline constexpr long double wide_tie = 1e-16L;
+/// Of: the largest entry of M in extended precision.
+/// Why: as `entry_rounding`, for the longer fraction.
+inline constexpr long double wide_entry_rounding = 1e-18L;
+
+/// Of: one, as a reciprocal condition number.
+/// Why: above it half of the digits are left, and a block is exchanged at once.
+inline constexpr double good_condition = 1e-8;
+/// Of: one, as a reciprocal condition number.
+/// Why: below it four digits are left, and a basis counts as singular.
+inline constexpr double singular_condition = 1e-12;
+
+/// Of: singular values of unit directions.
+/// Why: far above the rounding of unit vectors, far below an angle between two ports.
+inline constexpr double kernel = 1e-10;
+/// Of: the largest component of its kind.
+/// Why: components that the kernel leaves open are known to its tolerance only.
+inline constexpr double zero_component = 1e-10;
+/// Of: the size of M, for each port, as an eigenvalue of M + Mᵀ.
+/// Why: some thousand roundings of double: below its negative M is not monotone.
+inline constexpr double monotone = 1e-12;
+
+}  // namespace pwlsim::lcp::tolerance
