@@ -94,6 +94,7 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std:
     write_operating_point(json, signals, run.operating_point.empty() ? nullptr : &run.operating_point);
     write_measurements(json, run.measurements);
     write_orbit(json, run.orbit.get());
+    write_derivatives(json, run.sensitivities);
     write_certificate(json, run.certificate);
     json.end_object();
   }
@@ -116,6 +117,7 @@ std::string run_json(const RunOutcome& outcome, const RunReport& run) {
   write_measurements(json, outcome.measurements);
   write_orbit(json, outcome.steady_state ? &*outcome.steady_state : nullptr);
   write_small_signals(json, outcome.small_signal ? &*outcome.small_signal : nullptr);
+  write_derivatives(json, outcome.sensitivities);
   write_runs(json, outcome.sweep, outcome.signals);
   write_check(json, outcome.check ? &*outcome.check : nullptr);
   json.key("notes");

@@ -7,6 +7,7 @@
 
 #include "analysis/check.hpp"
 #include "analysis/report.hpp"
+#include "analysis/sensitivity.hpp"
 #include "analysis/steady_state.hpp"
 #include "analysis/swept_runs.hpp"
 #include "measure/measuring.hpp"
@@ -30,6 +31,7 @@ struct RunOutcome {
   measure::Results measurements;
   std::optional<SteadyState> steady_state;
   std::optional<SmallSignalResult> small_signal;
+  DerivativeTable sensitivities;
   std::optional<Check> check;  ///< of --check
   SweptRuns sweep;             ///< of a deck with .step
   std::string plot, report;    ///< files written, or empty

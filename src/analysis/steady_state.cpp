@@ -10,6 +10,7 @@
 #include "analysis/orbit_names.hpp"
 #include "analysis/quantity.hpp"
 #include "analysis/repeated_pieces.hpp"
+#include "analysis/sensitivity.hpp"
 #include "base/names.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/left_out.hpp"
@@ -94,6 +95,10 @@ class Finder {
       const std::size_t signals = state_.compiled.network.signals.size();
       state_.inputs = add_small_signal_inputs(*compiled_.analyses.small_signal, state_.compiled.network);
       state_.compiled.measured_signals += state_.compiled.network.signals.size() - signals;
+    }
+    if (const auto& sensitivities = compiled_.analyses.sensitivities) {
+      state_.parameters = add_inputs(*sensitivities, compiled_.network, state_.compiled.network);
+      state_.compiled.measured_signals += state_.parameters->signals;
     }
     model_ = engine::prepare(state_.compiled.network, diagnostics);
     engine::March::Options options;
@@ -287,9 +292,6 @@ class Finder {
 
 SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) { return Finder(compiled, interrupt).run(); }
 
-namespace {
-
-/// The orbit's state in another model of the same circuit: its islands by name. Empty where one is not to be found.
 std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state) {
   const engine::RunState& begin = state.orbit.begin;
   engine::RunState there;
@@ -308,8 +310,6 @@ std::optional<engine::RunState> state_in(const engine::ExactModel& model, const 
   }
   return there;
 }
-
-}  // namespace
 
 Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
   std::shared_ptr<const engine::ExactModel> model = engine::prepare(compiled.network, diagnostics);

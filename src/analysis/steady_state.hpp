@@ -14,6 +14,7 @@
 #include "engine/exact/exact.hpp"
 #include "engine/exact/march.hpp"
 #include "steady/orbit.hpp"
+#include "steady/parameter_inputs.hpp"
 #include "steady/period.hpp"
 
 namespace pwlsim::analysis {
@@ -34,12 +35,16 @@ struct SteadyState {
   std::vector<NamedState> states;  ///< right of t = 0
   std::vector<OrbitMode> modes;
   std::optional<SmallSignalInputs> inputs;  ///< of .ac, in the model
+  std::optional<steady::SensitivityInputs> parameters;  ///< of .sens, likewise
   circuit::Compiled compiled;  ///< of the orbit: settled sources, one period, its own measurements
   Simulate simulate;           ///< runs over the period from the orbit
 };
 
 /// Networks beyond the exact engine's reach end with an error. `compiled.analyses.steady_state` must be there.
 [[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, const std::atomic<int>& interrupt);
+
+/// The orbit's state in another model of the same circuit: its islands by name. Empty where one is not to be found.
+[[nodiscard]] std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state);
 
 /// A run of the deck's own .tran that starts on the orbit.
 [[nodiscard]] Simulate from_orbit(const circuit::Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics);

@@ -7,6 +7,7 @@
 
 #include "analysis/report.hpp"
 #include "analysis/run_recorder.hpp"
+#include "analysis/sensitivity.hpp"
 #include "analysis/steady_state.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/analyses.hpp"
@@ -27,6 +28,7 @@ struct SweptRun {
   std::vector<double> operating_point;  ///< of the saved signals; empty where none was asked for, or found
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
+  DerivativeTable sensitivities;
   std::shared_ptr<SteadyState> orbit;  ///< null: none was asked for, or found
 };
 

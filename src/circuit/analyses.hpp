@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/source.hpp"
+#include "model/network_move.hpp"
 
 namespace pwlsim::circuit {
 
@@ -15,6 +17,7 @@ namespace pwlsim::circuit {
 struct TimeValue {
   double seconds = 0.0;
   std::string decimal = "0";
+  std::vector<double> gradient{};  ///< to the parameters of `.sens`; empty where it does not depend on them
 };
 
 /// `.tran`. Guaranteed: 0 ≤ start < stop, all finite, step ≥ 0. step.seconds = 0 means omitted: 1000 equal steps from start to stop.
@@ -71,6 +74,25 @@ struct SmallSignal {
   SourceSpan span;
 };
 
+/// `.sens`: derivatives of measurements to parameters.
+struct Sensitivities {
+  struct Parameter {
+    std::string name;  ///< as written
+    SourceSpan span;
+    double value = 0.0;
+    int number = -1;  ///< of a `.param`: its place in gradients; −1: it is none
+    model::NetworkMoves moves{};
+    std::string failure{};  ///< why there are no derivatives to it; "" where there are
+  };
+  enum class Method { automatic, forward, adjoint };
+  std::vector<Parameter> parameters;
+  std::vector<std::string> measurements;  ///< names; empty: all
+  Method method = Method::automatic;
+  SourceSpan span;
+
+  [[nodiscard]] bool wants(std::string_view measurement) const;
+};
+
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
@@ -95,6 +117,7 @@ struct Analyses {
   std::optional<Transient> transient;
   std::optional<SteadyState> steady_state;
   std::optional<SmallSignal> small_signal;
+  std::optional<Sensitivities> sensitivities;
   Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;

@@ -476,9 +476,25 @@ const netlist::Expression* changing_resistance(const Card& card) {
 
 }  // namespace
 
+namespace {
+
+/// A formula or a table read a varied parameter: nobody follows that.
+void note_reads_apart(Session& session, Instance& instance) {
+  for (std::size_t k = 0; k < session.read_apart.size(); ++k) {
+    if (session.read_apart[k] == 0) continue;
+    std::vector<double> gradient(k + 1, 0.0);
+    gradient[k] = 1.0;
+    instance.written.push_back({{}, 0.0, std::move(gradient)});
+    session.read_apart[k] = 0;
+  }
+}
+
+}  // namespace
+
 void Binder::element(Place& place, const Card& card) {
   Instance instance;
   const netlist::Expression* resistance = changing_resistance(card);
+  const std::size_t written = place.scope.session().written.size();
   instance.kind = elements::find_kind(resistance != nullptr ? 'B' : card.name.front());
   instance.name = place.prefix + card.name;
   instance.span = card.name_span;
@@ -492,6 +508,8 @@ void Binder::element(Place& place, const Card& card) {
     else
       card.damaged ? binding.bind_damaged() : binding.bind();
   }
+  instance.written = place.scope.take_written(written);
+  note_reads_apart(place.scope.session(), instance);
   const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
   if (card.damaged || instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;
   circuit_.instances.push_back(std::move(instance));

@@ -201,6 +201,7 @@ class SourceBinding {
 
   void make(const WaveformKind& kind, const elements::Values& values, SourceSpan span) {
     Diagnostics scratch;
+    instance_.waveform_values = values;
     instance_.waveform = kind.make(values, span, scratch);
     reporter_.forward(scratch);
   }

@@ -19,6 +19,7 @@ enum class CardRole {
   operating_point,
   steady_state,  ///< .pss, .pop
   small_signal,  ///< .ac
+  sensitivity,   ///< .sens
   save,   ///< .save, .probe
   print,  ///< .print tran …
   measurement,

@@ -71,6 +71,8 @@ class Circuit {
   std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
   std::vector<InitialCondition> conditions;
   Analyses analyses;
+  std::vector<elements::Written> unfollowed;   ///< numbers that depend on parameters of .sens, and that are none of an element
+  std::vector<std::string> parameter_names;    ///< of the deck itself
   bool written_by_ltspice = false;  ///< by its own cards
   std::string stands_for_ground;    ///< a node that is ground, in a circuit that has none; "" in others
   bool has_gaps = false;            ///< some element could not be read: what it connects is not known

@@ -30,6 +30,13 @@ void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& r
 /// .ac into `circuit`.
 void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 
+/// .sens into `circuit`: its names, of which those of parameters are varied from here on.
+void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
+/// Behind all measurements: whether there are those that it names.
+void check_sensitivities(Reporter& reporter, const Circuit& circuit);
+/// Behind all elements: the values of its parameters, and numbers that depend on them where nobody follows that.
+void take_parameter_values(Scope& scope, Circuit& circuit);
+
 void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit);
 
 /// .step; what its numbers need must not depend on what is stepped.

@@ -6,6 +6,7 @@
 
 #include "circuit/assemble.hpp"
 #include "circuit/flatten.hpp"
+#include "circuit/parameter_moves.hpp"
 #include "circuit/row_step.hpp"
 
 namespace pwlsim::circuit {
@@ -24,6 +25,8 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
+  follow_parameters(circuit, *network, reporter);
+  if (reporter.failed()) return std::nullopt;
   if (circuit.analyses.transient) {
     check_row_step(*network, *circuit.analyses.transient, reporter);
     resolve_last_periods(*network, *circuit.analyses.transient, circuit.measurements, reporter);

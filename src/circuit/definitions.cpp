@@ -148,6 +148,8 @@ class Reader {
         return read_analysis(card, result_.steady_states);
       case CardRole::small_signal:
         return read_analysis(card, result_.small_signals);
+      case CardRole::sensitivity:
+        return read_analysis(card, result_.sensitivities);
       case CardRole::save:
         return read_analysis(card, result_.saves);
       case CardRole::print:

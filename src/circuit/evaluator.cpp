@@ -110,8 +110,22 @@ std::optional<double> Evaluator::of_number(const Expression& expression) {
 
 std::optional<double> Evaluator::of_name(const Expression& expression) {
   if (const double* argument = argument_named(expression.text)) return *argument;
-  if (const auto [home, entry] = scope_.find(expression.text); entry != nullptr) return home->parameter(*entry, depth_);
+  if (const auto [home, entry] = scope_.find(expression.text); entry != nullptr) {
+    const std::optional<double> value = home->parameter(*entry, depth_);
+    note_read(expression.text);
+    return value;
+  }
   return of_constant(expression);
+}
+
+/// A parameter whose derivatives are asked for, read by no number of a card: by a formula, or a table.
+void Evaluator::note_read(std::string_view name) {
+  Session& session = scope_.session_;
+  if (session.varied.empty() || session.numbers > 0 || !session.evaluating.empty()) return;
+  const std::vector<double> gradient = scope_.gradient_of(name);
+  session.read_apart.resize(session.varied.size());
+  for (std::size_t k = 0; k < gradient.size(); ++k)
+    if (gradient[k] != 0.0) session.read_apart[k] = 1;
 }
 
 const double* Evaluator::argument_named(std::string_view name) const {

@@ -48,6 +48,7 @@ class Evaluator {
   std::optional<double> of_kind(const Expression& expression);
   std::optional<double> of_number(const Expression& expression);
   std::optional<double> of_name(const Expression& expression);
+  void note_read(std::string_view name);
   [[nodiscard]] const double* argument_named(std::string_view name) const;
   std::optional<double> of_constant(const Expression& expression);
   std::optional<double> of_unary(const Expression& expression);

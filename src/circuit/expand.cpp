@@ -143,19 +143,20 @@ void Expander::give(Place& place, const Card& card, const Item& assignment, Scop
     reporter().error("E-missing-value", assignment.span, fmt::format("{} has no value", assignment.text));
   } else {
     number = place.scope.number(assignment.items[0], !card.made_call);
+    if (number) place.scope.claim(*number);
   }
   if (card.made_call && number && number->value < 0.0 && must_not_be_negative(assignment.text))
     reporter().error("E-range", assignment.span,
                      fmt::format("{} of {} must not be negative, not {}", assignment.text, card.name, number->value));
   const Definition& called = inner.definition();
   if (declares(called, assignment.text)) {
-    if (!assignment.items.empty()) inner.give(assignment.text, number ? number->value : 0.0);
+    if (!assignment.items.empty()) inner.give(assignment.text, number ? number->value : 0.0, number ? number->gradient : std::vector<double>());
   } else if (!reads(called, assignment.text)) {
     reporter().error("E-unknown-parameter", assignment.text_span,
                      fmt::format("the subcircuit {} has no parameter '{}'{}", called.name, assignment.text,
                                  suggestion(assignment.text, declared_parameters(called))));
   } else if (number) {
-    inner.define(assignment.text, number->value, assignment.text_span);
+    inner.define(assignment.text, number->value, assignment.text_span, number->gradient);
   } else {
     inner.define_failed(assignment.text, assignment.text_span);
   }

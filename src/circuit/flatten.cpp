@@ -35,10 +35,12 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   session.random = Random(seed, run);
   const Options options = read_options(definitions, top, reporter, circuit.analyses);
   if (options.seed != seed) session.random = Random(options.seed, run);
+  read_sensitivities(definitions, top, reporter, circuit);
   top.evaluate_all();
   read_analyses(definitions, deck.title_span, top, reporter, analysis_required, circuit);
   read_saves(definitions, reporter, circuit);
   read_measurements(definitions, top, reporter, circuit);
+  check_sensitivities(reporter, circuit);
   if (!check_expansion(definitions, options.limits, reporter)) return result;
   Models models(circuit, options.settings, reporter, &devices.sources);
   Binder binder(circuit, definitions, models, reporter);
@@ -47,6 +49,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   set_stepped_sources(sweeps, run, reporter, circuit);
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   models.check_unused(top, deck.title_span.file);
+  take_parameter_values(top, circuit);
   result.expanded = true;
   return result;
 }

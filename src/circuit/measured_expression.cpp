@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/expression_derivative.hpp"
 #include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
@@ -22,9 +23,10 @@ Step function_step(const BuiltinFunction* function, std::size_t operands) {
   return {.kind = StepKind::function, .index = static_cast<int>(operands), .function = function};
 }
 
+/// Those that depend on parameters of .sens stay apart.
 bool are_numbers(const std::vector<Step>& steps, std::size_t first, std::size_t count) {
   return steps.size() == first + count && std::all_of(steps.end() - static_cast<std::ptrdiff_t>(count), steps.end(),
-                                                      [](const Step& step) { return step.kind == StepKind::number; });
+                                                      [](const Step& step) { return step.kind == StepKind::number && step.gradient.empty(); });
 }
 
 }  // namespace
@@ -57,6 +59,8 @@ std::optional<MeasuredExpression> MeasuredExpressionReader::read(const netlist::
   const std::optional<Number> number = scope_.number(item);
   if (!number) return std::nullopt;
   result.steps.push_back(number_step(number->value));
+  result.steps.back().gradient = number->gradient;
+  scope_.claim(*number);
   return result;
 }
 
@@ -96,10 +100,15 @@ bool MeasuredExpressionReader::add(const Expression& expression, Scope& scope, c
 }
 
 bool MeasuredExpressionReader::add_number(const Expression& expression, Scope& scope, Steps& steps) {
+  Session& session = scope.session();
+  ++session.numbers;
   const std::optional<double> value = Evaluator(scope, 0).value(expression);
+  const Gradient gradient = value && !session.varied.empty() ? Differentiator(scope).of(expression) : Gradient();
+  --session.numbers;
   if (!value) return false;
   if (!std::isfinite(*value)) return fail("E-not-finite", expression, "inf is allowed only where a limit is meant");
   steps.push_back(number_step(*value));
+  steps.back().gradient = gradient;
   return true;
 }
 

@@ -30,6 +30,7 @@ struct MeasuredExpression {
     int index = 0;
     std::string operation{};
     const BuiltinFunction* function = nullptr;
+    std::vector<double> gradient{};  ///< of a number: to the parameters of `.sens`; empty where it does not depend on them
   };
   std::vector<Step> steps;
   std::string text;  ///< as the deck spells it

@@ -202,7 +202,9 @@ std::optional<elements::Model> Models::read(Scope& scope, const Card& card) {
   elements::Model model{kind, name.text, name.span, elements::Values(kind->parameters)};
   std::vector<std::string> ignored;
   for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
+    const std::size_t written = link->found.scope->session().written.size();
     const elements::Values own = own_values(*link, *kind, ignored, reporter_);
+    for (elements::Written& number : link->found.scope->take_written(written)) model.written.push_back(std::move(number));
     for (const auto& given : own.all()) model.values.set_list(given.parameter->name, given.list, given.span);
   }
   Diagnostics scratch;

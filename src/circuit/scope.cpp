@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/expression_derivative.hpp"
 #include "circuit/number_cure.hpp"
 #include "netlist/number.hpp"
 
@@ -23,18 +24,20 @@ Scope::Scope(const Definition& definition, Scope* outer, Session& session) : def
   }
 }
 
-bool Scope::give(std::string_view name, double value) {
+bool Scope::give(std::string_view name, double value, std::vector<double> gradient) {
   const auto found = entries_.find(without_case(name));
   if (found == entries_.end()) return false;
   found->second.state = State::known;
   found->second.value = value;
+  found->second.is_given = true;
+  found->second.gradient = std::move(gradient);
   return true;
 }
 
-void Scope::define(const std::string& name, double value, SourceSpan span) {
-  if (give(name, value)) return;
+void Scope::define(const std::string& name, double value, SourceSpan span, std::vector<double> gradient) {
+  if (give(name, value, gradient)) return;
   const std::string key = without_case(name);
-  entries_.insert_or_assign(key, Entry{{name, span, nullptr}, State::known, value});
+  entries_.insert_or_assign(key, Entry{{name, span, nullptr}, State::known, value, true, false, std::move(gradient)});
   order_.push_back(key);
 }
 
@@ -138,14 +141,49 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
       number.decimal = text.infinite ? "" : text.decimal_digits;
     }
   }
+  ++session_.numbers;
   const std::optional<double> value = Evaluator(*this, 0).value(item);
+  --session_.numbers;
   if (!value) return std::nullopt;
   if (std::isinf(*value) && !infinity_allowed) {
     session_.reporter.error("E-not-finite", item.span, "inf is allowed only where a limit is meant");
     return std::nullopt;
   }
   number.value = *value;
+  if (session_.varied.empty()) return number;
+  ++session_.numbers;
+  number.gradient = Differentiator(*this).of(item);
+  --session_.numbers;
+  if (!number.gradient.empty()) session_.written.push_back({item.span, number.value, number.gradient});
   return number;
+}
+
+std::vector<double> Scope::gradient_of(std::string_view name) {
+  const auto [home, entry] = find(name);
+  if (entry == nullptr || session_.varied.empty() || entry->state != State::known) return {};
+  if (entry->has_gradient) return entry->gradient;
+  entry->has_gradient = true;
+  if (!entry->is_given && entry->text.value != nullptr) entry->gradient = Differentiator(*home).of(*entry->text.value);
+  if (home->outer_ == nullptr)
+    for (std::size_t k = 0; k < session_.varied.size(); ++k)
+      if (session_.varied[k] == without_case(name)) {
+        entry->gradient.resize(std::max(entry->gradient.size(), k + 1), 0.0);
+        entry->gradient[k] += 1.0;
+      }
+  return entry->gradient;
+}
+
+std::optional<double> Scope::own_value(std::string_view name) {
+  const auto found = entries_.find(without_case(name));
+  return found != entries_.end() ? parameter(found->second, 0) : std::nullopt;
+}
+
+std::vector<elements::Written> Scope::take_written(std::size_t first) {
+  auto& list = session_.written;
+  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(std::min(first, list.size()));
+  std::vector<elements::Written> taken(begin, list.end());
+  list.erase(begin, list.end());
+  return taken;
 }
 
 const FunctionText* find_function(Scope& scope, const std::string& key, Scope*& home) {

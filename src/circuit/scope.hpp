@@ -11,6 +11,7 @@
 #include "circuit/definitions.hpp"
 #include "circuit/random.hpp"
 #include "circuit/reporter.hpp"
+#include "elements/parameter.hpp"
 #include "netlist/ast.hpp"
 
 namespace pwlsim::circuit {
@@ -24,6 +25,11 @@ struct Session {
   Random random;
   std::uint64_t function_calls = 0;  ///< of .func functions, in all
   bool functions_exhausted = false;
+  /// Parameters of the deck whose derivatives are asked for (keys), and numbers that depend on them and whose reader has not said what becomes of them.
+  std::vector<std::string> varied;
+  std::vector<elements::Written> written;
+  std::vector<char> read_apart;  ///< of each: read by an expression that is no number of a card
+  int numbers = 0;               ///< numbers within one another
   int nesting = 0;        ///< expressions within one another, through parameters and functions too
   bool too_deep = false;  ///< a chain of parameters was too long to follow from where it was entered
 };
@@ -33,6 +39,7 @@ struct Number {
   double value = 0.0;
   bool bare_femto = false;  ///< "10F": femto, worth a warning behind a capacitance
   std::string decimal;      ///< plain decimal text where the card has a plain number, else ""
+  std::vector<double> gradient{};  ///< to Session::varied; empty where it does not depend on them
 };
 
 /// Parameters of one definition as one call of it sees them. Evaluated at first use and kept; the last definition of a name wins, a value
@@ -45,9 +52,9 @@ class Scope {
   Scope& operator=(const Scope&) = delete;
 
   /// A value from the call. False if the definition has no such parameter.
-  bool give(std::string_view name, double value);
+  bool give(std::string_view name, double value, std::vector<double> gradient = {});
   /// The same for one that the definition need not have.
-  void define(const std::string& name, double value, SourceSpan span);
+  void define(const std::string& name, double value, SourceSpan span, std::vector<double> gradient = {});
   /// One whose value could not be read, which has been reported.
   void define_failed(const std::string& name, SourceSpan span);
   /// Evaluates every parameter, so that each mistake is reported even where nothing uses it.
@@ -56,6 +63,17 @@ class Scope {
   /// The number an item stands for; an infinite one only where `inf` was written and `infinity_allowed`.
   [[nodiscard]] std::optional<Number> number(const netlist::Item& item, bool infinity_allowed = false);
 
+  /// How the parameter of that name depends on those of Session::varied; empty where there is none, or it does not.
+  [[nodiscard]] std::vector<double> gradient_of(std::string_view name);
+  /// The value of a parameter of this scope itself; none where there is none.
+  [[nodiscard]] std::optional<double> own_value(std::string_view name);
+  /// The reader of the last number follows its gradient.
+  void claim(const Number& number) {
+    if (!number.gradient.empty() && !session_.written.empty()) session_.written.pop_back();
+  }
+  /// What has been read since there were `first` numbers, taken.
+  [[nodiscard]] std::vector<elements::Written> take_written(std::size_t first);
+  [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] const Definition& definition() const { return definition_; }
   [[nodiscard]] Scope* outer() const { return outer_; }
   /// The scope of the definition `where`, which is this one's or encloses it.
@@ -73,6 +91,9 @@ class Scope {
     ParameterText text;
     State state = State::unknown;
     double value = 0.0;
+    bool is_given = false;         ///< by a call or a sweep: its text does not count
+    bool has_gradient = false;
+    std::vector<double> gradient{};  ///< to Session::varied
   };
 
   /// Null where neither this scope nor an outer one has it.

@@ -82,7 +82,8 @@ class TransientReader {
     } else if (number->value < 0.0) {
       fail("E-tran", item.span, fmt::format("a time of .tran must not be negative, not {}", number->value));
     } else {
-      times_.push_back({{number->value, number->decimal}, item.span});
+      times_.push_back({{number->value, number->decimal, number->gradient}, item.span});
+      scope_.claim(*number);
     }
   }
 

@@ -31,6 +31,7 @@
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
+#include "cli/sensitivity_session.hpp"
 #include "cli/signals.hpp"
 #include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
@@ -69,6 +70,7 @@ class Session {
       if (compiled_->analyses.steady_state) status = std::max(status, steady_state());
       if (compiled_->analyses.small_signal && status == 0) status = run_small_signal(*compiled_, sources_, small_signal_file_ ? &*small_signal_file_ : nullptr, outcome_, messages_);
       if (compiled_->analyses.transient && status == 0) status = std::max(status, transient());
+      if (compiled_->analyses.sensitivities && status == 0) status = sensitivities();
     }
     outcome_.status = status;
     const bool rows_are_lost = status == static_cast<int>(Status::file_error) || status == static_cast<int>(Status::closed_pipe);
@@ -96,6 +98,7 @@ class Session {
   int steady_state();
   int orbit_rows(const analysis::SteadyState& state);
   int transient();
+  int sensitivities();
   int check();
   int conclude(const analysis::TransientRun& run, const OutputFile& file);
   int report_measurements(const measure::Results& results, bool is_complete);
@@ -119,7 +122,7 @@ class Session {
   std::optional<circuit::Compiled> compiled_;
   analysis::PreparedEngine engine_;
   double reltol_ = 0.0;
-  std::optional<OutputFile> orbit_file_, small_signal_file_, rows_file_, statistics_file_, report_file_;
+  std::optional<OutputFile> orbit_file_, small_signal_file_, sensitivity_file_, rows_file_, statistics_file_, report_file_;
   PictureFile plot_file_, bode_file_;
   std::optional<analysis::KeptRows> kept_rows_;  ///< for --check
   std::optional<analysis::RunRecorder> recorder_;
@@ -210,6 +213,8 @@ int Session::open_files() {
                      sources_);
   if (status == 0 && has_response_rows)
     status = open_output(small_signal_file_name(rows), files_, messages_, small_signal_file_);
+  if (status == 0 && compiled_->analyses.sensitivities && !options_.no_rows && !is_stepped && options_.output != "-")
+    status = open_output(sensitivity_file_name(rows), files_, messages_, sensitivity_file_);
   if (status == 0 && compiled_->analyses.transient && has_orbit && !is_stepped) status = open_output(orbit_file_name(rows), files_, messages_, orbit_file_);
   if (status == 0 && compiled_->analyses.transient) warn_of_size();
   const bool has_rows = compiled_->analyses.transient || has_orbit;
@@ -354,6 +359,13 @@ int Session::transient() {
   const int measured_whole = is_complete ? report_measurements(own, true) : 0;
   outcome_.measurements.add(std::move(own));
   return std::max({status, measured, measured_whole, kept_rows_ && run.ending == Ending::completed ? check() : 0});
+}
+
+/// Of what has been measured.
+int Session::sensitivities() {
+  const Stream stream = options_.output == "-" ? Stream::error : Stream::output;
+  return run_sensitivities(*compiled_, engine_.name == "exact", {!options_.json, stream, digits_for(stream), sensitivity_file_ ? &*sensitivity_file_ : nullptr},
+                           outcome_, messages_);
 }
 
 /// The rows of a complete run beside the other engine.

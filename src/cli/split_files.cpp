@@ -31,6 +31,8 @@ std::string orbit_file_name(const std::string& output) {
 
 std::string small_signal_file_name(const std::string& output) { return output == "-" ? output : renamed(output, ".ac", ".csv"); }
 
+std::string sensitivity_file_name(const std::string& output) { return renamed(output, ".sens", ".csv"); }
+
 std::string bode_file_name(const std::string& plot) { return renamed(plot, ".ac", path(plot).extension().string()); }
 
 std::string split_table(const std::string& output) { return renamed(output, ".runs", ".csv"); }

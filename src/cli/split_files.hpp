@@ -12,6 +12,8 @@ namespace pwlsim::cli {
 [[nodiscard]] std::string orbit_file_name(const std::string& output);
 /// Of out.csv out.ac.csv: small signals.
 [[nodiscard]] std::string small_signal_file_name(const std::string& output);
+/// That of the derivatives of .sens.
+[[nodiscard]] std::string sensitivity_file_name(const std::string& output);
 /// Of out.svg out.ac.svg: their picture.
 [[nodiscard]] std::string bode_file_name(const std::string& plot);
 /// CSV, whatever the format of the rows.

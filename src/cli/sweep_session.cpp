@@ -20,6 +20,7 @@
 #include "analysis/transient.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
+#include "cli/sensitivity_session.hpp"
 #include "cli/signals.hpp"
 #include "cli/split_files.hpp"
 #include "cli/status.hpp"
@@ -59,6 +60,8 @@ class Sweep {
     const int status = std::max(tell_failures(), task_.rows != nullptr ? complete(*task_.rows) : 0);
     tell_measurements(&measure::Result::failure, measure::failure_warning);
     tell_measurements(&measure::Result::left_out, measure::left_out_warning);
+    for (std::size_t run = 0; run < records_.size(); ++run)
+      if (!records_[run].sensitivities.empty()) report_derivatives(records_[run].sensitivities, messages_, fmt::format(" in the run with {}", name(run)));
     return task_.options.json ? status : std::max(status, print_tables());
   }
 
@@ -135,7 +138,9 @@ class Sweep {
         note_error(diagnostics, record);
       return false;
     }
-    const bool runs_on = compiled->analyses.transient.has_value();
+    const bool runs_on = compiled->analyses.transient.has_value(), is_exact = engine.name == "exact";
+    std::optional<circuit::Compiled> deck;
+    if (compiled->analyses.sensitivities) deck = compiled;
     if (compiled->analyses.steady_state && !take_orbit(*compiled, engine, record)) return false;
     if (task_.options.no_rows) engine.simulate = analysis::without_rows(std::move(engine.simulate));
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
@@ -146,6 +151,7 @@ class Sweep {
       analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
       take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
     }
+    if (deck && record.done) record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal());
     if (record.orbit) finish_orbit(runs_on, record);
     return !task_.options.split;
   }
@@ -312,6 +318,8 @@ class Sweep {
     for (std::size_t run = 0; run < records_.size(); ++run)
       for (const measure::FourierResult& result : records_[run].measurements.fourier)
         text += fmt::format("{}\n{}", name(run), measure::fourier_text(result));
+    for (std::size_t run = 0; run < records_.size(); ++run)
+      if (!records_[run].sensitivities.empty()) text += fmt::format("\n{}\n{}", name(run), analysis::derivative_text(records_[run].sensitivities, digits));
     return text.empty() ? 0 : print(text, messages_, stream);
   }
 

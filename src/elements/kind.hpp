@@ -50,6 +50,7 @@ struct Model {
   std::string name;
   SourceSpan span;  ///< of the name, in its .model card
   Values values;
+  std::vector<Written> written{};  ///< of its values, those that depend on varied parameters
   std::optional<model::ExponentialLaw> law{};  ///< of a diode whose tangent is at a current to be found
 };
 
@@ -124,7 +125,8 @@ struct Instance {
   std::vector<model::NodeIndex> nodes;
   std::vector<NodePair> control_nodes;
   std::vector<Reference> references;
-  Values values;
+  Values values, waveform_values;
+  std::vector<Written> written{};    ///< numbers of the card that depend on varied parameters
   std::vector<double> coefficients;  ///< Tail::gain: the constant part, then one number a control
   std::optional<Formula> formula;
   bool formula_is_current = false;  ///< also of the output of an A element

@@ -39,6 +39,13 @@ using ParameterTable = std::span<const Parameter>;
 /// What the range asks for, in words: "must not be negative".
 [[nodiscard]] std::string_view range_words(Range range);
 
+/// A number of the deck that depends on parameters, and how.
+struct Written {
+  SourceSpan span;
+  double value = 0.0;
+  std::vector<double> gradient;
+};
+
 /// Values given for the parameters of one table; the others have their fallback.
 class Values {
  public:

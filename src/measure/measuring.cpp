@@ -18,6 +18,8 @@ Measuring::Measuring(const circuit::Measurements& measurements, double start, do
   values_.resize(count);
   failures_.resize(count);
   left_out_.resize(count);
+  places_.resize(count);
+  impulses_.resize(count);
 }
 
 bool Measuring::is_ready(std::size_t index) const {
@@ -138,6 +140,8 @@ void Measuring::end_pass(double reached) {
   for (auto& [index, meter] : meters_) {
     meter.finish(reached);
     left_out_[index] = meter.left_out();
+    places_[index] = meter.place();
+    impulses_[index] = meter.met_impulse() ? 1 : 0;
     settle(index, meter.value(), meter.failure());
   }
   for (const FourierMeter& meter : fourier_) fourier_results_.push_back(meter.finish(reached));

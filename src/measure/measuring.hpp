@@ -50,6 +50,12 @@ class Measuring : public engine::PieceSink {
   [[nodiscard]] engine::Probes probes();
   void end_pass(double reached);
   [[nodiscard]] Results results() const;
+  /// Of every measurement, hidden ones too.
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
+  [[nodiscard]] const std::vector<std::string>& failures() const { return failures_; }
+  [[nodiscard]] const std::vector<Place>& places() const { return places_; }
+  /// Whether the value leaves impulses out, or holds some.
+  [[nodiscard]] bool met_impulse(std::size_t index) const { return impulses_[index] != 0; }
 
   void before_start(std::span<const double> values) override;
   void take(const engine::Piece& piece) override;
@@ -71,6 +77,8 @@ class Measuring : public engine::PieceSink {
   std::vector<char> known_;
   std::vector<double> values_;
   std::vector<std::string> failures_, left_out_;
+  std::vector<Place> places_;
+  std::vector<char> impulses_;
   std::vector<std::pair<std::size_t, Meter>> meters_;  ///< of this pass
   std::vector<FourierMeter> fourier_;
   std::vector<FourierResult> fourier_results_;

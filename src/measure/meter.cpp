@@ -116,6 +116,7 @@ void Meter::take(PieceView& view) {
 /// piece after it.
 void Meter::take_impulse(double time, std::span<const double> values, const PieceView& before) {
   if (is_done() || watch_ || measurement_.at || time < from_ - sliver_ || time >= to_ - sliver_ || !feels(values, time)) return;
+  met_impulse_ = true;
   if (!integrates()) return leave_out(time);
   const bool is_linear = expression_.is_linear();
   const auto is_known = [&](int probe) { return std::isfinite(values[static_cast<std::size_t>(probe)]); };
@@ -186,6 +187,9 @@ void Meter::take_at(PieceView& view) {
 
 void Meter::read_at(PieceView& view, double time) {
   found_ = true;
+  found_at_ = time;
+  found_in_from_ = view.piece().from;
+  found_in_to_ = view.piece().to;
   if (measurement_.kind == Kind::time) {
     value_ = time;
   } else if (measurement_.kind == Kind::value) {

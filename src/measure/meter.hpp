@@ -13,6 +13,12 @@
 
 namespace pwlsim::measure {
 
+/// Where a value was found, s: the window; the time of a crossing, or AT; that of the least and the largest value.
+struct Place {
+  double from = 0.0, to = 0.0, at = 0.0, least_at = 0.0, largest_at = 0.0;
+  double piece_from = 0.0, piece_to = 0.0;  ///< what the piece stands for in which `at` lies
+};
+
 class Meter {
  public:
   /// `results` of other measurements must be known; `start`, `stop`: of the rows, `end`: how far it may reach, s. `failure()` tells where the window is none.
@@ -31,8 +37,12 @@ class Meter {
   void finish(double reached);
 
   [[nodiscard]] double value() const { return value_; }
+  /// Where the value was found.
+  [[nodiscard]] Place place() const { return {from_, to_, found_at_, least_at_, largest_at_, found_in_from_, found_in_to_}; }
   /// Why there is no value; else "".
   [[nodiscard]] const std::string& failure() const { return failure_; }
+  /// Impulses of what it reads lie in its window.
+  [[nodiscard]] bool met_impulse() const { return met_impulse_; }
   /// The impulses in its window that the value holds nothing of, in words; "" where there are none.
   [[nodiscard]] std::string left_out() const;
 
@@ -64,6 +74,7 @@ class Meter {
   double lead_ = 0.0;        ///< so much before its window, s
   bool needs_left_ = false;  ///< the factors of an impulse at the begin of its window
   bool found_ = false;
+  double found_at_ = 0.0, found_in_from_ = 0.0, found_in_to_ = 0.0;
   double value_ = 0.0;
   std::string failure_;
   long double sum_ = 0.0L;
@@ -76,6 +87,7 @@ class Meter {
   };
   std::optional<Instant> instant_;
   std::vector<double> sizes_;  ///< of each probe the largest magnitude so far
+  bool met_impulse_ = false;
   std::size_t left_out_ = 0;
   double first_left_out_ = 0.0, last_left_out_ = 0.0;
   double least_ = 0.0, least_at_ = 0.0, largest_ = 0.0, largest_at_ = 0.0;

@@ -16,6 +16,8 @@ class StoreValues {
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   /// One a name, from the state x = (ξ, ζ) (system.size() entries).
   [[nodiscard]] Vector values(const Vector& x) const { return rows_ * x; }
+  /// values × (ξ, ζ).
+  [[nodiscard]] const Matrix& rows() const { return rows_; }
   /// The name of the store with the largest share in this coordinate of ξ.
   [[nodiscard]] const std::string& of_coordinate(int coordinate) const;
   /// J. A negative capacitance or inductance counts negative.

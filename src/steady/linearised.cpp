@@ -127,6 +127,12 @@ void LinearisedOrbit::take_guard(const Change& change, LinearInstant& instant) {
   const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
   if (fall == 0.0) return;
   instant.island = static_cast<int>(change.island);
+  const System& system = stacking_.system(change.island);
+  if (change.guard >= system.diodes) {
+    instant.level_switch = system.controls[static_cast<std::size_t>(change.guard - system.diodes) / 2].driven;
+    instant.is_off_level = (change.guard - system.diodes) % 2 == 0;
+    instant.level_rate = instant.is_off_level ? fall : -fall;
+  }
   const Eigen::RowVectorXd on_c = row.head(mode.n1) * (-1.0 / fall);
   instant.on_state = mode.constrained ? Eigen::RowVectorXd(on_c * mode.basis.transpose()) : on_c;
   for (std::size_t k = 0; k < inputs_; ++k) {
@@ -153,6 +159,9 @@ void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std:
       for (std::size_t k = 0; k < inputs_; ++k)
         if (const InputColumns& column = columns_[island][k]; column.value >= 0)
           instant.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
+      instant.level_switch = control.driven;
+      instant.is_off_level = on_before[driven] != 0;
+      instant.level_rate = at.slope;
       return;
     }
   }

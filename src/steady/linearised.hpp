@@ -47,6 +47,9 @@ struct LinearInstant {
   Eigen::RowVectorXd on_state;          ///< of that island's ξ
   std::vector<double> on_w, on_slope;   ///< of each input and its derivative
   std::vector<int> flips;               ///< switches of the model that change here
+  int level_switch = -1;                ///< whose threshold is passed; −1: none
+  bool is_off_level = false;            ///< that where it opens
+  double level_rate = 0.0;              ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
   std::vector<LinearChange> changes;
 };
 

@@ -176,7 +176,6 @@ void DeckCards::oddities(DeckScope& scope) {
                                               ".lib standard.dio",
                                               ".include nowhere.inc",
                                               "* a comment",
-                                              ".sens v(a)",
                                               ".model unused NMOS(level=54)",
                                               ".dc V1 0 1 0.1",
                                               ".print dc v(a)",

@@ -1,0 +1,370 @@
+#include "analysis/sensitivity.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "analysis/measured_derivative.hpp"
+#include "base/names.hpp"
+#include "steady/start_derivative.hpp"
+#include "waveform/csv.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+using circuit::Compiled;
+using circuit::Sensitivities;
+using steady::Followed;
+using steady::LinearisedOrbit;
+using steady::Matrix;
+using steady::Sensitivity;
+using steady::Vector;
+
+/// Of I − Φ, against the larger of 1 and its norm.
+constexpr double singular_closing = 1e-11;
+
+/// The orbit's derivative to one parameter.
+struct OrbitMove {
+  Vector start;         ///< of the stacked ξ left of t = 0
+  double period = 0.0;  ///< s
+  std::string failure;
+};
+
+class OrbitMoves {
+ public:
+  OrbitMoves(const Compiled& compiled, const SteadyState& state, const Sensitivity& sensitivity, const LinearisedOrbit& linear)
+      : compiled_(compiled), state_(state), sensitivity_(sensitivity), variation_(steady::variation(linear.stacking(), state.orbit.trace)) {
+    const Eigen::Index n = linear.stacking().size();
+    Matrix closing = Matrix::Identity(n, n) - (is_driven() ? variation_.x : variation_.return_map());
+    const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
+    lu_.compute(closing);
+    is_singular_ = n > 0 && !(lu_.rcond() * norm > singular_closing * std::max(1.0, norm));
+  }
+
+  [[nodiscard]] bool is_driven() const { return !state_.common.sources.empty(); }
+
+  OrbitMove of(std::size_t parameter) {
+    OrbitMove move;
+    const Eigen::Index n = variation_.flow.size();
+    if (!variation_.kink.empty()) return failed("the orbit has no derivative: " + variation_.kink);
+    if (!state_.orbit.free_directions.empty() || is_singular_)
+      return failed("the orbit is one of a family, or not the only one nearby (multiplier 1)");
+    if (is_driven() && !of_period(parameter, move)) return move;
+    const Followed own = sensitivity_.follow(parameter, Vector::Zero(n));
+    if (!own.failure.empty()) return failed(own.failure);
+    const double end_shift = is_driven() ? move.period : own.shifts.back();
+    const Vector right = own.end + variation_.flow * end_shift;
+    move.start = n > 0 ? Vector(lu_.solve(right)) : right;
+    if (!is_driven()) move.period = end_shift + variation_.end_time.dot(move.start);
+    return move;
+  }
+
+ private:
+  static OrbitMove failed(std::string why) { return {{}, 0.0, std::move(why)}; }
+
+  /// All periodic sources must stretch alike.
+  bool of_period(std::size_t parameter, OrbitMove& move) const {
+    constexpr double same = 1e-12;
+    const auto& waves = state_.parameters->parameters[parameter].waves;
+    double share = 0.0;
+    std::string first;
+    for (const steady::PeriodicSource& source : state_.common.sources) {
+      double own = 0.0;
+      for (const steady::Wave& wave : waves)
+        if (wave.source >= 0 && same_name(compiled_.network.sources[static_cast<std::size_t>(wave.source)].label.name, source.name))
+          own += steady::period_share(wave);
+      if (!first.empty() && std::abs(own - share) > same * (std::abs(own) + std::abs(share))) {
+        move.failure = fmt::format("the periods of {} and {} move apart", first, source.name);
+        return false;
+      }
+      first = source.name;
+      share = own;
+    }
+    move.period = share * state_.orbit.period;
+    return true;
+  }
+
+  const Compiled& compiled_;
+  const SteadyState& state_;
+  const Sensitivity& sensitivity_;
+  steady::Variation variation_;
+  Eigen::PartialPivLU<Matrix> lu_;
+  bool is_singular_ = false;
+};
+
+Derivative entry_of(const std::string& measurement, const Sensitivities::Parameter& parameter, double value, TwoSided d) {
+  Derivative entry;
+  entry.measurement = measurement;
+  entry.parameter = parameter.name;
+  entry.value = entry.right = d.right;
+  entry.left = d.left;
+  entry.normalised = value != 0.0 ? d.right * parameter.value / value : std::numeric_limits<double>::quiet_NaN();
+  entry.kink = std::move(d.kink);
+  entry.failure = std::move(d.failure);
+  return entry;
+}
+
+/// Measurement by measurement; `columns`: for each parameter those of all measurements.
+DerivativeTable table_of(const Sensitivities& card, const circuit::Measurements& measurements, const std::vector<double>& values,
+                         const std::vector<std::vector<TwoSided>>& columns) {
+  DerivativeTable table;
+  for (std::size_t k = 0; k < measurements.list.size(); ++k) {
+    const circuit::Measurement& measurement = measurements.list[k];
+    if (!measurement.shown || !card.wants(measurement.name)) continue;
+    for (std::size_t p = 0; p < card.parameters.size(); ++p)
+      table.push_back(entry_of(measurement.name, card.parameters[p], values[k], columns[p][k]));
+  }
+  return table;
+}
+
+std::vector<TwoSided> failed_column(const circuit::Measurements& measurements, const std::string& why) {
+  return std::vector<TwoSided>(measurements.list.size(), TwoSided::failed(why));
+}
+
+std::vector<TwoSided> column_of(const MeasuredPass& run, MeasuredDerivatives derivatives, const Sensitivities& card) {
+  std::vector<TwoSided> column;
+  for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
+    const circuit::Measurement& measurement = run.measurements->list[k];
+    column.push_back(measurement.shown && card.wants(measurement.name) ? derivatives.of(k) : TwoSided());
+  }
+  return column;
+}
+
+}  // namespace
+
+steady::SensitivityInputs add_inputs(const Sensitivities& card, const model::Network& original, model::Network& network) {
+  std::vector<model::NetworkMoves> moves;
+  for (const Sensitivities::Parameter& parameter : card.parameters)
+    moves.push_back(parameter.failure.empty() ? parameter.moves : model::NetworkMoves());
+  steady::SensitivityInputs inputs = steady::add_parameter_inputs(network, moves);
+  for (std::size_t p = 0; p < card.parameters.size(); ++p) {
+    steady::ParameterInputs& own = inputs.parameters[p];
+    if (!card.parameters[p].failure.empty()) own.failure = card.parameters[p].failure;
+    // Of a source that has always been periodic the function is that of the deck all the same.
+    for (steady::Wave& wave : own.waves) {
+      if (wave.source < 0) continue;
+      const model::Source& source = original.sources[static_cast<std::size_t>(wave.source)];
+      const bool is_settled = source.function.index() != wave.function.index();
+      wave.function = source.function;
+      if (!is_settled) continue;
+      const std::optional<double> last = steady::last_value_derivative(wave);
+      if (!last && own.failure.empty()) own.failure = fmt::format("{} is not periodic", source.label.name);
+      wave.function = model::Dc{};
+      wave.derivative = model::Dc{last.value_or(0.0)};
+    }
+  }
+  return inputs;
+}
+
+DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Measurements& measurements, const std::string& failure) {
+  const Sensitivities& card = *compiled.analyses.sensitivities;
+  const std::vector<std::vector<TwoSided>> columns(card.parameters.size(), failed_column(measurements, failure));
+  return table_of(card, measurements, std::vector<double>(measurements.list.size(), 0.0), columns);
+}
+
+DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt) {
+  const Sensitivities& card = *compiled.analyses.sensitivities;
+  const circuit::Measurements& measurements = state.compiled.measurements;
+  if (measurements.list.empty()) return {};
+  const bool is_driven = !state.common.sources.empty();
+  const LinearisedOrbit linear(*state.model, state.orbit.trace, state.orbit.period, is_driven, state.parameters->names);
+  const Sensitivity sensitivity(*state.model, state.orbit.trace, linear, *state.parameters, true);
+  engine::Request request;
+  request.stop = state.orbit.period;
+  request.use_initial_conditions = true;
+  request.interrupt = &interrupt;
+  const MeasuredPass run =
+      measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period);
+  OrbitMoves moves(compiled, state, sensitivity, linear);
+  std::vector<std::vector<TwoSided>> columns;
+  for (std::size_t p = 0; p < card.parameters.size(); ++p) {
+    const OrbitMove move = moves.of(p);
+    const Followed followed = move.failure.empty() ? sensitivity.follow(p, move.start) : Followed{};
+    const std::string& failure = move.failure.empty() ? followed.failure : move.failure;
+    columns.push_back(
+        failure.empty()
+            ? column_of(run, MeasuredDerivatives(run, sensitivity, followed, p, card.parameters[p].number, 0.0, move.period), card)
+            : failed_column(measurements, failure));
+  }
+  return table_of(card, measurements, run.values, columns);
+}
+
+namespace {
+
+/// A run of `.tran`, with the parameters as inputs.
+class RunDerivatives {
+ public:
+  RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt)
+      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt) {}
+
+  DerivativeTable run() {
+    const circuit::Transient& transient = *compiled_.analyses.transient;
+    const circuit::Measurements& measurements = compiled_.measurements;
+    model::Network network = compiled_.network;
+    inputs_ = add_inputs(card_, compiled_.network, network);
+    Diagnostics diagnostics;
+    model_ = engine::prepare(network, diagnostics);
+    if (!model_) return failed_derivatives(compiled_, measurements, "the circuit with its parameters as inputs has no model");
+    engine::Request request = request_of(compiled_.analyses, {});
+    request.interrupt = &interrupt_;
+    engine::March march(*model_, {request.non_unique, &interrupt_});
+    if (!find_start(transient)) return failed_derivatives(compiled_, measurements, failure_);
+    steady::TraceRecorder recorder(begin_.on);
+    engine::RunState end = begin_;
+    const engine::Answer answer = march.advance(end, transient.stop.seconds, &recorder);
+    if (answer.outcome != engine::Outcome::completed) return failed_derivatives(compiled_, measurements, "the run did not complete");
+    trace_ = recorder.take();
+    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
+    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
+    const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
+    request.unsaved_signals = network.signals.size();
+    const MeasuredPass measured = measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0);
+    std::vector<std::vector<TwoSided>> columns;
+    for (std::size_t p = 0; p < card_.parameters.size(); ++p) columns.push_back(column(p, linear, sensitivity, measured));
+    return table_of(card_, measurements, measured.values, columns);
+  }
+
+ private:
+  bool find_start(const circuit::Transient& transient) {
+    if (orbit_ != nullptr) {
+      const auto there = state_in(*model_, *orbit_);
+      if (!there) failure_ = "the parts of the circuit are others in the run than on the orbit";
+      if (there) begin_ = *there;
+      return there.has_value();
+    }
+    start_ = transient.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
+    if (start_.answer.outcome != engine::Outcome::completed) failure_ = "the run has no start";
+    begin_ = engine::state_of(start_);
+    return failure_.empty();
+  }
+
+  std::vector<TwoSided> column(std::size_t p, const LinearisedOrbit& linear, const Sensitivity& sensitivity, const MeasuredPass& measured) {
+    const steady::StartDerivative start = start_of(p, linear);
+    const Followed followed = start.failure.empty() ? sensitivity.follow(p, start.xi) : Followed{};
+    const std::string& failure = start.failure.empty() ? followed.failure : start.failure;
+    if (!failure.empty()) return failed_column(compiled_.measurements, failure);
+    const circuit::Transient& transient = *compiled_.analyses.transient;
+    const auto number = card_.parameters[p].number;
+    const auto moves = [&](const circuit::TimeValue& time) {
+      return number >= 0 && static_cast<std::size_t>(number) < time.gradient.size() ? time.gradient[static_cast<std::size_t>(number)] : 0.0;
+    };
+    return column_of(measured,
+                     MeasuredDerivatives(measured, sensitivity, followed, p, number, moves(transient.start), moves(transient.stop)), card_);
+  }
+
+  steady::StartDerivative start_of(std::size_t p, const LinearisedOrbit& linear) {
+    const steady::ParameterInputs& own = inputs_.parameters[p];
+    if (!own.failure.empty()) return {{}, own.failure};
+    if (orbit_ == nullptr)
+      return compiled_.analyses.transient->use_initial_conditions ? steady::of_initial_values(*model_, linear.stacking(), own)
+                                                                  : steady::of_operating_point(*model_, linear, start_, own);
+    const bool is_driven = !orbit_->common.sources.empty();
+    const LinearisedOrbit orbit(*orbit_->model, orbit_->orbit.trace, orbit_->orbit.period, is_driven, orbit_->parameters->names);
+    const Sensitivity along(*orbit_->model, orbit_->orbit.trace, orbit, *orbit_->parameters, true);
+    const OrbitMove move = OrbitMoves(compiled_, *orbit_, along, orbit).of(p);
+    if (!move.failure.empty()) return {{}, move.failure};
+    return {carried(move.start, orbit.stacking(), linear.stacking()), ""};
+  }
+
+  /// From the orbit's model to that of the run, island by island.
+  [[nodiscard]] Vector carried(const Vector& from, const steady::Stacking& there, const steady::Stacking& here) const {
+    Vector xi = Vector::Zero(here.size());
+    for (std::size_t i = 0; i < model_->islands.size(); ++i)
+      for (std::size_t k = 0; k < orbit_->model->islands.size(); ++k)
+        if (orbit_->model->islands[k].island.name == model_->islands[i].island.name && there.count(k) == here.count(i))
+          xi.segment(here.first(i), here.count(i)) = from.segment(there.first(k), there.count(k));
+    return xi;
+  }
+
+  const Compiled& compiled_;
+  const Sensitivities& card_;
+  const SteadyState* orbit_;
+  const std::atomic<int>& interrupt_;
+  steady::SensitivityInputs inputs_;
+  std::shared_ptr<const engine::ExactModel> model_;
+  engine::Start start_;
+  engine::RunState begin_;
+  steady::Trace trace_;
+  std::string failure_;
+};
+
+std::string number_text(double value, int digits) { return digits == 0 ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits); }
+
+}  // namespace
+
+DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
+  if (compiled.measurements.list.empty()) return {};
+  return RunDerivatives(compiled, state, interrupt).run();
+}
+
+DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
+  DerivativeTable table;
+  const auto add = [&](DerivativeTable more) {
+    table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
+  const char* const other_engine = "the sparse engine has no derivatives; try --engine exact";
+  if (state != nullptr)
+    add(is_exact ? orbit_derivatives(compiled, *state, interrupt)
+                 : failed_derivatives(compiled, compiled.orbit_measurements, other_engine));
+  if (compiled.analyses.transient)
+    add(is_exact ? run_derivatives(compiled, state, interrupt) : failed_derivatives(compiled, compiled.measurements, other_engine));
+  return table;
+}
+
+std::string derivative_text(const DerivativeTable& table, int digits) {
+  std::vector<std::vector<std::string>> rows{{"measurement", "parameter", "derivative", "% per %"}};
+  for (const Derivative& d : table) {
+    if (!d.failure.empty()) {
+      rows.push_back({d.measurement, d.parameter, "failed", ""});
+      continue;
+    }
+    std::string value = number_text(d.value, digits);
+    if (!d.kink.empty()) value = fmt::format("{} | {}", number_text(d.left, digits), number_text(d.right, digits));
+    rows.push_back({d.measurement, d.parameter, value, std::isfinite(d.normalised) ? fmt::format("{:.4g}", d.normalised) : ""});
+  }
+  std::vector<std::size_t> width(4, 0);
+  for (const auto& row : rows)
+    for (std::size_t k = 0; k < 4; ++k) width[k] = std::max(width[k], row[k].size());
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = fmt::format("{:<{}}  {:<{}}  {:<{}}  {}", row[0], width[0], row[1], width[1], row[2], width[2], row[3]);
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+    text += line + '\n';
+  }
+  return text;
+}
+
+std::string derivative_csv(const DerivativeTable& table) {
+  std::string text = "measurement,parameter,derivative,normalised,left,right,failure\n";
+  for (const Derivative& d : table) {
+    text += waveform::csv_field(d.measurement) + ',' + waveform::csv_field(d.parameter);
+    if (d.failure.empty())
+      text += fmt::format(",{},{},{},{},", d.value, std::isfinite(d.normalised) ? fmt::format("{}", d.normalised) : "", d.left, d.right);
+    else
+      text += ",,,,," + waveform::csv_field(d.failure);
+    text += '\n';
+  }
+  return text;
+}
+
+void write_derivatives(JsonWriter& json, const DerivativeTable& table) {
+  json.key("sensitivities");
+  json.begin_array();
+  for (const Derivative& d : table) {
+    const auto number = [&](double value) { return d.failure.empty() ? json_number(value) : std::string("null"); };
+    json.value(json_line({{"measurement", json_string(d.measurement)},
+                          {"parameter", json_string(d.parameter)},
+                          {"derivative", number(d.value)},
+                          {"normalised", number(d.normalised)},
+                          {"left", number(d.left)},
+                          {"right", number(d.right)},
+                          {"failure", d.failure.empty() ? "null" : json_string(d.failure)}}));
+  }
+  json.end_array();
+}
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,49 @@
+#pragma once
+/// `.sens`: derivatives of the measurements of `.tran` and `.pss` to parameters, exact.
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "analysis/json.hpp"
+#include "analysis/steady_state.hpp"
+#include "circuit/compile.hpp"
+#include "steady/parameter_inputs.hpp"
+
+namespace pwlsim::analysis {
+
+struct Derivative {
+  std::string measurement, parameter;
+  double value = 0.0;              ///< dm/dp
+  double normalised = 0.0;         ///< p/m·dm/dp; not finite where m is 0
+  double left = 0.0, right = 0.0;  ///< towards smaller and larger p: differ at a kink
+  std::string kink;                ///< why they differ; "" where they do not
+  std::string failure;             ///< why there is none; "" where there is one
+};
+
+using DerivativeTable = std::vector<Derivative>;
+
+/// Of the run of `.tran` that starts where the deck says, or on the orbit `state` (null: there is none).
+[[nodiscard]] DerivativeTable run_derivatives(const circuit::Compiled& compiled, const SteadyState* state,
+                                              const std::atomic<int>& interrupt);
+/// Of the orbit.
+[[nodiscard]] DerivativeTable orbit_derivatives(const circuit::Compiled& compiled, const SteadyState& state,
+                                                const std::atomic<int>& interrupt);
+/// Of the runs that the deck asks for. `is_exact`: the exact engine did them; no other one can.
+[[nodiscard]] DerivativeTable deck_derivatives(const circuit::Compiled& compiled, const SteadyState* state, bool is_exact,
+                                               const std::atomic<int>& interrupt);
+/// Every measurement and parameter with the same failure.
+[[nodiscard]] DerivativeTable failed_derivatives(const circuit::Compiled& compiled, const circuit::Measurements& measurements,
+                                                 const std::string& failure);
+
+/// The parameters as inputs in a network of the deck's sources; signals are added behind those there are.
+[[nodiscard]] steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original,
+                                                   model::Network& network);
+
+/// "measurement parameter derivative percent-per-percent", one a line, aligned.
+[[nodiscard]] std::string derivative_text(const DerivativeTable& table, int digits);
+[[nodiscard]] std::string derivative_csv(const DerivativeTable& table);
+/// The member `sensitivities`: a list.
+void write_derivatives(JsonWriter& json, const DerivativeTable& table);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,313 @@
+#include "steady/parameter_inputs.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "linalg/dense.hpp"
+#include "steady/linearised.hpp"
+
+namespace pwlsim::steady {
+namespace {
+
+using Item = model::NetworkMove::Item;
+using Kind = model::Term::Kind;
+using model::LinearForm;
+
+/// An input, and the signal or store that it is a multiple of.
+struct Pair {
+  int input = 0, signal = -1;
+  std::string store{};
+};
+
+double inductance_between(const model::Network& network, const model::Coupling& coupling) {
+  return coupling.coefficient * std::sqrt(network.inductors[static_cast<std::size_t>(coupling.inductor_a)].inductance *
+                                          network.inductors[static_cast<std::size_t>(coupling.inductor_b)].inductance);
+}
+
+class Adder {
+ public:
+  explicit Adder(model::Network& network) : network_(network), original_(network) {}
+
+  ParameterInputs add(const model::NetworkMoves& moves) {
+    ParameterInputs result;
+    linalg::Matrix inductances;
+    for (const model::NetworkMove& move : moves) {
+      if (is_magnetic(move))
+        take_inductance(move, inductances);
+      else
+        take(move, result);
+    }
+    if (inductances.size() > 0) add_inductances(inductances, result);
+    return result;
+  }
+
+  SensitivityInputs take_all() { return std::move(all_); }
+
+ private:
+  static bool is_magnetic(const model::NetworkMove& move) { return move.item == Item::inductance || move.item == Item::coupling; }
+
+  std::string new_name() { return "sens " + std::to_string(all_.names.size()); }
+
+  int new_input() {
+    all_.names.push_back(new_name());
+    sources_.push_back(add_input(network_, all_.names.back()));
+    return static_cast<int>(all_.names.size()) - 1;
+  }
+
+  int new_signal(LinearForm form) {
+    network_.signals.push_back({"sens signal", std::move(form)});
+    ++all_.signals;
+    return static_cast<int>(network_.signals.size()) - 1;
+  }
+
+  [[nodiscard]] LinearForm source_of(int input, double coefficient = 1.0) const {
+    return {{Kind::source, sources_[static_cast<std::size_t>(input)], coefficient}};
+  }
+
+  /// A voltage between the element and its node n.
+  template <class Element>
+  int input_in_series(Element& element) {
+    const int input = new_input();
+    const auto node = static_cast<model::NodeIndex>(network_.nodes.size());
+    network_.nodes.push_back({all_.names.back(), element.label.span});
+    network_.branches.push_back({{all_.names.back(), element.label.span}, node, element.n, source_of(input)});
+    element.n = node;
+    return input;
+  }
+
+  template <class Make>
+  Pair pair_of(Item item, int index, int term, const Make& make) {
+    const auto key = std::tuple(item, index, term);
+    const auto known = pairs_.find(key);
+    return known != pairs_.end() ? known->second : pairs_[key] = make();
+  }
+
+  template <class Element>
+  Pair in_series(Item item, int index, std::vector<Element>& list, Kind current) {
+    return pair_of(item, index, 0, [&] {
+      const int input = input_in_series(list[static_cast<std::size_t>(index)]);
+      return Pair{input, new_signal({{current, index, 1.0}})};
+    });
+  }
+
+  Pair capacitor(int index) {
+    return pair_of(Item::capacitance, index, 0, [&] {
+      model::Capacitor& item = network_.capacitors[static_cast<std::size_t>(index)];
+      return Pair{input_in_series(item), -1, item.state.empty() ? "v(" + item.label.name + ")" : item.state};
+    });
+  }
+
+  /// A current beside the inductor: all that reads its current reads both.
+  Pair inductor(int index) {
+    return pair_of(Item::inductance, index, 0, [&] {
+      const model::Inductor& item = network_.inductors[static_cast<std::size_t>(index)];
+      const int input = new_input();
+      read_beside(index, input);
+      network_.injections.push_back({{all_.names.back(), item.label.span}, item.p, item.n, source_of(input)});
+      return Pair{input, new_signal({{Kind::inductor_current, index, 1.0}})};
+    });
+  }
+
+  void read_beside(int inductor, int input) {
+    const auto extend = [&](LinearForm& form) {
+      const std::size_t terms = form.size();
+      for (std::size_t i = 0; i < terms; ++i)
+        if (form[i].kind == Kind::inductor_current && form[i].index == inductor)
+          form.push_back({Kind::source, sources_[static_cast<std::size_t>(input)], form[i].coefficient});
+    };
+    for (auto& branch : network_.branches) extend(branch.voltage);
+    for (auto& injection : network_.injections) extend(injection.current);
+    for (auto& item : network_.complementarities) extend(item.slack);
+    for (auto& item : network_.switches) extend(item.control);
+    const std::size_t own = network_.signals.size() - all_.signals;
+    for (std::size_t k = 0; k < own; ++k) extend(network_.signals[k].form);
+  }
+
+  template <class Element>
+  Pair term(Item item, const model::NetworkMove& move, std::vector<Element>& list, LinearForm Element::*form) {
+    return pair_of(item, move.index, move.term, [&] {
+      const int input = new_input();
+      LinearForm& terms = list[static_cast<std::size_t>(move.index)].*form;
+      model::Term read = terms[static_cast<std::size_t>(move.term)];
+      read.coefficient = 1.0;
+      terms.push_back(source_of(input).front());
+      return Pair{input, new_signal({read})};
+    });
+  }
+
+  static void drive(ParameterInputs& result, const Pair& pair, double weight) {
+    result.drives.push_back({pair.input, pair.signal, weight, pair.store});
+  }
+
+  void take(const model::NetworkMove& move, ParameterInputs& result) {
+    const auto at = static_cast<std::size_t>(move.index);
+    const double p = move.derivative;
+    switch (move.item) {
+      case Item::resistance:
+        return drive(result, in_series(Item::resistance, move.index, network_.resistors, Kind::resistor_current), p);
+      case Item::diode_resistance:
+        return drive(result, in_series(Item::diode_resistance, move.index, network_.diodes, Kind::diode_current), p);
+      case Item::switch_resistance:
+        return drive(result, in_series(Item::switch_resistance, move.index, network_.switches, Kind::switch_current), p);
+      case Item::diode_drop:
+        return add_drop(in_series(Item::diode_resistance, move.index, network_.diodes, Kind::diode_current), p, result);
+      case Item::switch_drop:
+        return add_drop(in_series(Item::switch_resistance, move.index, network_.switches, Kind::switch_current), p, result);
+      case Item::capacitance: {
+        const model::Capacitor& item = original_.capacitors[at];
+        drive(result, capacitor(move.index), -p / item.capacitance);
+        result.starts.push_back({true, item.label.name, item.has_initial ? item.initial_voltage * p / item.capacitance : 0.0});
+        return;
+      }
+      case Item::on_level:
+        result.levels.push_back({move.index, p, 0.0});
+        return;
+      case Item::off_level:
+        result.levels.push_back({move.index, 0.0, p});
+        return;
+      case Item::source:
+        return add_wave({source(move.index), original_.sources[at].function, *move.function, move.index, original_.sources[at].label.name},
+                        result);
+      case Item::branch_term:
+        return drive(result, term(Item::branch_term, move, network_.branches, &model::Branch::voltage), p);
+      case Item::injection_term:
+        return drive(result, term(Item::injection_term, move, network_.injections, &model::Injection::current), p);
+      case Item::initial_voltage:
+        result.starts.push_back({true, original_.capacitors[at].label.name, p});
+        return;
+      case Item::initial_current:
+        result.starts.push_back({false, original_.inductors[at].label.name, p});
+        return;
+      case Item::inductance:
+      case Item::coupling:
+        return;
+    }
+  }
+
+  static void add_drop(const Pair& pair, double drop, ParameterInputs& result) {
+    result.waves.push_back({pair.input, model::Dc{}, model::Dc{drop}, -1, {}});
+  }
+
+  /// The derivatives of one function add up.
+  static void add_wave(Wave wave, ParameterInputs& result) {
+    const auto known = std::find_if(result.waves.begin(), result.waves.end(), [&](const Wave& other) { return other.input == wave.input; });
+    if (known == result.waves.end())
+      result.waves.push_back(std::move(wave));
+    else
+      add(known->derivative, wave.derivative);
+  }
+
+  static void add(model::SourceFunction& sum, const model::SourceFunction& other) {
+    if (auto* dc = std::get_if<model::Dc>(&sum)) dc->value += std::get<model::Dc>(other).value;
+    if (auto* f = std::get_if<model::Pulse>(&sum)) {
+      const auto& o = std::get<model::Pulse>(other);
+      for (const auto member : {&model::Pulse::initial, &model::Pulse::pulsed, &model::Pulse::delay, &model::Pulse::rise,
+                                &model::Pulse::fall, &model::Pulse::width, &model::Pulse::period})
+        f->*member += o.*member;
+    }
+    if (auto* f = std::get_if<model::Sin>(&sum)) {
+      const auto& o = std::get<model::Sin>(other);
+      for (const auto member : {&model::Sin::offset, &model::Sin::amplitude, &model::Sin::frequency, &model::Sin::delay,
+                                &model::Sin::damping, &model::Sin::phase})
+        f->*member += o.*member;
+    }
+    if (auto* f = std::get_if<model::Pwl>(&sum)) {
+      const auto& o = std::get<model::Pwl>(other);
+      for (std::size_t k = 0; k < f->points.size(); ++k) {
+        f->points[k].time += o.points[k].time;
+        f->points[k].value += o.points[k].value;
+      }
+      f->repeat_from += o.repeat_from;
+    }
+  }
+
+  int source(int index) {
+    return pair_of(Item::source, index, 0,
+                   [&] {
+                     const int input = new_input();
+                     superpose_input(network_, index, sources_[static_cast<std::size_t>(input)]);
+                     return Pair{input, -1};
+                   })
+        .input;
+  }
+
+  [[nodiscard]] linalg::Matrix inductance_matrix() const {
+    const auto n = static_cast<Eigen::Index>(original_.inductors.size());
+    linalg::Matrix m = linalg::Matrix::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) m(i, i) = original_.inductors[static_cast<std::size_t>(i)].inductance;
+    for (const model::Coupling& coupling : original_.couplings)
+      m(coupling.inductor_a, coupling.inductor_b) = m(coupling.inductor_b, coupling.inductor_a) = inductance_between(original_, coupling);
+    return m;
+  }
+
+  void take_inductance(const model::NetworkMove& move, linalg::Matrix& moved) const {
+    const auto n = static_cast<Eigen::Index>(original_.inductors.size());
+    if (moved.size() == 0) moved = linalg::Matrix::Zero(n, n);
+    const auto at = static_cast<std::size_t>(move.index);
+    if (move.item == Item::coupling) {
+      const model::Coupling& c = original_.couplings[at];
+      const double p = move.derivative * std::sqrt(original_.inductors[static_cast<std::size_t>(c.inductor_a)].inductance *
+                                                   original_.inductors[static_cast<std::size_t>(c.inductor_b)].inductance);
+      moved(c.inductor_a, c.inductor_b) += p;
+      moved(c.inductor_b, c.inductor_a) += p;
+      return;
+    }
+    moved(move.index, move.index) += move.derivative;
+    for (const model::Coupling& c : original_.couplings) {
+      if (c.inductor_a != move.index && c.inductor_b != move.index) continue;
+      const double p = 0.5 * inductance_between(original_, c) * move.derivative / original_.inductors[at].inductance;
+      moved(c.inductor_a, c.inductor_b) += p;
+      moved(c.inductor_b, c.inductor_a) += p;
+    }
+  }
+
+  void add_inductances(const linalg::Matrix& moved, ParameterInputs& result) {
+    constexpr double least_pivot = 1e-12;
+    const linalg::Matrix m = inductance_matrix();
+    const Eigen::ArrayXd size = m.diagonal().array().abs().sqrt().max(1e-300);
+    const linalg::Matrix scaled = (m.array().colwise() / size).rowwise() / size.transpose();
+    const Eigen::FullPivLU<linalg::Matrix> lu(scaled);
+    if (lu.rcond() < least_pivot) {
+      result.failure = "it moves inductors that are perfectly coupled";
+      return;
+    }
+    // −M⁻¹P, and what starts at given currents keeps them.
+    const linalg::Matrix right = (moved.array().colwise() / size).matrix();
+    const linalg::Matrix weights = -(lu.solve(right).array().colwise() / size).matrix();
+    linalg::Vector currents(m.rows());
+    for (Eigen::Index i = 0; i < m.rows(); ++i) {
+      const model::Inductor& item = original_.inductors[static_cast<std::size_t>(i)];
+      currents[i] = item.has_initial ? item.initial_current : 0.0;
+    }
+    const linalg::Vector starts = -(weights * currents);
+    for (Eigen::Index a = 0; a < m.rows(); ++a) {
+      if (weights.row(a).isZero(0.0)) continue;
+      const Pair own = inductor(static_cast<int>(a));
+      for (Eigen::Index b = 0; b < m.cols(); ++b)
+        if (weights(a, b) != 0.0) result.drives.push_back({own.input, inductor(static_cast<int>(b)).signal, weights(a, b), {}});
+      result.starts.push_back({false, original_.inductors[static_cast<std::size_t>(a)].label.name, starts[a]});
+    }
+  }
+
+  model::Network& network_;
+  const model::Network original_;
+  SensitivityInputs all_;
+  std::vector<int> sources_;  ///< of the inputs
+  std::map<std::tuple<Item, int, int>, Pair> pairs_;
+};
+
+}  // namespace
+
+SensitivityInputs add_parameter_inputs(model::Network& network, const std::vector<model::NetworkMoves>& parameters) {
+  Adder adder(network);
+  std::vector<ParameterInputs> list;
+  for (const model::NetworkMoves& moves : parameters) list.push_back(adder.add(moves));
+  SensitivityInputs all = adder.take_all();
+  all.parameters = std::move(list);
+  return all;
+}
+
+}  // namespace pwlsim::steady

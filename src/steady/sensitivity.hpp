@@ -1,0 +1,117 @@
+#pragma once
+/// The derivative of a run to a parameter, along the run: x_p' = A x_p + (what the inputs of the parameter bring), at instants
+///
+///     x_p⁺ = P x_p⁻ + P_w w + (P f⁻ − f⁺)·t_p,   t_p = −(n x_p + n_w w)/(n f⁻), or given where a source's edge or a threshold moves.
+///
+/// Between instants state, inputs and derivative are one linear system, whose exponential is exact. The inputs w of a parameter are multiples of signals
+/// (steady/parameter_inputs.hpp), or functions of time (steady/wave.hpp).
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "steady/linearised.hpp"
+#include "steady/parameter_inputs.hpp"
+#include "steady/wave.hpp"
+
+namespace pwlsim::steady {
+
+/// Of one parameter.
+struct Followed {
+  std::vector<Vector> begins;  ///< derivative of c at the begin of each segment, sources of the waves behind it
+  std::vector<double> shifts;  ///< dt/dp of each instant, s
+  Vector end;                  ///< derivative of the stacked ξ at the end, whose time is fixed
+  std::string failure;         ///< why there is none; "" where there is one
+};
+
+/// Which side of an instant.
+enum class Side { left, right };
+
+/// A signal at one time: itself and its derivatives to time and to a parameter, the time being fixed.
+struct SignalJet {
+  double value = 0.0, rate = 0.0, moved = 0.0, moved_rate = 0.0;
+};
+
+class Sensitivity {
+ public:
+  /// `orbit`: of the trace, with the names of `inputs`. `is_settled`: its sources have always been periodic. All must outlive this.
+  Sensitivity(const engine::ExactModel& model, const Trace& trace, const LinearisedOrbit& orbit, const SensitivityInputs& inputs,
+              bool is_settled);
+
+  /// From the derivative `start` of the stacked ξ left of t = 0.
+  [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start) const;
+  /// Signals of the model at a time of the run; of the time of an instant on that side.
+  [[nodiscard]] std::vector<SignalJet> signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                                                  double time, Side side) const;
+  /// Derivatives of the signals at the points of Gauss and Legendre on [begin, begin + length], in the segment that `inside` lies in, whose motion may go
+  /// on behind its end: values[point][signal]. To be asked for the same signals each time.
+  [[nodiscard]] std::vector<std::vector<double>> moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                                                          double inside, double begin, double length) const;
+  [[nodiscard]] const LinearisedOrbit& orbit() const { return orbit_; }
+  [[nodiscard]] bool is_settled() const { return is_settled_; }
+
+ private:
+  struct Segment {
+    std::size_t island = 0;
+    const model::Mode* mode = nullptr;
+    double begin = 0.0, length = 0.0;
+    const std::vector<double>*y0 = nullptr, *y1 = nullptr;
+    [[nodiscard]] double end() const { return begin + length; }
+    [[nodiscard]] double inside() const { return begin + 0.5 * length; }
+  };
+  /// What a parameter does to one mode: (y, z, c_p)' = block·(y, z, c_p).
+  struct Flow {
+    std::vector<std::size_t> waves;  ///< of the parameter, in this island
+    int nz = 0;
+    Matrix source;                         ///< (y, z)′
+    std::vector<Eigen::RowVectorXd> rows;  ///< w of each input = row·(y, z); empty: zero
+    Matrix outputs;                        ///< of the island: what (y, z) adds to C c_p
+    std::unique_ptr<linalg::Exponential> block;
+    double scale = 1.0;  ///< of c_p within the block
+    /// Of a stretch that recurs: the signals at its points, from the state at its begin.
+    struct Points {
+      int uses = 0;
+      Matrix rows;
+    };
+    mutable std::map<double, Points> points;
+  };
+
+  void add(const TraceSegment& segment);
+  void add_static_parts();
+  [[nodiscard]] std::string check(std::size_t parameter) const;
+  [[nodiscard]] const Flow& flow_of(std::size_t parameter, std::size_t island, const model::Mode& mode) const;
+  void add_drives(std::size_t parameter, std::size_t island, const model::Mode& mode, Flow& flow) const;
+  [[nodiscard]] Eigen::RowVectorXd drive_row(const Drive& drive, std::size_t island, const model::Mode& mode) const;
+  [[nodiscard]] Vector waves_at(const Flow& flow, std::size_t parameter, double time, double inside) const;
+  [[nodiscard]] Vector at(const Flow& flow, const Segment& segment, const Vector& begin, double since) const;
+  [[nodiscard]] Vector begin_of(std::size_t parameter, const Segment& segment, const Vector& xi) const;
+  [[nodiscard]] Vector inputs_of(const Flow& flow, std::size_t island, const Matrix& columns, int first, const Vector& yz) const;
+  void pass_segment(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
+  void pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
+  [[nodiscard]] double shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const;
+  [[nodiscard]] std::optional<double> edge_shift_of(std::size_t parameter, double time, Followed& followed) const;
+  void check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const;
+  void pass_change(std::size_t parameter, const engine::Change& change, const LinearChange& linear, double time, double shift,
+                   Vector& xi) const;
+  [[nodiscard]] const Segment* segment_at(std::size_t island, double time, Side side) const;
+
+  const engine::ExactModel& model_;
+  const Trace& trace_;
+  const LinearisedOrbit& orbit_;
+  const SensitivityInputs& inputs_;
+  bool is_settled_;
+  double length_ = 0.0;
+  std::vector<Segment> segments_;
+  std::size_t static_first_ = 0;                     ///< segments of parts that hold nothing but sources, which runs do not bring along
+  std::deque<std::vector<double>> sources_;          ///< their y
+  std::vector<std::size_t> first_;                   ///< segment that ends at instant i; the last: of the tail
+  std::vector<std::vector<std::size_t>> of_island_;  ///< its segments in order
+  std::vector<std::map<std::string, Eigen::RowVectorXd>> stores_;
+  std::vector<Wave> jumping_;  ///< sources of the model that may jump, without derivatives
+  mutable std::map<std::pair<std::size_t, const model::Mode*>, Flow> flows_;
+};
+
+}  // namespace pwlsim::steady

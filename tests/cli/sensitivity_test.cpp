@@ -1,0 +1,243 @@
+// .sens: derivatives of measurements against those of closed forms, differentiated by hand.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double wanted = 1e-9;  ///< relative
+
+Json sensitivities_of(const Scratch& scratch, const std::string& deck, int status = 0) {
+  scratch.write("deck.net", deck);
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  INFO(finished.err);
+  REQUIRE(finished.status == status);
+  return read_json(finished.out);
+}
+
+Json entry(const Json& result, const std::string& measurement, const std::string& parameter) {
+  for (const Json& s : result["sensitivities"].array)
+    if (s["measurement"].string == measurement && s["parameter"].string == parameter) return s;
+  FAIL("no derivative of " << measurement << " to " << parameter);
+  return {};
+}
+
+double derivative(const Json& result, const std::string& measurement, const std::string& parameter) {
+  const Json d = entry(result, measurement, parameter);
+  INFO(measurement << " to " << parameter << ": " << d["failure"].string);
+  CHECK(d["failure"].string.empty());
+  CHECK(d["left"].number == d["right"].number);
+  return d["derivative"].number;
+}
+
+}  // namespace
+
+TEST_CASE("derivatives of an RC circuit from an initial value are those of its exponential", "[unit]") {
+  // v = V + (v0 − V) e^{−x}, x = t/RC
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "rc\n.param r=1k V=10\nV1 in 0 {V}\nR1 in out {r}\nC1 out 0 1u ic=2\n.tran 1u 2m uic\n"
+                                       ".meas tran end FIND v(out) AT=1m\n.meas tran mean AVG v(out)\n.meas tran t5 WHEN v(out)=5\n"
+                                       ".meas tran e INTEG v(in)*i(R1)\n.meas tran top MAX v(out)\n.meas tran twice PARAM='2*end+mean'\n"
+                                       ".sens param=r,V,R1,C1,ic(C1)\n.end\n");
+  const double R = 1e3, C = 1e-6, V = 10.0, v0 = 2.0, t = 1e-3, T = 2e-3, tau = R * C;
+  const double x = t / tau, fall = std::exp(-x), end = std::exp(-T / tau);
+  const double to_tau = (v0 - V) * fall * x / tau;
+  CHECK(derivative(result, "end", "r") == Approx(to_tau * C).epsilon(wanted));
+  CHECK(derivative(result, "end", "R1") == Approx(to_tau * C).epsilon(wanted));
+  CHECK(derivative(result, "end", "C1") == Approx(to_tau * R).epsilon(wanted));
+  CHECK(derivative(result, "end", "V") == Approx(1.0 - fall).epsilon(wanted));
+  CHECK(derivative(result, "end", "ic(C1)") == Approx(fall).epsilon(wanted));
+  // mean = V + (v0 − V) τ/T (1 − e^{−T/τ})
+  const double mean_to_tau = (v0 - V) * ((1.0 - end) / T - end / tau);
+  CHECK(derivative(result, "mean", "R1") == Approx(mean_to_tau * C).epsilon(wanted));
+  CHECK(derivative(result, "mean", "C1") == Approx(mean_to_tau * R).epsilon(wanted));
+  CHECK(derivative(result, "mean", "V") == Approx(1.0 - tau / T * (1.0 - end)).epsilon(wanted));
+  // t5 = τ ln((V − v0)/(V − 5))
+  CHECK(derivative(result, "t5", "R1") == Approx(C * std::log((V - v0) / (V - 5.0))).epsilon(wanted));
+  CHECK(derivative(result, "t5", "V") == Approx(tau * (1.0 / (V - v0) - 1.0 / (V - 5.0))).epsilon(wanted));
+  CHECK(derivative(result, "t5", "ic(C1)") == Approx(-tau / (V - v0)).epsilon(wanted));
+  // e = V C (V − v0)(1 − e^{−T/τ})
+  CHECK(derivative(result, "e", "V") == Approx(C * (2.0 * V - v0) * (1.0 - end)).epsilon(wanted));
+  CHECK(derivative(result, "e", "C1") == Approx(V * (V - v0) * (1.0 - end - T / tau * end)).epsilon(wanted));
+  CHECK(derivative(result, "top", "R1") == Approx((v0 - V) * end * T / tau * C / tau).epsilon(wanted));
+  CHECK(derivative(result, "twice", "r") == Approx(2.0 * to_tau * C + mean_to_tau * C).epsilon(wanted));
+  const double normalised = entry(result, "end", "r")["normalised"].number, v = V + (v0 - V) * fall;
+  CHECK(normalised == Approx(R / v * to_tau * C).epsilon(wanted));
+}
+
+TEST_CASE("a chopper in steady state: duty cycle, frequency and inductance move its ripple", "[unit]") {
+  // i rises towards V/R for DT and falls towards 0: top = V/R (1 − e^{−DT/τ})/(1 − e^{−T/τ}), mean = D V/R.
+  const Scratch scratch;
+  const Json result =
+      sensitivities_of(scratch,
+                       "chopper\n.param fs=10k D=0.4 L=1m\nV1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b {L}\nR1 b 0 5\n"
+                       "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n.model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n.pss\n"
+                       ".meas pss mean AVG i(L1)\n.meas pss top MAX i(L1)\n.meas pss rms RMS i(L1)\n.meas pss t PERIOD\n"
+                       ".meas pss pin AVG v(in)*i(V1)\n.meas pss half FIND i(L1) AT={0.5/fs}\n.sens param=fs,D,L,V1,R1\n.end\n");
+  const double V = 20.0, R = 5.0, L = 1e-3, D = 0.4, T = 1e-4, tau = L / R, fs = 1e4;
+  const double a = std::exp(-D * T / tau), b = std::exp(-T / tau), top = V / R * (1.0 - a) / (1.0 - b);
+  const double to_d = V / R * a * T / tau / (1.0 - b);
+  // By T at fixed D, and by τ.
+  const double to_T = V / R * (a * D / tau * (1.0 - b) - (1.0 - a) * b / tau) / ((1.0 - b) * (1.0 - b));
+  const double to_tau = -to_T * T / tau;
+  CHECK(derivative(result, "mean", "D") == Approx(V / R).epsilon(wanted));
+  CHECK(std::abs(derivative(result, "mean", "fs")) <= 1e-12 * V / R / fs * 1e3);
+  CHECK(std::abs(derivative(result, "mean", "L")) <= 1e-9 * V / R / L);
+  CHECK(derivative(result, "mean", "V1") == Approx(D / R).epsilon(wanted));
+  CHECK(derivative(result, "mean", "R1") == Approx(-D * V / (R * R)).epsilon(wanted));
+  CHECK(derivative(result, "top", "D") == Approx(to_d).epsilon(wanted));
+  CHECK(derivative(result, "top", "fs") == Approx(-to_T * T / fs).epsilon(wanted));
+  CHECK(derivative(result, "top", "L") == Approx(to_tau / R).epsilon(wanted));
+  CHECK(derivative(result, "top", "R1") == Approx(-top / R - to_tau * L / (R * R)).epsilon(wanted));
+  CHECK(derivative(result, "t", "fs") == Approx(-1.0 / (fs * fs)).epsilon(wanted));
+  // At T/2 the current falls from its top: i = top e^{−(1/2 − D)T/τ}
+  const double decay = std::exp(-(0.5 - D) * T / tau);
+  CHECK(derivative(result, "half", "D") == Approx((to_d + top * T / tau) * decay).epsilon(wanted));
+  CHECK(derivative(result, "half", "fs") == Approx(-(to_T - top * (0.5 - D) / tau) * decay * T / fs).epsilon(wanted));
+}
+
+TEST_CASE("discontinuous conduction: the diode's turn-off moves with everything", "[unit]") {
+  // i = (V − E) DT/L at the edge, then falls by E/L: mean = (V − E) V D² T/(2 L E)
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "dcm\n.param fs=10k D=0.3\nV1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b 1m\nV2 b 0 8\n"
+                                       "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n.model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n.pss\n"
+                                       ".meas pss mean AVG i(L1)\n.meas pss top MAX i(L1)\n.sens param=fs,D,L1,V1,V2\n.end\n");
+  const double V = 20.0, E = 8.0, D = 0.3, T = 1e-4, L = 1e-3, fs = 1e4, mean = (V - E) * V * D * D * T / (2.0 * L * E),
+               top = (V - E) * D * T / L;
+  CHECK(derivative(result, "mean", "fs") == Approx(-mean / fs).epsilon(wanted));
+  CHECK(derivative(result, "mean", "D") == Approx(2.0 * mean / D).epsilon(wanted));
+  CHECK(derivative(result, "mean", "L1") == Approx(-mean / L).epsilon(wanted));
+  CHECK(derivative(result, "mean", "V1") == Approx((2.0 * V - E) * D * D * T / (2.0 * L * E)).epsilon(wanted));
+  CHECK(derivative(result, "mean", "V2") == Approx(-V * V * D * D * T / (2.0 * L * E * E)).epsilon(wanted));
+  CHECK(derivative(result, "top", "D") == Approx(top / D).epsilon(wanted));
+  CHECK(derivative(result, "top", "V2") == Approx(-D * T / L).epsilon(wanted));
+}
+
+TEST_CASE("a relay oscillator: the period moves with thresholds and elements", "[unit]") {
+  // Charged through R + R2 towards Vcc, discharged through R: T = (R + R2) C ln((Vcc − l)/(Vcc − h)) + R C ln(h/l), h = Vt + Vh, l = Vt − Vh.
+  const Scratch scratch;
+  const Json result = sensitivities_of(
+      scratch,
+      "relay\n.param R=1k C=100n Vt=2 Vh=1 Vcc=5\nV1 vcc 0 {Vcc}\nR1 o a {R}\nC1 a 0 {C}\nS1 o 0 a 0 SM\nR2 vcc o 2k\n"
+      ".model SM SW(Ron=0 Vt={Vt} Vh={Vh})\n.pss on=S1\n.meas pss t PERIOD\n.meas pss on TRIG v(a) VAL=2 RISE=1 TARG v(a) VAL=2 FALL=1\n"
+      ".sens param=R,C,Vt,Vh,Vcc,R2,S1:Vt\n.end\n");
+  const double R = 1e3, R2 = 2e3, C = 1e-7, Vcc = 5.0, h = 3.0, l = 1.0;
+  const double charge = std::log((Vcc - l) / (Vcc - h)), discharge = std::log(h / l);
+  const double to_h = (R + R2) * C / (Vcc - h) + R * C / h, to_l = -(R + R2) * C / (Vcc - l) - R * C / l;
+  CHECK(derivative(result, "t", "R") == Approx(C * (charge + discharge)).epsilon(wanted));
+  CHECK(derivative(result, "t", "R2") == Approx(C * charge).epsilon(wanted));
+  CHECK(derivative(result, "t", "C") == Approx((R + R2) * charge + R * discharge).epsilon(wanted));
+  CHECK(derivative(result, "t", "Vt") == Approx(to_h + to_l).epsilon(wanted));
+  CHECK(derivative(result, "t", "S1:Vt") == Approx(to_h + to_l).epsilon(wanted));
+  CHECK(derivative(result, "t", "Vh") == Approx(to_h - to_l).epsilon(wanted));
+  CHECK(derivative(result, "t", "Vcc") == Approx((R + R2) * C * (1.0 / (Vcc - l) - 1.0 / (Vcc - h))).epsilon(wanted));
+  // The period begins with the closing: down from h through 2 V and l, then up through 2 V. TARG lies before TRIG.
+  CHECK(derivative(result, "on", "R2") == Approx(-C * std::log((Vcc - l) / (Vcc - 2.0))).epsilon(wanted));
+}
+
+TEST_CASE("two capacitors share their charge: the jump moves with both", "[unit]") {
+  // v = C1 V0/(C1 + C2) behind the closing
+  const Scratch scratch;
+  const Json result = sensitivities_of(
+      scratch,
+      "sharing\n.param V0=5\nC1 a 0 1u ic={V0}\nC2 b 0 3u ic=0\nS1 a b g 0 SX\nVg g 0 PULSE(0 1 1m 0 0 9m)\n.model SX SW(Ron=0 Vt=0.5)\n"
+      ".tran 10u 2m uic\n.meas tran v FIND v(b) AT=1.5m\n.meas tran mean AVG v(b)\n.sens param=V0,C1,C2,ic(C1),Vg:Td\n.end\n");
+  const double C1 = 1e-6, C2 = 3e-6, V0 = 5.0, s = C1 + C2, v = C1 * V0 / s;
+  CHECK(derivative(result, "v", "V0") == Approx(C1 / s).epsilon(wanted));
+  CHECK(derivative(result, "v", "ic(C1)") == Approx(C1 / s).epsilon(wanted));
+  CHECK(derivative(result, "v", "C1") == Approx(V0 * C2 / (s * s)).epsilon(wanted));
+  CHECK(derivative(result, "v", "C2") == Approx(-V0 * C1 / (s * s)).epsilon(wanted));
+  CHECK(derivative(result, "mean", "Vg:Td") == Approx(-v / 2e-3).epsilon(wanted));
+  CHECK(derivative(result, "mean", "C2") == Approx(-V0 * C1 / (s * s) * 0.5).epsilon(wanted));
+}
+
+TEST_CASE("a peak detector holds the amplitude", "[unit]") {
+  // v = A − Vfwd from the first peak on
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "peak\nV1 in 0 SIN(0 10 50)\nD1 in out DX\nC1 out 0 1u\n.model DX D(Vfwd=0.7)\n.tran 10u 12m\n"
+                                       ".meas tran v FIND v(out) AT=12m\n.sens param=V1:Vamp,V1:Freq,D1:Vfwd,C1\n.end\n");
+  CHECK(derivative(result, "v", "V1:Vamp") == Approx(1.0).epsilon(1e-9));
+  CHECK(derivative(result, "v", "D1:Vfwd") == Approx(-1.0).epsilon(1e-9));
+  CHECK(std::abs(derivative(result, "v", "V1:Freq")) < 1e-7 * 10.0 / 50.0);
+  CHECK(std::abs(derivative(result, "v", "C1")) < 1e-9 * 10.0 / 1e-6);
+}
+
+TEST_CASE("the run starts at an operating point that moves", "[unit]") {
+  // A divider holds V/2 across C; a step in the current source discharges it: v = V/2 + (I R/2)(1 − e^{−t/τ}), τ = RC/2
+  const Scratch scratch;
+  const Json result =
+      sensitivities_of(scratch,
+                       "divider\nV1 in 0 10\nR1 in out 1k\nR2 out 0 1k\nC1 out 0 1u\nI1 0 out PULSE(0 1m 0 0 0 1)\n.tran 1u 1m\n"
+                       ".meas tran v FIND v(out) AT=0.5m\n.sens param=V1,R1,C1,I1:V2\n.end\n");
+  const double V = 10.0, R = 1e3, C = 1e-6, t = 0.5e-3, I = 1e-3;
+  // With R1 = R2 = R: v∞ = (V/R1 + I) P, P = R1 R2/(R1 + R2), v(0) = V P/R1, τ = P C
+  const double P = 0.5 * R, tau = P * C, e = std::exp(-t / tau), P1 = 0.25;  // dP/dR1 = (R2/(R1 + R2))²
+  CHECK(derivative(result, "v", "V1") == Approx(0.5).epsilon(wanted));
+  CHECK(derivative(result, "v", "I1:V2") == Approx(P * (1.0 - e)).epsilon(wanted));
+  CHECK(derivative(result, "v", "C1") == Approx(-I * P * e * t / (tau * C)).epsilon(wanted));
+  // v = V P/R1 + I P (1 − e^{−t/PC})
+  const double to_r1 = V * (P1 / R - P / (R * R)) + I * P1 * (1.0 - e) - I * P * e * t / (P * P * C) * P1;
+  CHECK(derivative(result, "v", "R1") == Approx(to_r1).epsilon(wanted));
+}
+
+TEST_CASE("parameters act through expressions, functions and calls of subcircuits", "[unit]") {
+  const Scratch scratch;
+  const Json result = sensitivities_of(
+      scratch,
+      "subcircuit\n.param k=2 g=3\n.func twice(x) {2*x+k}\nV1 in 0 {sqrt(k)*10}\nX1 in out leg r={k*1k}\n"
+      ".subckt leg a b r=1\nR1 a b {r}\nR2 b 0 {twice(r)}\n.ends\nE1 y 0 out 0 {k^2}\nR9 y 0 1\n.tran 1u 10u\n"
+      ".meas tran v FIND v(out) AT=5u\n.meas tran y FIND v(y) AT=5u\n.meas tran z PARAM='y*k'\n.sens param=k,g,X1.R2\n.end\n");
+  // R1 = 1000 k, R2 = 2001 k, V = 10 √k: v = 10 √k·2001/3001; y = k² v
+  const double k = 2.0, share = 2001.0 / 3001.0, v = 10.0 * std::sqrt(k) * share;
+  CHECK(derivative(result, "v", "k") == Approx(0.5 * v / k).epsilon(wanted));
+  CHECK(derivative(result, "y", "k") == Approx(2.5 * k * k * v / k).epsilon(wanted));
+  CHECK(derivative(result, "z", "k") == Approx(3.5 * k * k * v).epsilon(wanted));
+  CHECK(derivative(result, "v", "g") == 0.0);
+  CHECK(derivative(result, "v", "X1.R2") == Approx(10.0 * std::sqrt(k) * 2000.0 / (6002.0 * 6002.0)).epsilon(wanted));
+}
+
+TEST_CASE("an edge at the begin of a window: the derivative is one-sided", "[unit]") {
+  // From 1 ms to 2 ms the source is at 1 V; a later edge takes of it, an earlier one does not add: −1 V/1 ms to the right, 0 to the left, and
+  // at the end of the window it falls at 2 ms, which an earlier edge moves into it.
+  const Scratch scratch;
+  scratch.write(
+      "deck.net",
+      "window\nV1 in 0 PULSE(0 1 1m 0 0 5m 20m)\nR1 in 0 1k\n.tran 1u 4m\n.meas tran v AVG v(in) FROM=1m TO=2m\n.sens param=V1:Td\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  REQUIRE(finished.status == 0);
+  const Json result = read_json(finished.out);
+  const Json d = entry(result, "v", "V1:Td");
+  CHECK(d["left"].number == Approx(0.0).margin(1e-9));
+  CHECK(d["right"].number == Approx(-1000.0).epsilon(wanted));
+  CHECK_THAT(finished.err, Contains("W-sens-one-sided"));
+}
+
+TEST_CASE("a table, a file, and messages that say what to write", "[unit]") {
+  const Scratch scratch;
+  const std::string rc = "rc\nV1 in 0 1\nR1 in out 1k\nC1 out 0 1u ic=0\n.tran 1u 1m uic\n.meas tran v FIND v(out) AT=1m\n";
+  scratch.write("deck.net", rc + ".sens param=R1\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.out, Contains("measurement  parameter  derivative") && Contains("v            R1"));
+  CHECK_THAT(read_file(scratch / "deck.sens.csv"),
+             Catch::StartsWith("measurement,parameter,derivative,normalised,left,right,failure\nv,R1,-0.000367879441171"));
+  const auto error_of = [&](const std::string& card) {
+    scratch.write("deck.net", rc + card + "\n.end\n");
+    const Finished refused = run_in(scratch, {"deck.net"});
+    CHECK(refused.status == 2);
+    return refused.err;
+  };
+  CHECK_THAT(error_of(".sens param=R3"), Contains("E-sens-unknown-parameter") && Contains("R1"));
+  CHECK_THAT(error_of(".sens param=R1 meas=u"), Contains("E-sens-no-measurement"));
+  CHECK_THAT(error_of(".sens v(out)"), Contains("E-sens-no-measurement") && Contains(".meas"));
+  CHECK_THAT(error_of(".sens objfunc={v(out)} param=R1"), Contains("E-sens-no-measurement") && Contains(".meas"));
+}
