@@ -53,6 +53,18 @@ PreparedEngine prepare_sparse(const model::Network& network, const std::string& 
           [=] { return engine::sparse::operating_point(*model); }, sparse_warning(reason, reltol)};
 }
 
+/// Its tolerance is its own: that of steps would make segments whose errors exceed their guards' margins.
+PreparedEngine prepare_krylov(const model::Network& network, Diagnostics& diagnostics) {
+  const auto model = engine::sparse::prepare(network, diagnostics);
+  if (!model) return {"krylov", {}, {}, {}};
+  return {"krylov",
+          [=](const engine::Request& request, engine::RowSink& sink) {
+            return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, sink);
+          },
+          [=] { return engine::sparse::operating_point(*model); },
+          {}};
+}
+
 PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnostics) {
   const auto model = engine::prepare(network, diagnostics);
   if (!model) return {"exact", {}, {}, {}};
@@ -85,6 +97,7 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
+  if (choice == EngineChoice::krylov) return prepare_krylov(network, diagnostics);
   const std::string reason = choice == EngineChoice::automatic ? too_large(network) : "";
   const bool sparse = choice == EngineChoice::sparse || !reason.empty();
   return sparse ? prepare_sparse(network, reason, reltol, diagnostics) : prepare_exact(network, diagnostics);

@@ -10,10 +10,10 @@
 
 namespace pwlsim::analysis {
 
-enum class EngineChoice { automatic, exact, sparse };
+enum class EngineChoice { automatic, exact, sparse, krylov };
 
 struct PreparedEngine {
-  std::string name;   ///< "exact" or "sparse"
+  std::string name;   ///< "exact", "sparse" or "krylov"
   Simulate simulate;  ///< empty where there was an error
   std::function<engine::OperatingPoint()> operating_point;
   /// What sets its results apart from exact ones (W-sparse-engine).

@@ -47,7 +47,7 @@ double longest_step(double period, double reltol) {
 
 }  // namespace
 
-Block::Block(const Part& part, const Request& request, double reltol)
+Block::Block(const Part& part, const Request& request, double reltol, Method method)
     : part_(part),
       request_(request),
       reltol_(reltol),
@@ -68,6 +68,11 @@ Block::Block(const Part& part, const Request& request, double reltol)
     signals_.push_back(descriptor_.form(signal.form));
     signals_read_sources_ |= !signals_.back().w.empty();
   }
+  if (method == Method::segments) {
+    segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop,
+                                              largest_held_voltage(part.island.network));
+    factors_.factor_each();
+  }
   signal_scale_.assign(signals_.size(), 0.0);
   signals_before_.assign(signals_.size(), 0.0);
   h_max_ = std::min(most_steps_of_run * request.stop, longest_step(sources_.shortest_period(), reltol));
@@ -78,12 +83,27 @@ Block::Block(const Part& part, const Request& request, double reltol)
 }
 
 void Block::signals(double time, double* values) {
+  if (segment_) {
+    const std::vector<double>& y = segment_->at(time - segment_->start());
+    if (signals_read_sources_) sources_.evaluate(time, w_);
+    for (std::size_t i = 0; i < signals_.size(); ++i) values[i] = Form::sum(signals_[i].w, w_.data(), segment_->signal(i, y));
+    return;
+  }
   const auto weights = stretch_.weights(time);
   if (signals_read_sources_) sources_.evaluate(time, w_);
   for (std::size_t i = 0; i < signals_.size(); ++i) values[i] = Form::sum(signals_[i].w, w_.data(), stretch_.value(signals_[i], weights));
 }
 
 void Block::signals(double time, std::span<const int> numbers, double* values) {
+  if (segment_) {
+    const std::vector<double>& y = segment_->at(time - segment_->start());
+    if (signals_read_sources_) sources_.evaluate(time, w_);
+    for (const int number : numbers) {
+      const auto i = static_cast<std::size_t>(number);
+      *values++ = Form::sum(signals_[i].w, w_.data(), segment_->signal(i, y));
+    }
+    return;
+  }
   const auto weights = stretch_.weights(time);
   if (signals_read_sources_) sources_.evaluate(time, w_);
   for (const int number : numbers) {
@@ -97,12 +117,13 @@ double Block::signal_size(int number) const { return signals_[static_cast<std::s
 bool Block::advance() {
   instant_.reset();
   impulses_.clear();
-  if (restart_due_ || next_break() <= point_.time + break_tolerance_) return restart() && look_back();
+  const bool starts_anew = restart_due_ || next_break() <= point_.time + break_tolerance_;
+  if (starts_anew) return segment_ ? begin_segment() : restart() && look_back();
   if (point_.time >= request_.stop - tolerance_) {
     finished_ = true;
     return true;
   }
-  return step() && look_back();
+  return segment_ ? follow_segment() : step() && look_back();
 }
 
 /// False: given up, since nothing comes of the steps.

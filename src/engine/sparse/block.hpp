@@ -16,6 +16,7 @@
 
 #include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
+#include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/part.hpp"
 #include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
@@ -25,8 +26,10 @@ namespace pwlsim::engine::sparse {
 
 class Block {
  public:
+  /// Implicit steps, or exact segments between located events.
+  enum class Method { steps, segments };
   /// The part must outlive the block.
-  Block(const Part& part, const Request& request, double reltol);
+  Block(const Part& part, const Request& request, double reltol, Method method);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Begins at t = 0. False: failed.
@@ -144,6 +147,26 @@ class Block {
   [[nodiscard]] std::vector<std::string> changed_ports() const;
   bool watch_crowd(double time);
 
+  // block_segments.cpp: in place of steps
+  [[nodiscard]] bool begin_segment();
+  [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
+  [[nodiscard]] bool follows_directly(const Position& candidate);
+  enum class Sought { found, jumped, not_found };
+  [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
+  [[nodiscard]] bool flip_negative(Position on, int rounds);
+  [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
+  [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
+  [[nodiscard]] bool take_jump(Instant& instant);
+  [[nodiscard]] bool take_jump_beside(Instant& instant);
+  [[nodiscard]] double room() const;
+  [[nodiscard]] bool follow_segment();
+  void pass(const ExactSegment::Passage& passage);
+  [[nodiscard]] bool is_same_instant(double a, double b) const;
+  [[nodiscard]] double resolved_until(double tau);
+  [[nodiscard]] bool is_resolved(double from, double to);
+  void note_segment_impulses(double h);
+  void finish_instant(const Instant& instant);
+
   const Part& part_;
   const Request& request_;
   double reltol_;
@@ -165,6 +188,10 @@ class Block {
   bool passive_ = false;
   StallWatch stall_;
   Stretch stretch_;
+  std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
+  Position position_ahead_;                ///< where the passage at hand leads
+  double segment_tau_ = 0.0;               ///< so far
+  int last_guard_ = -1;                    ///< that ended the segment before
   Point point_;
   Position position_before_;  ///< before the instant that is due
   Trial trial_, free_;

@@ -459,6 +459,10 @@ bool Block::watch_crowd(double time) {
 }
 
 bool Block::begin(const Start& start) {
+  if (segment_ && !passive_) {
+    fail(Outcome::no_solution, "E-no-solution", "the krylov engine follows networks of passive parts alone; try --engine exact or sparse", {});
+    return false;
+  }
   point_.time = 0.0;
   point_.on = start.on;
   for (Gate& gate : gates_) {
@@ -478,7 +482,7 @@ bool Block::begin(const Start& start) {
   }
   scale_.note_values(start.states);
   starting_ = true;
-  return restart();
+  return segment_ ? begin_segment() : restart();
 }
 
 }  // namespace pwlsim::engine::sparse

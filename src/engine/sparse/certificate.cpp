@@ -87,6 +87,7 @@ Certificate CertificateRecorder::check() const {
   for (std::size_t i = 0; i < size_.size(); ++i)
     if (size_[i] > 0.0) certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], idle_row * largest));
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
+  certificate.energy = std::max(certificate.energy, estimate_);
   return certificate;
 }
 

@@ -18,6 +18,8 @@ class CertificateRecorder {
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
   /// A point by itself.
   void add_point(const Point& point, const PortSolver& ports);
+  /// A segment's error by its own estimate, of the largest √energy: what its energy is off by at most.
+  void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
 
  private:
@@ -31,7 +33,7 @@ class CertificateRecorder {
   std::vector<double> residual_, size_, rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
   double voltage_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
-  double energy_ = 0.0, energy_scale_ = 0.0;
+  double energy_ = 0.0, energy_scale_ = 0.0, estimate_ = 0.0;
   std::uint64_t seen_ = 0, stride_ = 1, points_ = 0;
 };
 

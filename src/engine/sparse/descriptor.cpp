@@ -394,8 +394,23 @@ void Descriptor::rates(const double* z, const double* w, double* k) const {
 }
 
 void Descriptor::rates_without_sources(const double* z, double* k) const {
+  conduct(z, k);
+  add_constants(1.0, k);
+}
+
+void Descriptor::conduct(const double* z, double* k) const {
   linalg::multiply(conduction_.pattern, conduction_.values, z, k);
-  for (int i = 0; i < size_; ++i) k[i] = -k[i] - constant_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < size_; ++i) k[i] = -k[i];
+}
+
+void Descriptor::add_constants(double factor, double* k) const {
+  for (int i = 0; i < size_; ++i) k[i] -= factor * constant_[static_cast<std::size_t>(i)];
+}
+
+std::vector<char> Descriptor::differential_rows() const {
+  std::vector<char> result(static_cast<std::size_t>(size_), 0);
+  for (const int row : memory_.pattern.row) result[static_cast<std::size_t>(row)] = 1;
+  return result;
 }
 
 void Descriptor::add_sources(const double* w, double* k) const {

@@ -129,6 +129,11 @@ class Descriptor {
   /// The same in two parts:  k = −(G z + g),  then  k −= H w.
   void rates_without_sources(const double* z, double* k) const;
   void add_sources(const double* w, double* k) const;
+  /// Their linear parts:  k = −G z,  and  k −= factor·g.
+  void conduct(const double* z, double* k) const;
+  void add_constants(double factor, double* k) const;
+  /// Rows of E that hold anything.
+  [[nodiscard]] std::vector<char> differential_rows() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
   /// What every state measures of z.

@@ -214,7 +214,7 @@ const Factor* Factors::at(double shift, const Position& on) {
     entry->shift = shift;
     entry->on = on;
     const std::vector<int> ties = parts_ ? parts_->ties(on) : std::vector<int>{};
-    if (worn || !ties.empty() || !update(*entry)) {
+    if (worn || !ties.empty() || !by_columns_ || !update(*entry)) {
       const auto factored = factor(*entry, ties, same_pivots);
       if (factored != linalg::Factored::good) {
         singular_unknown_ = entry->factor.klu_->singular_column();

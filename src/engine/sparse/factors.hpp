@@ -61,6 +61,8 @@ class Factors {
  public:
   /// `reltol`: of the run; ε is a thousandth of it, within 1e-10 and 1e-7.
   Factors(const model::Network& network, const Descriptor& descriptor, double reltol = 1e-5);
+  /// From now on each position has a factor of its own: those reached by a few columns of another's lose digits.
+  void factor_each() { by_columns_ = false; }
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
   [[nodiscard]] const Factor* at(double shift, const Position& on);
@@ -96,7 +98,7 @@ class Factors {
   std::uint64_t clock_ = 0;
   std::size_t last_ = 0;  ///< entry used last
   int singular_unknown_ = -1;
-  bool out_of_memory_ = false;
+  bool out_of_memory_ = false, by_columns_ = true;
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -8,7 +8,7 @@
 namespace pwlsim::engine::sparse {
 
 Sources::Sources(const model::Network& network)
-    : exosystem_(model::source_functions(network), false), phase_(exosystem_.start()), count_(network.sources.size()) {
+    : exosystem_(model::source_functions(network), true), phase_(exosystem_.start()), count_(network.sources.size()) {
   const auto& rows = exosystem_.rows();
   for (Eigen::Index j = 0; j < rows.cols(); ++j)
     for (Eigen::Index i = 0; i < rows.rows(); ++i)
@@ -21,6 +21,11 @@ void Sources::evaluate(double time, std::vector<double>& w) const {
   w.assign(count_, 0.0);
   for (const Part& part : parts_)
     w[static_cast<std::size_t>(part.source)] += part.coefficient * zeta_[static_cast<std::size_t>(part.state)];
+}
+
+void Sources::states(double time, std::vector<double>& zeta) const {
+  zeta.resize(static_cast<std::size_t>(exosystem_.size()));
+  exosystem_.evaluate(phase_, time, zeta.data());
 }
 
 double Sources::shortest_period() const {

@@ -18,6 +18,9 @@ class Sources {
   /// Takes every breakpoint up to time + tolerance; true if some source jumped.
   bool advance(double time, double tolerance) { return exosystem_.advance(phase_, time, tolerance); }
   [[nodiscard]] std::size_t size() const { return count_; }
+  /// The sources as a system of their own, the constant 1 among its states; and these states at `time`.
+  [[nodiscard]] const model::Exosystem& exosystem() const { return exosystem_; }
+  void states(double time, std::vector<double>& zeta) const;
   /// The shortest period of a sinusoid that never ends; infinite where there is none.
   [[nodiscard]] double shortest_period() const;
 

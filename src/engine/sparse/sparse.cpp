@@ -82,14 +82,26 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
   return regular ? result : nullptr;
 }
 
-Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+namespace {
+
+Answer run_by(Block::Method method, const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
   const Starts starts = starts_of(model, request.use_initial_conditions);
   Answer answer = run_from_start(request, began, starts, [&](const Starts& from) {
-    return Transient(model.parts, model.signals, request, reltol, sink).run(from.parts);
+    return Transient(model.parts, model.signals, request, reltol, method, sink).run(from.parts);
   });
   answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return answer;
+}
+
+}  // namespace
+
+Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+  return run_by(Block::Method::steps, model, request, reltol, sink);
+}
+
+Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+  return run_by(Block::Method::segments, model, request, reltol, sink);
 }
 
 OperatingPoint operating_point(const SparseModel& model) {

@@ -11,6 +11,8 @@
 namespace pwlsim::engine::sparse {
 
 inline constexpr double default_tolerance = 1e-4;
+/// The same of exact segments.
+inline constexpr double segment_tolerance = 1e-12;
 /// Below this rounding takes part in the error estimate.
 inline constexpr double least_tolerance = 1e-11;
 inline constexpr double largest_tolerance = 0.1;
@@ -24,6 +26,9 @@ class SparseModel;
 /// Runs from 0 to request.stop and hands every row to `sink`. `reltol`: bound on the local error of a step relative to each state's running
 /// maximum.
 [[nodiscard]] Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink);
+
+/// The same by exact segments between located events (exact_segment.hpp). `reltol`: of a segment's estimated error.
+[[nodiscard]] Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink);
 
 /// The DC operating point.
 [[nodiscard]] OperatingPoint operating_point(const SparseModel& model);

@@ -23,16 +23,17 @@ constexpr int steps_between_checks = 64;
 constexpr double longest_wait = 0.1;  ///< s, of rows for their block to be full
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
+constexpr double least_doubtful = 1e-6;  ///< and beyond this at any tolerance
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
 
 Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
-                     RowSink& sink)
+                     Block::Method method, RowSink& sink)
     : request_(request), reltol_(reltol), sink_(sink) {
   for (const auto& part : parts) {
-    tracks_.push_back(std::make_unique<Track>(*part, request, reltol));
+    tracks_.push_back(std::make_unique<Track>(*part, request, reltol, method));
     find_shares(*tracks_.back());
   }
   width_ = 1 + signals;
@@ -330,7 +331,7 @@ void Transient::finish() {
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
-  if (worst > doubtful_tolerances * reltol_) answer_.remarks.push_back(doubtful_certificate(worst));
+  if (worst > std::max(doubtful_tolerances * reltol_, least_doubtful)) answer_.remarks.push_back(doubtful_certificate(worst));
   if (!c.passive)
     answer_.remarks.push_back(
         {"N-not-examined",

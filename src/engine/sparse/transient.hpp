@@ -15,14 +15,14 @@ class Transient {
  public:
   /// `signals`: of the whole network. Parts and request must outlive it.
   Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
-            RowSink& sink);
+            Block::Method method, RowSink& sink);
   /// One start a part.
   Answer run(const std::vector<Start>& starts);
 
  private:
   struct Track {
-    Track(const Part& p, const Request& request, double reltol)
-        : part(p), block(p, request, reltol), values(p.island.signal_number.size()) {}
+    Track(const Part& p, const Request& request, double reltol, Block::Method method)
+        : part(p), block(p, request, reltol, method), values(p.island.signal_number.size()) {}
     const Part& part;
     Block block;
     std::vector<double> values;         ///< of its shares of signals

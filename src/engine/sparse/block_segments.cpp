@@ -1,0 +1,298 @@
+/// Block: exact segments in place of steps.
+///
+/// At an instant the position that the passage leads to is tried at once: in a passive network it is the one that follows where no state jumps in it and no guard departs
+/// downwards. Else Euler steps find the position, those that a segment's first derivatives contradict at other lengths; a state that jumps takes the
+/// jump of the first of them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/sparse/block.hpp"
+#include "engine/sparse/jumps.hpp"
+#include "linalg/legendre.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+/// Of a state's size: it jumps by more.
+constexpr double least_jump = 1e-8;
+constexpr double impulse_share = 1e-6;
+constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
+constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
+constexpr int most_jumps = 8;  ///< one after the other at an instant
+constexpr int most_flips = 8, few_flips = 2;  ///< rounds
+/// Of signs, where they agree in no position.
+struct Relaxation {
+  double factor;
+  bool takes_positive;
+};
+constexpr std::array<Relaxation, 5> relaxations{{{1.0, false}, {1.0, true}, {30.0, true}, {1e3, true}, {1e3, false}}};
+/// Of the run: a segment so short moved nothing.
+constexpr double no_time = 1e-13;
+constexpr double signal_rounding = 1e-12;
+constexpr double shortest_piece = 1e-12;  ///< of the segment
+constexpr std::size_t last_coefficients = 3;
+/// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
+constexpr double least_impulse = 100.0;
+
+}  // namespace
+
+double Block::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
+
+ExactSegment::Opened Block::open_segment(const Position& on) {
+  const double longest = std::max(room(), break_tolerance_);
+  return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
+}
+
+/// States that a segment starts with, against those of the instant, which are in states_.
+bool Block::take_jump(Instant& instant) {
+  segment_->unknowns(segment_->at(0.0), first_.z);
+  const bool jumps = difference(states_, first_.z) > least_jump;
+  instant.jump |= jumps;
+  return jumps;
+}
+
+/// The same with the Euler steps left as they are.
+bool Block::take_jump_beside(Instant& instant) {
+  const Point first = first_;
+  const bool jumps = take_jump(instant);
+  first_ = first;
+  return jumps;
+}
+
+/// Whether the segment in that position goes on from the states as they are.
+bool Block::follows_directly(const Position& candidate) {
+  if (!passive_ || starting_) return false;
+  if (open_segment(candidate) != ExactSegment::Opened::yes) return false;
+  point_.on = candidate;
+  Instant none;
+  return (segment_->negative().empty() || flip_negative(candidate, few_flips)) && !take_jump(none);
+}
+
+/// The position after Euler steps of length h, and its segment.
+Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, double h) {
+  point_.on = beginning.on;
+  instant.mode_change = beginning.instant.mode_change;
+  trial_.solved = euler_steps(h, instant);
+  if (trial_.solved != Solved::yes) return Sought::not_found;
+  const Position on = third_.on;
+  if (first_.on != on && open_segment(first_.on) == ExactSegment::Opened::yes) {
+    const Point step = first_;
+    if (take_jump(instant)) {
+      start_memory_.clear();
+      point_.z = first_.z;
+      descriptor_.measure_states(point_.z.data(), states_);
+      first_ = step;
+      point_.on = on;
+      return Sought::jumped;
+    }
+    first_ = step;
+  }
+  const auto opened = open_segment(on);
+  if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
+  if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
+  if (opened != ExactSegment::Opened::yes) return Sought::not_found;
+  point_.on = on;
+  if (segment_->negative().empty()) return Sought::found;
+  Instant none;
+  return flip_negative(on, most_flips) && !take_jump_beside(none) ? Sought::found : Sought::not_found;
+}
+
+/// Ports whose guards depart downwards change sides, a few rounds.
+bool Block::flip_negative(Position on, int rounds) {
+  const auto ports = descriptor_.first_switch();
+  std::vector<Position> seen{on};
+  for (int round = 0; round < rounds; ++round) {
+    for (const int guard : segment_->negative())
+      on[guard < ports ? static_cast<std::size_t>(guard) : controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
+    descriptor_.hold_blocked(on);
+    if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;
+    seen.push_back(on);
+    if (open_segment(on) != ExactSegment::Opened::yes) return false;
+    if (!segment_->negative().empty()) continue;
+    point_.on = on;
+    return true;
+  }
+  return false;
+}
+
+bool Block::find_segment(const Beginning& beginning, Instant& instant) {
+  const Position ahead = std::exchange(position_ahead_, Position{});
+  bool found = false;
+  const std::vector<double> z = point_.z, memory = start_memory_, states = states_;
+  for (const Relaxation& relaxation : relaxations) {
+    segment_->relax(relaxation.factor, relaxation.takes_positive);
+    point_.z = z;
+    start_memory_ = memory;
+    states_ = states;
+    found = follows_directly(ahead.empty() ? beginning.on : ahead) || find_after_steps(beginning, instant);
+    if (found || !failure_.id.empty()) break;
+  }
+  segment_->relax(1.0, false);
+  if (found || !failure_.id.empty()) return found;
+  if (trial_.solved != Solved::yes) return fail_step(trial_.solved, 0.0);
+  fail(Outcome::no_solution, "E-no-solution",
+       fmt::format("no segment continues at t = {} s: signs and derivatives of diodes and controls agree in no position that was found; "
+                   "try --engine sparse",
+                   instant.time),
+       {});
+  return false;
+}
+
+bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
+  const double usual = segment_->usual_length(beginning.on, std::max(room(), break_tolerance_));
+  const double wanted = std::min(euler_share * usual, euler_room * std::max(room(), break_tolerance_));
+  const double h = std::exp2(2.0 * std::floor(0.5 * std::log2(wanted)));
+  Beginning from = beginning;
+  for (int jumps = 0; jumps < most_jumps; ++jumps) {
+    Sought sought = Sought::not_found;
+    for (const double scale : euler_scales) {
+      sought = seek_segment(from, instant, scale * h);
+      if (!failure_.id.empty()) return false;
+      if (sought != Sought::not_found) break;
+    }
+    if (sought == Sought::found) return true;
+    if (sought == Sought::not_found) return false;
+    from.on = point_.on;
+    from.instant = instant;
+  }
+  return false;
+}
+
+bool Block::begin_segment() {
+  restart_due_ = false;
+  const double time = point_.time;
+  Instant instant;
+  instant.time = time;
+  if (position_before_.empty()) position_before_ = point_.on;
+  if (request_.events || request_.probes.sink != nullptr)
+    for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
+  if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
+  instant.mode_change = take_gates(time + break_tolerance_);
+  for (const Gate& gate : gates_)
+    if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
+  if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
+  const Beginning beginning{point_.on, instant};
+  const std::vector<double> states = states_;
+  if (!find_segment(beginning, instant)) return false;
+  segment_->set_signals(signals_);
+  segment_tau_ = 0.0;
+  Point next;
+  next.time = time;
+  next.on = point_.on;
+  const std::vector<double>& y = segment_->at(0.0);
+  segment_->unknowns(y, next.z);
+  segment_->rates(y, next.k);
+  sources_.evaluate(time, next.w);
+  instant.jump |= difference(states, next.z) > least_jump;
+  instant.mode_change |= next.on != position_before_;
+  if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !first_.z.empty()) {
+    std::vector<double> after;
+    descriptor_.measure_states(next.z.data(), after);
+    const double h = first_.time - time;
+    jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, first_, second_}, impulse_share));
+  }
+  if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses(first_.time - time);
+  certificate_.add_point(next, ports_);
+  certificate_.add_estimate(segment_->worst_estimate());
+  settle_in(next);
+  finish_instant(instant);
+  const bool goes_on = watch_crowd(time);
+  position_before_.clear();
+  return goes_on;
+}
+
+void Block::finish_instant(const Instant& instant) {
+  start_memory_.clear();
+  if (instant.time > 0.0 && instant.happened()) {
+    ++events_;
+    jumps_ += instant.jump ? 1 : 0;
+    instant_ = instant;
+  }
+  if (instant.time == 0.0) start_projected_ = instant.jump;
+  starting_ = false;
+}
+
+/// What the first Euler step delivers beyond what flows in the second.
+void Block::note_segment_impulses(double h) {
+  impulses_.resize(signals_.size());
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const double first = signals_[i].value(first_.z.data(), first_.w.data());
+    const double second = signals_[i].value(second_.z.data(), second_.w.data());
+    const double largest = std::max({std::abs(second), std::abs(signals_before_[i])});
+    impulses_[i] = std::abs(first - second) > least_impulse * largest ? h * (first - second) : 0.0;
+  }
+}
+
+bool Block::is_same_instant(double a, double b) const { return std::abs(a - b) <= break_tolerance_; }
+
+/// To the next passage, the next known instant, or as far as the segment reaches; with probes no farther than they are polynomials.
+bool Block::follow_segment() {
+  const double limit = std::min(next_break(), request_.stop);
+  const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
+  const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
+  Point next;
+  next.on = point_.on;
+  next.time = segment_->start() + tau;
+  if (is_same_instant(next.time, limit)) next.time = limit;
+  const std::vector<double>& y = segment_->at(tau);
+  segment_->unknowns(y, next.z);
+  segment_->rates(y, next.k);
+  sources_.evaluate(next.time, next.w);
+  certificate_.add_point(next, ports_);
+  settle_in(next);
+  segment_tau_ = tau;
+  if (tau >= passage.tau) pass(passage);
+  return true;
+}
+
+void Block::pass(const ExactSegment::Passage& passage) {
+  restart_due_ = point_.time < request_.stop - tolerance_;
+  if (!passage.found) {
+    if (point_.time < std::min(next_break(), request_.stop)) segment_->note_end(passage.tau);
+    return;
+  }
+  const bool is_idle = passage.tau <= no_time * request_.stop;
+  if (!is_idle) segment_->unmute();
+  if (is_idle && last_guard_ == passage.guard && passage.guard >= 0) segment_->mute(passage.guard);
+  if (!is_idle) segment_->note_event(passage.tau);
+  last_guard_ = passage.guard;
+  position_before_ = position_ahead_ = point_.on;
+  if (passage.guard < 0) return;
+  const auto guard = static_cast<std::size_t>(passage.guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
+  position_ahead_[guard < ports ? guard : controls_[guard - ports].port] ^= 1;
+  descriptor_.hold_blocked(position_ahead_);
+  if (guard < ports) point_.on[guard] ^= 1;
+}
+
+/// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.
+double Block::resolved_until(double tau) {
+  double end = tau;
+  while (end - segment_tau_ > shortest_piece * tau && !is_resolved(segment_tau_, end)) end = segment_tau_ + 0.5 * (end - segment_tau_);
+  return end;
+}
+
+bool Block::is_resolved(double from, double to) {
+  const auto& point = linalg::gauss_legendre().point;
+  std::vector<double> values(signals_.size() * linalg::legendre_points), first(signals_.size());
+  for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
+    const std::vector<double>& y = segment_->at(from + 0.5 * (1.0 + point[i]) * (to - from));
+    for (std::size_t k = 0; k < signals_.size(); ++k) values[k * linalg::legendre_points + i] = segment_->signal(k, y);
+  }
+  const std::vector<double>& y = segment_->at(from);
+  for (std::size_t k = 0; k < signals_.size(); ++k) {
+    const linalg::LegendreSeries series(&values[k * linalg::legendre_points]);
+    const double start = segment_->signal(k, y);
+    double size = std::max(signal_scale_[k], std::abs(start)), last = 0.0;
+    for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
+    for (std::size_t c = 0; c < last_coefficients; ++c)
+      last = std::max(last, std::abs(series.coefficients()[linalg::legendre_points - 1 - c]));
+    if (last > signal_rounding * size || std::abs(series(-1.0) - start) > signal_rounding * size) return false;
+  }
+  return true;
+}
+
+}  // namespace pwlsim::engine::sparse

@@ -1,0 +1,332 @@
+#include "engine/sparse/exact_segment.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/largest.hpp"
+#include "linalg/balance.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+/// Vectors at which the error is looked at; beyond the last the segment is made shorter.
+constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
+constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
+constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
+constexpr double near = 8.0;                ///< a shift that a position has already serves within this factor
+constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
+constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
+constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
+constexpr int most_cuts = 12, most_doublings = 3;
+constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
+constexpr double shortest_share = 1e-15;  ///< of the run
+/// Of the terms of a guard: what LU leaves in constraints of index 2, and the tolerance.
+constexpr double least_noise = 1e-11, noise_of_tolerance = 10.0;
+constexpr double rounding_of_inputs = 1e-12, share_of_norm = 0.1;
+constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
+constexpr double small_voltage = 1e-3;  ///< of the sources', or V: states of that size are not small
+constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
+constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
+constexpr double muting = 30.0, most_muted = 1e6;
+
+}  // namespace
+
+ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance,
+                           double stop, double voltage)
+    : descriptor_(descriptor),
+      sources_(sources),
+      controls_(controls),
+      tolerance_(tolerance),
+      stop_(stop),
+      space_(descriptor, sources.exosystem()) {
+  for (const State& state : descriptor.states()) {
+    const double weight = std::abs(state.storage) * (state.is_current ? 1.0 / descriptor.r0() : descriptor.r0());
+    peak_ += weight * small_voltage * small_voltage * (voltage > 0.0 ? voltage * voltage : 1.0);
+  }
+  peak_ = std::sqrt(peak_);
+  system_.exosystem = std::make_shared<model::Exosystem>(std::vector<model::SourceFunction>{}, false);
+}
+
+double ExactSegment::usual_length(const Position& on, double longest) const {
+  const auto habit = habits_.find(key(on));
+  const double period = std::min(sources_.shortest_period() / 8.0, first_share * stop_);
+  return std::min(longest, habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period);
+}
+
+/// 1/γ of a rung, or one that the position has a factor for.
+double ExactSegment::shift_for(double length) {
+  const double wanted = steps_of_length / length;
+  auto& shifts = habits_[key_].shifts;
+  double best = 0.0;
+  for (const double shift : shifts)
+    if (std::abs(std::log(shift / wanted)) <= std::log(near) &&
+        (best == 0.0 || std::abs(std::log(shift / wanted)) < std::abs(std::log(best / wanted))))
+      best = shift;
+  if (best > 0.0) return best;
+  shifts.push_back(std::pow(ladder, std::round(std::log(wanted) / std::log(ladder))));
+  return shifts.back();
+}
+
+/// Grows the space until the estimate is within the tolerance over all of length_, or vectors are nothing but rounding and it is not far from that. False:
+/// it cannot, and length_ is 0.
+bool ExactSegment::resolve() {
+  double before = INFINITY;
+  int last = 0;
+  for (const int m : dimensions) {
+    space_.grow(m);
+    if (!space_.is_sound()) break;
+    const std::vector<double>& error = space_.estimate(length_);
+    estimate_ = *std::max_element(error.begin(), error.end());
+    if (estimate_ <= tolerance_ * peak_ || (space_.is_full() && estimate_ <= rounding_tolerance * peak_)) return true;
+    if (space_.is_full()) break;
+    if (!(estimate_ < before) && before <= rounding_tolerance * peak_) break;
+    before = estimate_;
+    last = m;
+    if (m == dimensions.back()) return is_cut_within(error);
+  }
+  if (!(before <= rounding_tolerance * peak_)) return false;
+  space_.shrink(last);
+  estimate_ = before;
+  return space_.is_sound();
+}
+
+/// The part of length_ whose error is within the tolerance. False: there is none.
+bool ExactSegment::is_cut_within(const std::vector<double>& error) {
+  const auto bad = std::find_if(error.begin(), error.end(), [&](double e) { return !(e <= tolerance_ * peak_); });
+  length_ *= static_cast<double>(bad - error.begin()) / KrylovSpace::checkpoints;
+  estimate_ = tolerance_ * peak_;
+  return length_ > 0.0;
+}
+
+/// It may serve for longer than it was made for.
+void ExactSegment::stretch(double longest) {
+  if (space_.is_full() && estimate_ <= tolerance_ * peak_) length_ = longest;
+  for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
+    const double longer = std::min(2.0 * length_, longest);
+    const std::vector<double>& error = space_.estimate(longer);
+    const double most = *std::max_element(error.begin(), error.end());
+    if (!(most <= tolerance_ * peak_)) return;
+    estimate_ = most;
+    length_ = longer;
+  }
+}
+
+ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
+  double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
+  expected_ = std::min(length, start.longest);
+  for (int cut = 0; cut < most_cuts && length > shortest_share * stop_; ++cut) {
+    const double shift = shift_for(length);
+    const Factor* factor = factors.at(shift, start.on);
+    if (!factor) return Opened::singular;
+    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
+      return Opened::contradicted;
+    peak_ = std::max(peak_, space_.start_size());
+    length_ = length;
+    if (resolve()) {
+      stretch(start.longest);
+      return Opened::yes;
+    }
+    length /= static_cast<double>(KrylovSpace::checkpoints);
+  }
+  return Opened::unresolved;
+}
+
+ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
+  start_ = start.time;
+  on_ = start.on;
+  voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));
+  key_ = key(start.on);
+  sources_.states(start.time, zeta_);
+  const Opened opened = build(factors, start);
+  if (opened != Opened::yes) return opened;
+  worst_ = std::max(worst_, estimate_ / peak_);
+  ++segments_;
+  vectors_ += static_cast<std::uint64_t>(space_.dimension());
+  located_ = false;
+  take_guards(start.on);
+  bound_guards();
+  judge_start();
+  return Opened::yes;
+}
+
+/// Rows: u or slack of each port that is no switch, then the margin of each control.
+void ExactSegment::take_guards(const Position& on) {
+  mode_ = std::make_unique<model::Mode>();
+  const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
+  mode_->guards.setZero(static_cast<Eigen::Index>(ports + controls_.size()), space_.dimension());
+  segment_.rows.clear();
+  for (std::size_t i = 0; i < ports; ++i) {
+    const Port& port = descriptor_.ports()[i];
+    if (port.blocks(on)) continue;
+    mode_->guards.row(static_cast<Eigen::Index>(i)) = (on[i] != 0 ? space_.row(port.row) : space_.row(port.slack)).transpose();
+    segment_.rows.push_back(static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const Control& control = controls_[i];
+    Form margin = control.value;
+    if (control.holds(on)) {
+      margin.constant -= control.off_level;
+    } else {
+      for (Form::Part& part : margin.z) part.coefficient = -part.coefficient;
+      for (Form::Part& part : margin.w) part.coefficient = -part.coefficient;
+      margin.constant = control.on_level - margin.constant;
+    }
+    const auto row = static_cast<int>(ports + i);
+    mode_->guards.row(row) = space_.row(margin).transpose();
+    segment_.rows.push_back(row);
+  }
+}
+
+/// What the search and the test of signs ask of a mode.
+void ExactSegment::bound_guards() {
+  model::Mode& m = *mode_;
+  m.n1 = m.ny = space_.dimension();
+  m.regular = true;
+  m.flow = space_.flow();
+  linalg::Matrix a = m.flow.a();
+  m.absolute_a = a.cwiseAbs();
+  m.norm_a = a.norm();
+  m.growth = std::max(0.0, linalg::logarithmic_norm(a));
+  if (m.growth > 0.0 && m.n1 > 1) {
+    m.scale = linalg::balance(a);
+    m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
+    m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
+    m.scaled_input_block_norm.resize(0);
+  }
+  m.noise = std::max(least_noise, noise_of_tolerance * tolerance_);
+  m.absolute_guards = m.guards.cwiseAbs();
+  m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
+  m.guard_block_norm.resize(m.guards.rows(), 0);
+  m.input_block_norm.resize(0);
+  note_rounding();
+  for (const auto& [guard, factor] : muted_) m.guard_noise[guard] *= factor;
+  if (m.guard_noise.size() > 0) m.noise = std::max(m.noise, m.guard_noise.maxCoeff());
+}
+
+/// Noise of each guard, against the terms of its own row, which may be nothing but the rounding of what it is a difference of: voltages of nodes for a slack, the
+/// largest of all currents for a current.
+void ExactSegment::note_rounding() {
+  model::Mode& m = *mode_;
+  const Eigen::Map<const linalg::Vector> y(space_.first().data(), m.ny);
+  const linalg::Vector terms = m.absolute_guards * y.cwiseAbs();
+  const int ports = descriptor_.first_switch();
+  double input = 0.0;
+  for (int i = 0; i < ports; ++i)
+    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, terms[i]);
+  m.guard_noise.setConstant(m.guards.rows(), m.noise);
+  for (const int i : segment_.rows) {
+    const double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
+                                   : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
+    const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
+    const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
+    const double rounding = is_input ? relaxation_ * rounding_of_inputs : rounding_of_voltages;
+    if (is_input) m.guard_noise[i] *= relaxation_;
+    if (m.guard_norm[i] > 0.0)
+      m.guard_noise[i] = std::max(m.guard_noise[i], rounding_of_rows / share_of_norm * terms_of(i).norm() / m.guard_norm[i]);
+    if (least > 0.0) m.guard_noise[i] = std::max(m.guard_noise[i], rounding * size / least);
+  }
+}
+
+linalg::Vector ExactSegment::terms_of(int row) const {
+  const int ports = descriptor_.first_switch();
+  if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
+  const Port& port = descriptor_.ports()[static_cast<std::size_t>(row)];
+  return on_[static_cast<std::size_t>(row)] != 0 ? space_.row_terms({{{port.row, 1.0}}, {}}) : space_.row_terms(port.slack);
+}
+
+/// Of a control: its levels, and the terms of its form.
+double ExactSegment::rounding_size(const Control& control) const {
+  double size = std::max(control.level_size(), control.largest);
+  for (const Form::Part& part : control.value.z) size = std::max(size, std::abs(part.coefficient) * voltage_);
+  return size;
+}
+
+/// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
+void ExactSegment::judge_start() {
+  segment_.system = &system_;
+  segment_.mode = mode_.get();
+  segment_.anchor = start_;
+  segment_.y0.assign(space_.first().begin(), space_.first().end());
+  segment_.y = segment_.y0;
+  segment_.tau = segment_.certified = segment_.step = 0.0;
+  segment_.intervals = 0;
+  segment_.sampled = false;
+  segment_.turns = segment_.turns_without_modal_form = 0;
+  segment_.departures.resize(segment_.rows.size());
+  model::Verifier verifier;
+  if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
+  negative_.clear();
+  const linalg::Matrix& a = mode_->flow.a();
+  const linalg::Vector first = a * space_.first(), second = a * first;
+  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
+    model::Departure& departure = segment_.departures[i];
+    if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
+    if (departure.value > 0.0) continue;
+    const int row = segment_.rows[i];
+    const double value = linalg::row_times(mode_->guards, row, segment_.y0.data());
+    const double bend = linalg::row_times(mode_->guards, row, second.data());
+    if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
+      departure = {2, bend};
+    } else if (departure.order > 0 && value > 0.0 && takes_positive_) {
+      departure = {0, value};
+    } else {
+      negative_.push_back(row);
+    }
+  }
+}
+
+/// Of a guard's value at the start.
+double ExactSegment::rounding_of(int row) const {
+  const model::Mode& m = *mode_;
+  const double size = linalg::absolute_row_times(m.guards, row, segment_.y0.data());
+  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * space_.first().norm());
+}
+
+/// Most events come soon: what lies far beyond is looked at after that.
+void ExactSegment::look(double reach, Located& located) {
+  for (double end = first_look * expected_; !located.found && segment_.certified < reach; end *= next_look)
+    locator_.locate(segment_, std::min(end, reach), located);
+}
+
+const ExactSegment::Passage& ExactSegment::locate(double end) {
+  if (located_) return passage_;
+  located_ = true;
+  const double reach = std::min(end, length_);
+  Located located;
+  look(reach, located);
+  passage_ = {located.found, located.found ? located.tau : reach, located.row};
+  return passage_;
+}
+
+const std::vector<double>& ExactSegment::at(double tau) {
+  y_.assign(segment_.y0.begin(), segment_.y0.end());
+  work_.resize(2 * y_.size());
+  space_.flow().apply_once(std::max(tau, 0.0), y_.data(), work_.data());
+  return y_;
+}
+
+void ExactSegment::set_signals(const std::vector<Form>& signals) {
+  signal_rows_.resize(static_cast<Eigen::Index>(signals.size()), space_.dimension());
+  signal_constants_.resize(signals.size());
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    signal_rows_.row(static_cast<Eigen::Index>(i)) = space_.row_of_unknowns(signals[i]).transpose();
+    signal_constants_[i] = signals[i].constant;
+  }
+}
+
+double ExactSegment::signal(std::size_t i, const std::vector<double>& y) const {
+  return signal_constants_[i] + linalg::row_times(signal_rows_, static_cast<Eigen::Index>(i), y.data());
+}
+
+void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, shortest_share * stop_); }
+
+void ExactSegment::note_end(double tau) { habits_[key_].length = longer_than_end * tau; }
+
+void ExactSegment::mute(int guard) {
+  double& factor = muted_.try_emplace(guard, 1.0).first->second;
+  factor = std::min(muting * factor, most_muted);
+}
+
+}  // namespace pwlsim::engine::sparse

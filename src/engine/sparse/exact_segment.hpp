@@ -1,0 +1,124 @@
+#pragma once
+/// A segment between events in a space of few vectors (krylov_space.hpp), with the guards of all ports and controls as rows on its coordinates, on which the exact
+/// engine's search for events and its test of signs work as they do on a dense mode.
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/exact/locator.hpp"
+#include "engine/sparse/controls.hpp"
+#include "engine/sparse/krylov_space.hpp"
+#include "engine/sparse/sources.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class ExactSegment {
+ public:
+  /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far. `voltage`: of the sources; where everything
+  /// starts at zero, it says what small is.
+  ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance, double stop,
+               double voltage);
+  /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
+  /// are seen to pass.
+  void relax(double factor, bool takes_positive) {
+    relaxation_ = factor;
+    takes_positive_ = takes_positive;
+  }
+
+  struct Start {
+    double time = 0.0;
+    const Position& on;
+    const std::vector<double>& z;
+    const std::vector<double>& more;  ///< charges and fluxes beside those of z
+    double longest = 0.0;             ///< to what is known to happen next, s
+  };
+  /// contradicted: the position is none of the network. unresolved: not even the shortest segment meets the tolerance.
+  enum class Opened { yes, singular, contradicted, unresolved };
+  [[nodiscard]] Opened open(Factors& factors, const Start& start);
+
+  [[nodiscard]] double start() const { return start_; }
+  /// How far its error is within the tolerance, s.
+  [[nodiscard]] double length() const { return length_; }
+  /// Guards that fall below zero at once: ports by number, then controls.
+  [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
+
+  struct Passage {
+    bool found = false;
+    double tau = 0.0;
+    int guard = -1;  ///< −1: none could be named
+  };
+  /// The first passage of a guard up to `end` (s from the start), else the end of what can be said.
+  [[nodiscard]] const Passage& locate(double end);
+
+  /// y at τ, and what is made of it.
+  [[nodiscard]] const std::vector<double>& at(double tau);
+  void unknowns(const std::vector<double>& y, std::vector<double>& z) const { space_.unknowns(y.data(), z); }
+  void rates(const std::vector<double>& y, std::vector<double>& k) { space_.rates(y.data(), k); }
+  /// The rows of signals, without their sources, in `values`.
+  void set_signals(const std::vector<Form>& signals);
+  [[nodiscard]] double signal(std::size_t i, const std::vector<double>& y) const;
+
+  /// Length of a segment in that position to reckon with, s.
+  [[nodiscard]] double usual_length(const Position& on, double longest) const;
+  /// The segment ended at τ, by an event or as far as its error is within the tolerance.
+  void note_event(double tau);
+  void note_end(double tau);
+  /// A guard that fell again at once counts from where it is visibly negative; the others as before.
+  void mute(int guard);
+  void unmute() { muted_.clear(); }
+
+  struct Counts {
+    std::uint64_t segments = 0, vectors = 0, intervals = 0, sampled = 0;
+  };
+  [[nodiscard]] Counts counts() const { return {segments_, vectors_, locator_.intervals(), locator_.sampled()}; }
+  /// The largest estimate of an error so far, of the largest √energy.
+  [[nodiscard]] double worst_estimate() const { return worst_; }
+
+ private:
+  struct Habit {
+    double length = 0.0;
+    std::vector<double> shifts;
+  };
+  [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
+  [[nodiscard]] double shift_for(double length);
+  [[nodiscard]] Opened build(Factors& factors, const Start& start);
+  [[nodiscard]] bool resolve();
+  [[nodiscard]] bool is_cut_within(const std::vector<double>& error);
+  void look(double reach, Located& located);
+  void stretch(double longest);
+  void take_guards(const Position& on);
+  void bound_guards();
+  void note_rounding();
+  [[nodiscard]] linalg::Vector terms_of(int row) const;
+  [[nodiscard]] double rounding_size(const Control& control) const;
+  void judge_start();
+  [[nodiscard]] double rounding_of(int row) const;
+
+  const Descriptor& descriptor_;
+  const Sources& sources_;
+  const std::vector<Control>& controls_;
+  double tolerance_, stop_, relaxation_ = 1.0;
+  KrylovSpace space_;
+  double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0;
+  double voltage_ = 0.0;  ///< largest of a node before the start
+  Position on_;
+  bool takes_positive_ = false;
+  std::string key_;
+  std::unordered_map<std::string, Habit> habits_;
+  std::unordered_map<int, double> muted_;
+  model::System system_;
+  std::unique_ptr<model::Mode> mode_;
+  Segment segment_;
+  Locator locator_;
+  Passage passage_;
+  bool located_ = false;
+  std::vector<int> negative_;
+  std::vector<double> zeta_, y_, work_;
+  linalg::Matrix signal_rows_;
+  std::vector<double> signal_constants_;
+  std::uint64_t segments_ = 0, vectors_ = 0;
+};
+
+}  // namespace pwlsim::engine::sparse

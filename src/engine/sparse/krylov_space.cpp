@@ -1,0 +1,301 @@
+#include "engine/sparse/krylov_space.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/largest.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+using linalg::Matrix;
+using linalg::Vector;
+
+constexpr double rounding_of_change = 1e-10;  ///< of T z: what is left of it after the others are taken out is rounding
+constexpr double worst_condition = 1e12;
+constexpr double held = 1e-9;                 ///< of the largest unknown: what a position that fits leaves of a closing row
+constexpr int corrections = 3;
+constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
+constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
+
+}  // namespace
+
+KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem)
+    : descriptor_(descriptor), exosystem_(exosystem), differential_(descriptor.differential_rows()) {
+  const double r0 = descriptor.r0();
+  for (const State& state : descriptor.states())
+    state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
+}
+
+/// (1 − γ A_w)⁻¹ ζ, block by block.
+Vector KrylovSpace::after_step(const Vector& zeta) const {
+  Vector result = zeta;
+  const double step = 1.0 / shift_;
+  for (const auto& block : exosystem_.blocks()) {
+    const int i = block.first, n = block.size();
+    if (n == 1) {
+      result[i] = zeta[i] / (1.0 - step * exosystem_.a()(i, i));
+      continue;
+    }
+    const Eigen::Matrix2d m = Eigen::Matrix2d::Identity() - step * exosystem_.a().block<2, 2>(i, i);
+    result.segment<2>(i) = m.inverse() * zeta.segment<2>(i);
+  }
+  return result;
+}
+
+double KrylovSpace::source_part(const Form& form, const Vector& w, double one) const {
+  return Form::sum(form.w, w.data(), form.constant * one);
+}
+
+/// r −= H C ζ + g ζ₁
+void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const {
+  const Vector w = exosystem_.rows() * zeta;
+  descriptor_.add_sources(w.data(), r.data());
+  descriptor_.add_constants(zeta[exosystem_.constant()], r.data());
+}
+
+/// Closing rows of a right-hand side.
+void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
+  const Vector w = exosystem_.rows() * zeta;
+  const double one = zeta[exosystem_.constant()];
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double given = source_part(port.slack, w, one);
+    const double weight = factor_->closing() ? factor_->closing()->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
+    r[static_cast<std::size_t>(port.row)] = -weight * given;
+  }
+}
+
+/// r := the unknowns; ζ goes with them.
+void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
+  close(zeta, r);
+  factor_->solve(r);
+  const Vector w = exosystem_.rows() * zeta;
+  const double one = zeta[exosystem_.constant()];
+  if (factor_->closing()) return correct(r, w, one);
+  if (!factor_->ties().empty()) return share_out(r, w, one);
+  for (std::size_t i = 0; i < on_.size(); ++i)
+    if (on_[i] == 0) r[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
+}
+
+/// Takes the factor's ε out again.
+void KrylovSpace::correct(std::vector<double>& z, const Vector& w, double one) {
+  for (int round = 0; round < corrections; ++round) {
+    product_.assign(z.size(), 0.0);
+    for (std::size_t i = 0; i < on_.size(); ++i) {
+      const Port& port = descriptor_.ports()[i];
+      const auto row = static_cast<std::size_t>(port.row);
+      product_[row] = on_[i] != 0 ? -(Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, one)) : -z[row];
+    }
+    factor_->solve(product_);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += product_[i];
+  }
+}
+
+/// Of what ties settle, the least squares of all free variables.
+void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one) const {
+  const auto& open = factor_->open();
+  if (open.empty()) return;
+  Vector moments = Vector::Zero(static_cast<Eigen::Index>(open.size()));
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double value = port.response(on_[i] != 0, z.data()) + (on_[i] != 0 ? 0.0 : source_part(port.slack, w, one));
+    for (std::size_t j = 0; j < open.size(); ++j)
+      moments[static_cast<Eigen::Index>(j)] += value * port.response(on_[i] != 0, open[j].data());
+  }
+  const Vector shares = factor_->share_out(moments);
+  for (std::size_t j = 0; j < open.size(); ++j)
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] -= shares[static_cast<Eigen::Index>(j)] * open[j][i];
+}
+
+/// Whether what a position holds at zero is not.
+bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
+  if (!factor_->closing() && factor_->ties().empty()) return false;
+  const Vector w = exosystem_.rows() * zeta;
+  const double size = largest(z);
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
+                                    : z[static_cast<std::size_t>(port.row)];
+    if (!(std::abs(rest) <= held * size)) return true;
+  }
+  return false;
+}
+
+void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, double* x) const {
+  const auto& states = descriptor_.states();
+  for (std::size_t i = 0; i < states.size(); ++i) *x++ = state_weight_[i] * states[i].value(z.data());
+  for (const double value : zeta) *x++ = zeta_weight_ * value;
+}
+
+/// Room for so many columns.
+void KrylovSpace::reserve(int columns) {
+  if (vectors_.cols() >= columns) return;
+  const auto n = static_cast<Eigen::Index>(descriptor_.size()), zetas = static_cast<Eigen::Index>(exosystem_.size());
+  const Eigen::Index cols = std::max<Eigen::Index>(columns, 2 * vectors_.cols());
+  vectors_.conservativeResize(n, cols);
+  changes_.conservativeResize(n, cols);
+  zetas_.conservativeResize(zetas, cols);
+  zeta_changes_.conservativeResize(zetas, cols);
+  measured_.conservativeResize(static_cast<Eigen::Index>(state_weight_.size()) + zetas, cols);
+}
+
+KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const Position& on, const Start& start, double size) {
+  factor_ = &factor;
+  shift_ = shift;
+  on_ = on;
+  dimension_ = 0;
+  full_ = false;
+  sound_ = true;
+  h_matrix_.resize(1, 0);
+  const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
+  const Vector zeta = after_step(before);
+  right_.resize(start.z.size());
+  descriptor_.memory(start.z.data(), right_.data());
+  for (std::size_t i = 0; i < start.more.size(); ++i) right_[i] += start.more[i];
+  for (double& value : right_) value *= shift;
+  add_sources(zeta, right_);
+  solve(right_, zeta);
+  if (contradicts(right_, zeta)) return Begun::contradicted;
+  reserve(1);
+  Vector x(measured_.rows());
+  zeta_weight_ = 0.0;
+  measure(right_, zeta, x.data());
+  size_ = x.norm();
+  zeta_weight_ = std::max(size, size_) / zeta.norm();
+  if (!(zeta_weight_ > 0.0)) zeta_weight_ = 1.0;
+  measure(right_, zeta, x.data());
+  norm_ = x.norm();
+  vectors_.col(0) = Eigen::Map<const Vector>(right_.data(), vectors_.rows()) / norm_;
+  zetas_.col(0) = zeta / norm_;
+  measured_.col(0) = x / norm_;
+  return Begun::yes;
+}
+
+void KrylovSpace::add_vector() {
+  const int j = dimension_;
+  reserve(j + 2);
+  const Vector zeta = zetas_.col(j);
+  const Vector change = after_step(exosystem_.a() * zeta / shift_);
+  right_.resize(static_cast<std::size_t>(descriptor_.size()));
+  descriptor_.conduct(vectors_.col(j).data(), right_.data());
+  add_sources(zeta, right_);
+  for (std::size_t i = 0; i < right_.size(); ++i)
+    if (differential_[i] == 0) right_[i] = 0.0;
+  const Vector w = exosystem_.rows() * change;
+  descriptor_.add_sources(w.data(), right_.data());
+  solve(right_, change);
+  changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
+  zeta_changes_.col(j) = change;
+
+  Vector x(measured_.rows()), c = Vector::Zero(j + 1);
+  measure(right_, change, x.data());
+  const double size = x.norm();
+  const auto basis = measured_.leftCols(j + 1);
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    const Vector u = basis.transpose() * x;
+    x.noalias() -= basis * u;
+    c += u;
+  }
+  const double h = x.norm();
+  h_matrix_.conservativeResize(j + 2, j + 1);
+  h_matrix_.row(j + 1).setZero();
+  h_matrix_.col(j).head(j + 1) = c;
+  h_matrix_(j + 1, j) = h;
+  dimension_ = j + 1;
+  full_ = !(h > rounding_of_change * size);
+  if (full_) return;
+  vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
+  zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
+  measured_.col(j + 1) = x / h;
+}
+
+void KrylovSpace::grow(int m) {
+  const int before = dimension_;
+  while (dimension_ < m && !full_) add_vector();
+  if (dimension_ > before) reduce();
+}
+
+void KrylovSpace::shrink(int m) {
+  dimension_ = m;
+  full_ = true;
+  reduce();
+}
+
+void KrylovSpace::reduce() {
+  const int m = dimension_;
+  const Matrix h = h_matrix_.topLeftCorner(m, m), one = Matrix::Identity(m, m) + h;
+  k_ = Eigen::PartialPivLU<Matrix>(one).inverse();
+  sound_ = k_.allFinite() && k_.norm() * one.norm() < worst_condition;
+  if (!sound_) return;
+  const Matrix a = shift_ * (h * k_);
+  h_ = h_matrix_(m, m - 1);
+  last_row_ = k_.row(m - 1);
+  first_ = norm_ * k_.col(0);
+  flow_ = linalg::Exponential(a, linalg::norm_bound(a));
+}
+
+const std::vector<double>& KrylovSpace::estimate(double length) {
+  const int m = dimension_;
+  estimate_.assign(checkpoints, 0.0);
+  const Matrix step = flow_.minus_identity(length / checkpoints);
+  Vector y = first_, moved(m);
+  const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
+  const double at_start = share_of_start * std::abs(last_row_.dot(y));
+  double integral = 0.0, before = std::abs(d.dot(y));
+  for (int i = 0; i < checkpoints && m > 0; ++i) {
+    moved.noalias() = step * y;
+    y += moved;
+    const double now = std::abs(d.dot(y));
+    integral += 0.5 * (before + now) * length / checkpoints;
+    before = now;
+    estimate_[static_cast<std::size_t>(i)] = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
+    if (!(y.norm() <= most_growth * norm_)) estimate_[static_cast<std::size_t>(i)] = INFINITY;
+  }
+  return estimate_;
+}
+
+Vector KrylovSpace::row(int unknown) const {
+  return k_.transpose() * (vectors_.row(unknown).head(dimension_) + changes_.row(unknown).head(dimension_)).transpose();
+}
+
+Vector KrylovSpace::row_of_unknowns(const Form& form) const {
+  Vector sum = Vector::Zero(dimension_);
+  for (const Form::Part& part : form.z)
+    sum += part.coefficient *
+           (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
+  return k_.transpose() * sum;
+}
+
+Vector KrylovSpace::row(const Form& form) const {
+  Vector of_zeta = Vector::Zero(exosystem_.size());
+  for (const Form::Part& part : form.w) of_zeta += part.coefficient * exosystem_.rows().row(part.index).transpose();
+  of_zeta[exosystem_.constant()] += form.constant;
+  const Vector sum = (zetas_.leftCols(dimension_) + zeta_changes_.leftCols(dimension_)).transpose() * of_zeta;
+  return row_of_unknowns(form) + k_.transpose() * sum;
+}
+
+Vector KrylovSpace::row_terms(const Form& form) const {
+  Vector sum = Vector::Zero(dimension_);
+  for (const Form::Part& part : form.z)
+    sum += std::abs(part.coefficient) *
+           (vectors_.row(part.index).head(dimension_).cwiseAbs() + changes_.row(part.index).head(dimension_).cwiseAbs()).transpose();
+  return k_.cwiseAbs().transpose() * sum;
+}
+
+void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {
+  const Vector c = k_ * Eigen::Map<const Vector>(y, dimension_);
+  z.resize(static_cast<std::size_t>(descriptor_.size()));
+  Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.leftCols(dimension_) * c + changes_.leftCols(dimension_) * c;
+}
+
+void KrylovSpace::rates(const double* y, std::vector<double>& k) {
+  const Vector slope = flow_.a() * Eigen::Map<const Vector>(y, dimension_);
+  unknowns(slope.data(), right_);
+  k.resize(right_.size());
+  descriptor_.memory(right_.data(), k.data());
+}
+
+}  // namespace pwlsim::engine::sparse

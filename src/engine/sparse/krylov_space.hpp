@@ -1,0 +1,103 @@
+#pragma once
+/// The motion of the equations in one position of the ports, from one point on, in a space of few vectors.
+///
+/// The sources' states ζ (constant 1 among them) are part of the state:  E z' = −(G z + H C ζ + g ζ₁),  ζ' = A_w ζ,  closing rows as the position has them. With
+/// S = (1 − γ A)⁻¹, which is one solution of  shift·E + G  at shift = 1/γ, the space is that of S z₀, S² z₀, … It is built from T = S − 1:
+///
+///     T Z = Z H + h z_{m+1} eᵀ,   K = (1 + H)⁻¹,   A_m = H K/γ,   y' = A_m y,   y(0) = |S z₀| K e₁,   z(τ) = W K y(τ),   W = Z + T Z.
+///
+/// Rules that it does not work without:
+///  - T z is solved for by itself, to its own digits: S z − z would cancel where γ is short against the motion;
+///  - on rows of E that are zero the right-hand side of T z is an exact zero (but for sources), so that constraints of index 2 collect no rounding;
+///  - the space ends where what is new is rounding.
+/// Columns are orthonormal in the norm of the stored energy (mutual inductances left out) and of ζ, weighted to be of the same size. W K y satisfies all algebraic
+/// rows, and  E z' + G z + … = E h z_{m+1} (b' − b/γ),  b = eᵀK y, from which the error is estimated.
+///
+/// Shift-invert Krylov methods for the exponential: van den Eshof and Hochbruck, SIAM J. Sci. Comput. 27 (2006).
+
+#include <vector>
+
+#include "engine/sparse/factors.hpp"
+#include "linalg/dense.hpp"
+#include "linalg/exponential.hpp"
+#include "model/exosystem.hpp"
+
+namespace pwlsim::engine::sparse {
+
+class KrylovSpace {
+ public:
+  KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem);
+
+  /// The point to start from: E z + more are charges and fluxes; z itself need not satisfy the position.
+  struct Start {
+    const std::vector<double>& z;
+    const std::vector<double>& more;  ///< may be empty
+    const std::vector<double>& zeta;
+  };
+  enum class Begun { yes, contradicted };
+  /// The factor must last until the last `grow`. `size`: √energy that counts, at least.
+  [[nodiscard]] Begun begin(const Factor& factor, double shift, const Position& on, const Start& start, double size);
+  /// Takes the space to m vectors, or to where it is full.
+  void grow(int m);
+  /// Back to m vectors, which is then all there is: what came after them was rounding.
+  void shrink(int m);
+
+  [[nodiscard]] int dimension() const { return dimension_; }
+  /// All that the motion takes part in.
+  [[nodiscard]] bool is_full() const { return full_; }
+  /// False: K is nothing but rounding.
+  [[nodiscard]] bool is_sound() const { return sound_; }
+  /// √energy at the start, in the norm of the space and without sources.
+  [[nodiscard]] double start_size() const { return size_; }
+  /// y(0).
+  [[nodiscard]] const linalg::Vector& first() const { return first_; }
+  [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
+  /// The error in the norm of the space at k·length/checkpoints, k = 1 … checkpoints: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is far too
+  /// large where the start is rough.
+  static constexpr int checkpoints = 32;
+  [[nodiscard]] const std::vector<double>& estimate(double length);
+  /// Of a form: its row on y. Without its sources and constant.
+  [[nodiscard]] linalg::Vector row_of_unknowns(const Form& form) const;
+  /// The whole of it.
+  [[nodiscard]] linalg::Vector row(const Form& form) const;
+  /// The row of one unknown.
+  [[nodiscard]] linalg::Vector row(int unknown) const;
+  /// Sums of the magnitudes that its entries are sums of: their rounding is a part of these.
+  [[nodiscard]] linalg::Vector row_terms(const Form& form) const;
+  /// z and E z' at y.
+  void unknowns(const double* y, std::vector<double>& z) const;
+  void rates(const double* y, std::vector<double>& k);
+
+ private:
+  void solve(std::vector<double>& r, const linalg::Vector& zeta);
+  void correct(std::vector<double>& z, const linalg::Vector& w, double one);
+  void share_out(std::vector<double>& z, const linalg::Vector& w, double one) const;
+  void add_sources(const linalg::Vector& zeta, std::vector<double>& r) const;
+  void close(const linalg::Vector& zeta, std::vector<double>& r) const;
+  [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
+  [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
+  [[nodiscard]] linalg::Vector after_step(const linalg::Vector& zeta) const;
+  void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
+  void reserve(int columns);
+  void add_vector();
+  void reduce();
+
+  const Descriptor& descriptor_;
+  const model::Exosystem& exosystem_;
+  std::vector<char> differential_;
+  std::vector<double> state_weight_;
+  const Factor* factor_ = nullptr;
+  double shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0;
+  Position on_;
+  int dimension_ = 0;
+  bool full_ = false, sound_ = true;
+  linalg::Matrix vectors_, changes_;         ///< Z and T Z (unknowns × columns)
+  linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
+  linalg::Matrix measured_;                  ///< what the norm measures of Z
+  linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
+  linalg::Vector first_, last_row_;          ///< y(0), eᵀK
+  linalg::Exponential flow_;
+  std::vector<double> right_, product_, estimate_;
+};
+
+}  // namespace pwlsim::engine::sparse

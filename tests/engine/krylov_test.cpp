@@ -1,0 +1,198 @@
+/// Exact segments in Krylov spaces: the spaces against closed forms, whole runs against the dense engine.
+#include <Eigen/Eigenvalues>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "engine/sparse/krylov_space.hpp"
+#include "engine/sparse/sources.hpp"
+#include "engine/sparse/sparse.hpp"
+#include "support/circuit.hpp"
+#include "support/random.hpp"
+
+using namespace pwlsim;
+using namespace pwlsim::test;
+using namespace pwlsim::engine::sparse;
+
+namespace {
+
+constexpr double segment_error = 1e-11;   ///< of the largest state
+constexpr double engine_error = 1e-9;     ///< of a signal's largest value: whole runs
+constexpr double contamination = 1e-13;   ///< of the terms of a row
+
+/// A network with all its ports off, and a space from node voltages on.
+struct Rig {
+  explicit Rig(const model::Network& network)
+      : descriptor(network), factors(network, descriptor), sources(network), space(descriptor, sources.exosystem()) {
+    on.assign(descriptor.ports().size(), 0);
+    z.assign(static_cast<std::size_t>(descriptor.size()), 0.0);
+    sources.states(0.0, zeta);
+  }
+  [[nodiscard]] bool begin(double shift) {
+    const Factor* factor = factors.at(shift, on);
+    return factor && space.begin(*factor, shift, on, {z, {}, zeta}, 0.0) == KrylovSpace::Begun::yes;
+  }
+  [[nodiscard]] std::vector<double> at(double tau) {
+    std::vector<double> y(space.first().begin(), space.first().end()), work(2 * y.size()), result;
+    space.flow().apply_once(tau, y.data(), work.data());
+    space.unknowns(y.data(), result);
+    return result;
+  }
+
+  Descriptor descriptor;
+  Factors factors;
+  Sources sources;
+  KrylovSpace space;
+  Position on;
+  std::vector<double> z, zeta;
+};
+
+Run simulate_segments(const model::Network& network, const Setup& setup) {
+  Run run;
+  Diagnostics diagnostics;
+  const auto model = engine::sparse::prepare(network, diagnostics);
+  if (!model) return run;
+  engine::Request request;
+  request.stop = setup.stop;
+  request.grid.rows = setup.steps + 1;
+  request.grid.time = [&](std::uint64_t k) { return setup.stop * static_cast<double>(k) / static_cast<double>(setup.steps); };
+  request.events = setup.events;
+  request.use_initial_conditions = setup.uic;
+  run.answer = engine::sparse::run_segments(*model, request, segment_tolerance, run);
+  return run;
+}
+
+/// The largest difference of two runs' rows, of each signal's largest value.
+double distance(const Run& a, const Run& b) {
+  REQUIRE(a.rows.size() == b.rows.size());
+  double worst = 0.0;
+  for (std::size_t signal = 0; signal + 1 < b.rows.front().size(); ++signal) {
+    double size = 0.0, difference = 0.0;
+    for (std::size_t row = 0; row < b.rows.size(); ++row) {
+      size = std::max(size, std::abs(b.at(row, signal)));
+      difference = std::max(difference, std::abs(a.at(row, signal) - b.at(row, signal)));
+    }
+    worst = std::max(worst, difference / size);
+  }
+  return worst;
+}
+
+/// After Cockcroft and Walton, charged to nine tenths, loaded.
+Circuit multiplier(int stages) {
+  Circuit c;
+  c.v("s", "0", sine(100.0, 50.0));
+  const double capacitance = 1e-6 * std::max(stages, 3) * std::max(stages, 3) / 9.0 * 20.0;
+  const auto name = [](char column, int n) { return column + std::to_string(n); };
+  for (int n = 1; n <= stages; ++n) {
+    const std::string below = n == 1 ? "s" : name('a', n - 1), low = n == 1 ? "0" : name('b', n - 1);
+    c.c(name('a', n), below, capacitance, n == 1 ? 90.0 : 180.0);
+    c.c(name('b', n), low, capacitance, 180.0);
+    c.d(low, name('a', n));
+    c.d(name('a', n), name('b', n));
+  }
+  c.r(name('b', stages), "0", stages * 1e5);
+  c.save_v(name('b', stages));
+  c.save_v("b1");
+  c.save_v(name('a', (stages + 1) / 2));
+  return c;
+}
+
+}  // namespace
+
+// C v' = −G v with C = 1: v(t) = Q e^{−Λt} Qᵀ v(0) by the eigenvectors of the symmetric G.
+TEST_CASE("a Krylov space follows random networks of R and C as their eigenvectors do", "[unit]") {
+  for (int seed = 1; seed <= 20; ++seed) {
+    INFO("seed " << seed);
+    Random random(static_cast<std::uint64_t>(seed));
+    const int n = 30;
+    Circuit c;
+    linalg::Matrix g = linalg::Matrix::Zero(n, n);
+    const auto name = [](int i) { return "n" + std::to_string(i); };
+    for (int i = 0; i < n; ++i) c.c(name(i), "0", 1.0);
+    for (int i = 0; i < n; ++i) {
+      const int j = i + 1 < n && random.chance(0.9) ? i + 1 : -1;
+      const double conductance = std::pow(10.0, random.between(-2.0, 2.0));
+      c.r(name(i), j < 0 ? "0" : name(j), 1.0 / conductance);
+      g(i, i) += conductance;
+      if (j < 0) continue;
+      g(j, j) += conductance;
+      g(i, j) -= conductance;
+      g(j, i) -= conductance;
+    }
+    Rig rig(c.network());
+    linalg::Vector start(n);
+    for (int i = 0; i < n; ++i) start[i] = rig.z[static_cast<std::size_t>(i)] = random.between(-1.0, 1.0);
+    const double length = 1.0;
+    REQUIRE(rig.begin(32.0 / length));
+    rig.space.grow(n + 2);
+    REQUIRE(rig.space.is_sound());
+    const Eigen::SelfAdjointEigenSolver<linalg::Matrix> modes(g);
+    for (int j = 0; j <= 8; ++j) {
+      const double t = std::ldexp(length, -j);
+      const linalg::Vector decays = (-t * modes.eigenvalues().array()).exp();
+      const linalg::Vector expected = modes.eigenvectors() * decays.asDiagonal() * modes.eigenvectors().transpose() * start;
+      const std::vector<double> z = rig.at(t);
+      for (int i = 0; i < n; ++i) CHECK(std::abs(z[static_cast<std::size_t>(i)] - expected[i]) < segment_error);
+    }
+  }
+}
+
+// v(t) = 1 − e^{−t} in each of many equal branches: one exponential and a constant.
+TEST_CASE("a Krylov space ends where all that moves is in it", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Dc{1.0});
+  for (int i = 0; i < 50; ++i) {
+    c.r("s", "n" + std::to_string(i), 1.0);
+    c.c("n" + std::to_string(i), "0", 1.0);
+  }
+  Rig rig(c.network());
+  REQUIRE(rig.begin(4.0));
+  rig.space.grow(40);
+  CHECK(rig.space.is_full());
+  CHECK(rig.space.dimension() <= 3);
+  for (const double t : {0.1, 1.0, 30.0}) CHECK(rig.at(t)[1] == Approx(1.0 - std::exp(-t)).epsilon(segment_error));
+}
+
+// Rings of capacitors with a source in them, and a floating one: constraints of index 2.
+TEST_CASE("no vector of a Krylov space leaves the constraints of capacitor loops", "[unit]") {
+  Circuit c;
+  c.v("s", "0", sine(1.0, 1.0));
+  c.c("s", "a", 1e-6);
+  c.c("a", "b", 2e-6);
+  c.c("b", "0", 3e-6);
+  c.c("f", "g", 1e-6);
+  c.c("g", "h", 1e-6);
+  c.c("h", "f", 1e-6);
+  c.r("a", "f", 1e3);
+  c.r("g", "b", 1e4);
+  c.l("h", "b", 1e-2);
+  Rig rig(c.network());
+  for (std::size_t i = 0; i < rig.z.size(); ++i) rig.z[i] = 0.1 * static_cast<double>(i);
+  REQUIRE(rig.begin(32.0 / 1e-3));
+  rig.space.grow(12);
+  REQUIRE(rig.space.is_sound());
+  const std::vector<char> differential = rig.descriptor.differential_rows();
+  std::vector<double> w, rates(rig.z.size()), sizes(rig.z.size());
+  for (const double t : {0.0, 1e-5, 1e-3}) {
+    const std::vector<double> z = rig.at(t);
+    rig.sources.evaluate(t, w);
+    rig.descriptor.rates(z.data(), w.data(), rates.data());
+    rig.descriptor.rate_sizes(z.data(), w.data(), sizes.data());
+    double largest = 0.0;
+    for (const double size : sizes) largest = std::max(largest, size);
+    for (std::size_t i = 0; i < rates.size(); ++i)
+      if (differential[i] == 0) CHECK(std::abs(rates[i]) <= contamination * largest);
+  }
+}
+
+TEST_CASE("exact segments follow Cockcroft-Walton generators as the dense engine does", "[unit]") {
+  for (const int stages : {2, 3, 6, 10}) {
+    INFO(stages << " stages");
+    const Circuit c = multiplier(stages);
+    const Setup setup{.stop = 0.2, .steps = 500};
+    const Run dense = simulate(c.network(), setup), segments = simulate_segments(c.network(), setup);
+    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+    CHECK(distance(segments, dense) < engine_error);
+    CHECK(segments.answer.statistics.events == dense.answer.statistics.events);
+  }
+}
