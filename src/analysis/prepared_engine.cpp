@@ -62,7 +62,11 @@ PreparedEngine prepare_krylov(const model::Network& network, Diagnostics& diagno
             return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, sink);
           },
           [=] { return engine::sparse::operating_point(*model); },
-          {}};
+          Diagnostic{Severity::warning,
+                     "W-krylov-engine",
+                     {},
+                     "the Krylov engine is experimental: errors of its segments are estimated, not bounded, and jumps of several diodes at one instant can be "
+                     "wrong; compare a smaller case with --engine exact"}};
 }
 
 PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnostics) {

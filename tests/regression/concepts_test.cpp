@@ -32,14 +32,6 @@ std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// With every run of blanks and line ends as one blank: where a page breaks its lines does not matter.
-std::string in_one_line(const std::string& text) {
-  std::istringstream words(text);
-  std::string line;
-  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
-  return line;
-}
-
 /// A page that shows numbers in the form given here.
 class Page {
  public:

@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
                      Block::Method method, RowSink& sink)
-    : request_(request), reltol_(reltol), sink_(sink) {
+    : request_(request), reltol_(reltol), method_(method), sink_(sink) {
   for (const auto& part : parts) {
     tracks_.push_back(std::make_unique<Track>(*part, request, reltol, method));
     find_shares(*tracks_.back());
@@ -331,7 +331,14 @@ void Transient::finish() {
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
-  if (worst > std::max(doubtful_tolerances * reltol_, least_doubtful)) answer_.remarks.push_back(doubtful_certificate(worst));
+  const bool is_doubtful = worst > std::max(doubtful_tolerances * reltol_, least_doubtful);
+  if (is_doubtful && method_ == Block::Method::segments && answer_.outcome == Outcome::completed) {
+    answer_.outcome = Outcome::no_solution;
+    answer_.id = "E-certificate";
+    answer_.message = fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst);
+  } else if (is_doubtful) {
+    answer_.remarks.push_back(doubtful_certificate(worst));
+  }
   if (!c.passive)
     answer_.remarks.push_back(
         {"N-not-examined",

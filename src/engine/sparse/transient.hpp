@@ -56,6 +56,7 @@ class Transient {
 
   const Request& request_;
   double reltol_;
+  Block::Method method_;
   RowSink& sink_;
   std::vector<std::unique_ptr<Track>> tracks_;
   std::vector<std::size_t> order_;  ///< of tracks_: a heap by time, the least first
