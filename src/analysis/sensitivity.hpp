@@ -36,10 +36,6 @@ using DerivativeTable = std::vector<Derivative>;
 [[nodiscard]] DerivativeTable failed_derivatives(const circuit::Compiled& compiled, const circuit::Measurements& measurements,
                                                  const std::string& failure);
 
-/// The parameters as inputs in a network of the deck's sources; signals are added behind those there are.
-[[nodiscard]] steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original,
-                                                   model::Network& network);
-
 /// "measurement parameter derivative percent-per-percent", one a line, aligned.
 [[nodiscard]] std::string derivative_text(const DerivativeTable& table, int digits);
 [[nodiscard]] std::string derivative_csv(const DerivativeTable& table);

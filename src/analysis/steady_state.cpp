@@ -10,7 +10,7 @@
 #include "analysis/orbit_names.hpp"
 #include "analysis/quantity.hpp"
 #include "analysis/repeated_pieces.hpp"
-#include "analysis/sensitivity.hpp"
+#include "analysis/sensitivity_inputs.hpp"
 #include "base/names.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/left_out.hpp"

@@ -160,6 +160,7 @@ class Block {
   [[nodiscard]] bool take_jump_beside(Instant& instant);
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
+  [[nodiscard]] Point point_of_segment(double tau, double time);
   void pass(const ExactSegment::Passage& passage);
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);

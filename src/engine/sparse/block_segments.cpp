@@ -22,7 +22,7 @@ constexpr double least_jump = 1e-8;
 constexpr double impulse_share = 1e-6;
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
-constexpr int most_jumps = 8;  ///< one after the other at an instant
+constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
 /// Of signs, where they agree in no position.
 struct Relaxation {
@@ -37,6 +37,8 @@ constexpr double shortest_piece = 1e-12;  ///< of the segment
 constexpr std::size_t last_coefficients = 3;
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
+/// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
+constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
 
 }  // namespace
 
@@ -180,13 +182,7 @@ bool Block::begin_segment() {
   if (!find_segment(beginning, instant)) return false;
   segment_->set_signals(signals_);
   segment_tau_ = 0.0;
-  Point next;
-  next.time = time;
-  next.on = point_.on;
-  const std::vector<double>& y = segment_->at(0.0);
-  segment_->unknowns(y, next.z);
-  segment_->rates(y, next.k);
-  sources_.evaluate(time, next.w);
+  Point next = point_of_segment(0.0, time);
   instant.jump |= difference(states, next.z) > least_jump;
   instant.mode_change |= next.on != position_before_;
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !first_.z.empty()) {
@@ -227,6 +223,17 @@ void Block::note_segment_impulses(double h) {
   }
 }
 
+Point Block::point_of_segment(double tau, double time) {
+  Point point;
+  point.on = point_.on;
+  point.time = time;
+  const std::vector<double>& y = segment_->at(tau);
+  segment_->unknowns(y, point.z);
+  segment_->rates(y, point.k);
+  sources_.evaluate(time, point.w);
+  return point;
+}
+
 bool Block::is_same_instant(double a, double b) const { return std::abs(a - b) <= break_tolerance_; }
 
 /// To the next passage, the next known instant, or as far as the segment reaches; with probes no farther than they are polynomials.
@@ -234,14 +241,12 @@ bool Block::follow_segment() {
   const double limit = std::min(next_break(), request_.stop);
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
-  Point next;
-  next.on = point_.on;
-  next.time = segment_->start() + tau;
-  if (is_same_instant(next.time, limit)) next.time = limit;
-  const std::vector<double>& y = segment_->at(tau);
-  segment_->unknowns(y, next.z);
-  segment_->rates(y, next.k);
-  sources_.evaluate(next.time, next.w);
+  for (const double share : inner_points) {
+    const double inside = segment_tau_ + share * (tau - segment_tau_);
+    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_);
+  }
+  const double time = segment_->start() + tau;
+  Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
   certificate_.add_point(next, ports_);
   settle_in(next);
   segment_tau_ = tau;

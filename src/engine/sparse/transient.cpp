@@ -335,7 +335,8 @@ void Transient::finish() {
   if (is_doubtful && method_ == Block::Method::segments && answer_.outcome == Outcome::completed) {
     answer_.outcome = Outcome::no_solution;
     answer_.id = "E-certificate";
-    answer_.message = fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst);
+    answer_.message =
+        fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst);
   } else if (is_doubtful) {
     answer_.remarks.push_back(doubtful_certificate(worst));
   }
