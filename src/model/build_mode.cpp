@@ -466,6 +466,7 @@ void Builder::add_decays(const Mode& whole, Mode& slow) const {
   decays->slowest = manifold_->slowest;
   decays->coordinates = manifold_->coordinates;
   decays->guards = whole.guards.leftCols(whole.n1) * (whole.constrained ? whole.basis.transpose() * manifold_->fast : manifold_->fast);
+  decays->guard_rounding = whole.guard_noise.cwiseProduct(whole.guard_norm);
   slow.decays = std::move(decays);
 }
 

@@ -70,16 +70,29 @@ const Mode* Selector::slow_mode(const IndexSet& set) {
     const Mode& whole = mode(set);
     about.slow = unseen_ > 0.0 && system_.ports > 0 ? build_slow_mode(system_, whole, brief_per_unseen * unseen_) : nullptr;
     whole.slow = about.slow.get();
+    split_again(about);
   }
   return about.slow.get();
 }
 
-/// A mode and its slow motion are one.
+/// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ): in the mode itself each of their time constants
+/// would be millions of the others.
+void Selector::split_again(Known& about) {
+  if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
+  about.brief = build_slow_mode(system_, *about.mode, unseen_ / time_constants_to_rest);
+  if (!about.brief) return;
+  if (about.brief->n1 > about.slow->n1)
+    about.brief->slow = about.slow.get();
+  else
+    about.brief.reset();
+}
+
+/// A mode and its slow motions are one.
 void Selector::mark_visited(const Mode& mode) {
   if (mode.visits++ > 0) return;
   const Known& about = known(mode.active);
-  const Mode* twin = mode.decays ? about.mode.get() : about.slow.get();
-  if (!twin || twin->visits == 0) ++visited_;
+  const auto was_visited = [&](const std::unique_ptr<Mode>& twin) { return twin && twin.get() != &mode && twin->visits > 0; };
+  if (!was_visited(about.mode) && !was_visited(about.slow) && !was_visited(about.brief)) ++visited_;
 }
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
@@ -145,6 +158,7 @@ const Mode* Selector::holding(const double* x, const IndexSet& set) {
   Known& about = known(set);
   const Mode* slow = about.slow_is_known ? about.slow.get() : slow_mode(set);
   if (slow && lies_in(*slow, x)) return slow;
+  if (about.brief && lies_in(*about.brief, x)) return about.brief.get();
   const Mode& m = *about.mode;
   return m.regular && consistent(m, x, projected_.data()) ? &m : nullptr;
 }
@@ -208,7 +222,9 @@ const Mode* Selector::beside(double* x, const Mode& m) {
   if (const Mode* found = try_without_jump(x, with_falling_flipped(m.active)); found) return found;
   if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
   const Mode* found = settled(m, x);
-  if (found) std::copy(settled_.begin(), settled_.end(), x);
+  if (!found) return nullptr;
+  std::copy(settled_.begin(), settled_.end(), x);
+  selected_.settles |= m.decays != nullptr;
   return found;
 }
 

@@ -38,6 +38,7 @@ struct Selected {
   Choice choice = Choice::found;
   const Mode* mode = nullptr;
   int jumps = 0;
+  bool settles = false;              ///< decays that are not followed moved the state, be it on the way to a mode that has none
   double relaxation = 1.0;           ///< largest factor on the rounding level that the verification needed, over all jumps
   const Details* details = nullptr;  ///< after jumps and with `several`
 };
@@ -138,9 +139,11 @@ class Selector {
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
+    std::unique_ptr<Mode> brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& wanted);
+  void split_again(Known& about);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes has one continuation from every x
   DecayingSum decaying_;                                        ///< a guard, while the difference from the slow motion decays

@@ -43,8 +43,10 @@ std::vector<std::size_t> Selector::open_outputs() const {
   std::vector<char> open(system_.outputs.size(), 0);
   if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
   for (const auto& [set, known] : known_) {
-    const Mode* visited = known.slow && known.slow->visits > 0 ? known.slow.get() : known.mode.get();
-    if (!visited || visited->visits == 0) continue;
+    const Mode* visited = nullptr;
+    for (const auto* mode : {&known.mode, &known.brief, &known.slow})
+      if (*mode && (*mode)->visits > 0) visited = mode->get();
+    if (!visited) continue;
     const Matrix directions = open_directions(*visited);
     if (directions.cols() == 0) continue;
     for (std::size_t i = 0; i < open.size(); ++i) {

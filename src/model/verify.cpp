@@ -81,8 +81,10 @@ bool Verifier::may_be_held(const Mode& mode, int row, const Departure& now, doub
   if (now.order == 1 && next > 0.0 && now.value * now.value <= 2.0 * next * zero) return true;
   if (!(-now.value <= time * std::abs(next))) return false;
   if (time_constants_to_rest * decays.slowest <= unseen_) return true;
-  return now.order == 0 && left_ && left_->size() == decays.guards.cols() &&
-         -now.value <= decays.guards.row(row).cwiseAbs().dot(left_->cwiseAbs());
+  if (now.order != 0 || !left_ || left_->size() != decays.guards.cols()) return false;
+  // Where the guard was zero when the slow motion was entered, the two are equal but for rounding.
+  const double whole_zero = relaxation_ * decays.guard_rounding[row] * norm_[0];
+  return -now.value <= decays.guards.row(row).cwiseAbs().dot(left_->cwiseAbs()) + whole_zero;
 }
 
 /// What is there once the decays beside a slow motion are over: a guard below zero by what it makes good meanwhile rises.

@@ -211,6 +211,8 @@ const model::Selected& IslandRun::select() {
   if (result.jumps > 0) continuity_watch_.jumped(*result.details);
   if (result.mode) {
     mode = result.mode;
+    // Decays that are not followed have no impulse: the state lies where they end, whatever mode another switch then leads to.
+    if (mode->decays || result.settles) continuity_watch_.excuse();
     wanted = mode->active;
   }
   return result;
@@ -416,8 +418,6 @@ void IslandRun::begin_segment(double time, double late) {
     model::to_mode(system_, *mode, x.data(), segment_.y0.data());
   if (segment_number_ + 1 == faults_.disturbed_segment)
     for (int i = 0; i < mode->n1; ++i) segment_.y0[static_cast<std::size_t>(i)] *= 1.0 + faults_.disturbance;
-  // Decays that are not followed have no impulse: the state lies where they end.
-  if (mode->decays) continuity_watch_.excuse();
   continuity_watch_.end({segment_.mode, segment_.y.data()}, {mode, segment_.y0.data()}, time);
   segment_.mode = mode;
   segment_.anchor = time;
