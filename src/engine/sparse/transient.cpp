@@ -23,7 +23,7 @@ constexpr int steps_between_checks = 64;
 constexpr double longest_wait = 0.1;  ///< s, of rows for their block to be full
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
-constexpr double least_doubtful = 1e-6;  ///< and beyond this at any tolerance
+constexpr double broken_certificate = 1e-6;  ///< of a run of segments, whose tolerance is next to rounding
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -331,8 +331,9 @@ void Transient::finish() {
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
-  const bool is_doubtful = worst > std::max(doubtful_tolerances * reltol_, least_doubtful);
-  if (is_doubtful && method_ == Block::Method::segments && answer_.outcome == Outcome::completed) {
+  const bool has_segments = method_ == Block::Method::segments;
+  const bool is_doubtful = worst > (has_segments ? broken_certificate : doubtful_tolerances * reltol_);
+  if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
     answer_.outcome = Outcome::no_solution;
     answer_.id = "E-certificate";
     answer_.message =
