@@ -156,8 +156,8 @@ CommonPeriod common_period(const std::vector<model::Source>& sources) {
 std::int64_t whole_multiple(double period, double part) {
   const double ratio = period / part;
   const double whole = std::nearbyint(ratio);
-  constexpr double rounding = 1e-12;
-  return whole >= 1.0 && whole < 9e15 && std::abs(ratio - whole) <= rounding * whole ? static_cast<std::int64_t>(whole) : 0;
+  constexpr double digits_of_ratio = 1e-12;
+  return whole >= 1.0 && whole < 9e15 && std::abs(ratio - whole) <= digits_of_ratio * whole ? static_cast<std::int64_t>(whole) : 0;
 }
 
 model::Network with_settled_sources(model::Network network) {
