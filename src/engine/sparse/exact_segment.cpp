@@ -189,8 +189,8 @@ void ExactSegment::bound_guards() {
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
   m.growth = std::max(0.0, linalg::logarithmic_norm(a));
-  if (m.growth > 0.0 && m.n1 > 1) {
-    m.scale = linalg::balance(a);
+  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a);  // empty where nothing is to be gained
+  if (m.scale.size() > 0) {
     m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
