@@ -10,9 +10,9 @@ namespace pwlsim::measure {
 using linalg::legendre_points;
 
 void ChargeSpectrum::add(double current, double charge) {
-  if (!(current >= least && charge > 0.0)) return;
-  const double place = std::log10(current / least) * static_cast<double>(per_decade);
-  Sum& sum = sums_[std::min(static_cast<std::size_t>(place), sums_.size() - 1)];
+  if (!(current >= least && charge > 0.0 && std::isfinite(charge))) return;  // as in a run that ends beyond the range of numbers
+  const double place = std::log10(current / least) * static_cast<double>(per_decade), last = static_cast<double>(sums_.size() - 1);
+  Sum& sum = sums_[static_cast<std::size_t>(std::min(place, last))];
   sum.charge += charge;
   sum.square += charge * current;
 }

@@ -13,7 +13,11 @@ using Names = std::vector<std::string>;
 
 namespace {
 
-constexpr double patience = 20.0;  // seconds; under AddressSanitizer too
+#ifdef PWLSIM_SANITIZED
+constexpr double patience = 100.0;  // seconds
+#else
+constexpr double patience = 20.0;
+#endif
 
 /// Runs `deck` as bad.net among `scratch`'s files and checks all that must hold of a refused deck.
 std::string refused(const Scratch& scratch, const std::string& deck) {
