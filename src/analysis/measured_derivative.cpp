@@ -197,7 +197,7 @@ TwoSided MeasuredDerivatives::of_place(std::size_t number) {
   const Jet jet = jet_of(measurement.expression, place.at, side);
   if (measurement.kind == Kind::value) {
     TwoSided result = TwoSided::of(jet.moved + jet.rate * moves);
-    // The instant passes over a time that stands still.
+    // The instant moves across a fixed time.
     const auto instant = measurement.at && moves == 0.0 ? instant_at(place.at) : std::nullopt;
     if (!instant || followed_.shifts[*instant] == 0.0) return result;
     const Jet left = jet_of(measurement.expression, place.at, Side::left), right = jet_of(measurement.expression, place.at, Side::right);

@@ -66,7 +66,7 @@ struct Mode {
   /// their own: the other states, a lossless ring for example, do not affect the guard's bounds.
   std::vector<std::uint64_t> guard_reads;
   std::vector<char> guard_constant;                     ///< no derivative: cannot fire within a segment
-  std::vector<int> guard_twin;                          ///< first row with the same values: it speaks for this one
+  std::vector<int> guard_twin;                          ///< first row with the same values: representative of this one
   Vector input_block_norm;                              ///< ‖E₁ restricted to a block‖
   Vector scaled_guard_c_norm, scaled_input_block_norm;  ///< of row·S and S⁻¹E₁; empty without `scale`
   Matrix outputs;                                       ///< signals in y

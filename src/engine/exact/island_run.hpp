@@ -158,7 +158,7 @@ class IslandRun {
   std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
   bool is_set_ = false;        ///< a switch of it, since the instant began
   bool undecided_ = false;     ///< the present event is only a time at which the locator could not decide
-  bool all_rest_ = false;      ///< and nothing came of it: guards at zero are looked at again once they are visibly negative
+  bool all_rest_ = false;      ///< and no mode changed at it: guards at zero are looked at again once they are visibly negative
   int rests_ = -1;             ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;

@@ -60,7 +60,7 @@ class ExactSegment {
   void set_signals(const std::vector<Form>& signals);
   [[nodiscard]] double signal(std::size_t i, const std::vector<double>& y) const;
 
-  /// Length of a segment in that position to reckon with, s.
+  /// Expected length of a segment in that position, s.
   [[nodiscard]] double usual_length(const Position& on, double longest) const;
   /// The segment ended at τ, by an event or as far as its error is within the tolerance.
   void note_event(double tau);
