@@ -10,47 +10,8 @@
 
 namespace pwlsim::lcp {
 
-namespace {
-
 using linalg::Matrix;
 using linalg::Vector;
-
-constexpr double single_share = 0.6;  ///< a single pivot is preferred to a pair down to this size (Bunch and Kaufman: 0.64)
-
-struct Pivot {
-  std::vector<int> block;
-  double size = 0.0;  ///< |pivot|, or root of the |determinant| of a pair
-};
-
-Pivot largest_single(const Matrix& m, const std::vector<int>& among) {
-  Pivot best;
-  for (const int i : among)
-    if (std::abs(m(i, i)) > best.size) best = {{i}, std::abs(m(i, i))};
-  return best;
-}
-
-Pivot largest_pair(const Matrix& m, const std::vector<int>& among) {
-  Pivot best;
-  for (const int i : among)
-    for (const int j : among) {
-      if (j <= i) continue;
-      const double size = std::sqrt(std::abs(m(i, i) * m(j, j) - m(i, j) * m(j, i)));
-      if (size > best.size) best = {{i, j}, size};
-    }
-  return best;
-}
-
-Pivot largest_pivot(const Matrix& m, const std::vector<int>& among) {
-  Pivot single = largest_single(m, among);
-  double entry = 0.0;
-  for (const int i : among)
-    for (const int j : among) entry = std::max(entry, std::abs(m(i, j)));
-  if (single.size >= single_share * entry) return single;
-  Pivot pair = largest_pair(m, among);
-  return pair.size * single_share > single.size ? pair : single;
-}
-
-}  // namespace
 
 PrincipalTableau::PrincipalTableau(Matrix m, Vector q)
     : m_(std::move(m)), q_(std::move(q)), exchanged_(static_cast<std::size_t>(q_.size()), 0) {}
@@ -74,38 +35,6 @@ void PrincipalTableau::exchange(const std::vector<int>& block) {
   m_(Eigen::all, block) = columns;
   m_(block, block) = inverse;
   for (const int i : block) exchanged_[static_cast<std::size_t>(i)] ^= 1;
-}
-
-int PrincipalTableau::exchange_most(std::vector<int> wanted) {
-  if (wanted.empty()) return 0;
-  const auto all = static_cast<int>(wanted.size());
-  if (reciprocal_condition(Eigen::PartialPivLU<Matrix>(m_(wanted, wanted))) > tolerance::good_condition) {
-    exchange(wanted);
-    return all;
-  }
-  const double smallest = tolerance::pivot * m_.cwiseAbs().maxCoeff();
-  while (!wanted.empty()) {
-    const Pivot pivot = largest_pivot(m_, wanted);
-    if (!(pivot.size > smallest)) break;
-    exchange(pivot.block);
-    for (const int i : pivot.block) std::erase(wanted, i);
-  }
-  return all - static_cast<int>(wanted.size());
-}
-
-Solution lemke_from(const Matrix& m, const Vector& q, const std::vector<int>& previous) {
-  PrincipalTableau tableau(m, q);
-  tableau.exchange_most(previous);
-  const Vector scale = diagonal_scale(tableau.m());
-  const Solution rest = lemke(scale.asDiagonal() * tableau.m() * scale.asDiagonal(), scale.asDiagonal() * tableau.q());
-  if (rest.status != Status::solved) return {rest.status, Vector::Zero(q.size()), q, {}, rest.pivots};
-  const std::vector<int> old = tableau.basis();
-  std::vector<int> basis;
-  std::set_symmetric_difference(old.begin(), old.end(), rest.basis.begin(), rest.basis.end(), std::back_inserter(basis));
-  Solution solution = at_basis(m, q, std::move(basis));
-  solution.status = Status::solved;
-  solution.pivots = rest.pivots;
-  return solution;
 }
 
 Solution least_index(const Matrix& m, const Vector& q) {

@@ -20,20 +20,12 @@ class PrincipalTableau {
 
   /// Exchanges z and w of `block` at once; M'_block must be nonsingular.
   void exchange(const std::vector<int>& block);
-  /// Exchanges as many of `wanted` as nonsingular pivots allow: all at once where that block is well conditioned, else one
-  /// or two (a skew pair with zero diagonal) at a time, the largest pivot first. Returns how many.
-  int exchange_most(std::vector<int> wanted);
 
  private:
   linalg::Matrix m_;
   linalg::Vector q_;
   std::vector<char> exchanged_;
 };
-
-/// Warm start: transform to the previous active set, then lexicographic Lemke on what is left: one pivot more than there are changes, mostly
-/// (mathematics.md §6). Fails where Lemke fails on the transformed problem, which for a matrix that is neither P nor positive semidefinite can be
-/// where it solves the original one. `pivots` counts Lemke's only.
-[[nodiscard]] Solution lemke_from(const linalg::Matrix& m, const linalg::Vector& q, const std::vector<int>& previous);
 
 /// Murty's least-index method (1974; Cottle, Pang, Stone, Algorithm 4.2.2 ff.): exchanges the smallest index with w' < 0. Ends for every P-matrix,
 /// without any comparison of ratios and hence without ties; exponential at worst, so that it gives up after 20k + 200 pivots.

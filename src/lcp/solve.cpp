@@ -63,16 +63,15 @@ bool enumerated(const Matrix& m, const Vector& q, Attempt& attempt) {
   return false;
 }
 
-Answer try_in_turn(const Matrix& m, const Vector& q, Class of_class, const std::vector<int>* previous) {
+Answer try_in_turn(const Matrix& m, const Vector& q) {
   Attempt attempt(m, q);
-  if (previous && attempt.accepts(lemke_from(m, q, *previous), Method::warm_lemke)) return attempt.answer();
   if (attempt.accepts(lemke(m, q), Method::lemke)) return attempt.answer();
   const Status of_lemke = attempt.answer().status;
   if (attempt.accepts(newton_min(m, q), Method::newton_min)) return attempt.answer();
   if (attempt.accepts(least_index(m, q), Method::least_index)) return attempt.answer();
   if (attempt.accepts(lemke(m + tolerance::regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised))
     return attempt.answer();
-  if (of_class == Class::general && enumerated(m, q, attempt)) return attempt.answer();
+  if (enumerated(m, q, attempt)) return attempt.answer();
   Answer none;
   none.status = of_lemke;
   none.pivots = attempt.answer().pivots;
@@ -80,29 +79,15 @@ Answer try_in_turn(const Matrix& m, const Vector& q, Class of_class, const std::
   return none;
 }
 
-void take_least_norm(const Matrix& m, const Vector& q, Answer& answer) {
-  const SolutionSet set = all_solutions(m, q, answer.z);
-  answer.least_norm = set.least;
-  answer.determined = set.dimension == 0;
-  answer.z_determined = set.z_determined;
-  answer.w_determined = set.w_determined;
-  if (answer.determined) return;
-  answer.z = set.z;
-  answer.w = set.w;
-}
-
 }  // namespace
 
-Answer solve(const Matrix& m, const Vector& q, Class problem_class, const std::vector<int>* previous) {
+Answer solve(const Matrix& m, const Vector& q) {
   const Vector scale = diagonal_scale(m);
   const Matrix scaled = scale.asDiagonal() * m * scale.asDiagonal();
   const Vector scaled_q = scale.asDiagonal() * q;
-  Answer answer = try_in_turn(scaled, scaled_q, problem_class, previous);
+  Answer answer = try_in_turn(scaled, scaled_q);
   answer.z = scale.asDiagonal() * answer.z;
   answer.w = answer.w.cwiseQuotient(scale);
-  if (answer.status != Status::solved || problem_class == Class::general) return answer;
-  take_least_norm(m, q, answer);
-  answer.assessment = assess(scaled, scaled_q, answer.z.cwiseQuotient(scale));
   return answer;
 }
 

@@ -34,20 +34,7 @@ inline constexpr long double wide_tie = 1e-16L;
 inline constexpr long double wide_entry_rounding = 1e-18L;
 
 /// Of: one, as a reciprocal condition number.
-/// Why: above it half of the digits are left, and a block is exchanged at once.
-inline constexpr double good_condition = 1e-8;
-/// Of: one, as a reciprocal condition number.
 /// Why: below it four digits are left, and a basis counts as singular.
 inline constexpr double singular_condition = 1e-12;
-
-/// Of: singular values of unit directions.
-/// Why: far above the rounding of unit vectors, far below an angle between two ports.
-inline constexpr double kernel = 1e-10;
-/// Of: the largest component of its kind.
-/// Why: components that the kernel leaves open are known to its tolerance only.
-inline constexpr double zero_component = 1e-10;
-/// Of: the size of M, for each port, as an eigenvalue of M + Mᵀ.
-/// Why: some thousand roundings of double: below its negative M is not monotone.
-inline constexpr double monotone = 1e-12;
 
 }  // namespace pwlsim::lcp::tolerance

@@ -38,17 +38,11 @@ std::vector<int> any_set(Problems& random, const Vector& q) { return random.subs
 const std::vector<Solver>& solvers() {
   static const std::vector<Solver> all = {
       {"Lemke", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return lcp::lemke(m, q); }},
-      {"Lemke from any set", 0, [](Problems& r, const Matrix& m, const Vector& q) { return lcp::lemke_from(m, q, any_set(r, q)); }},
       {"Newton", by_newton, [](Problems&, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q); }},
       {"Newton from any set", by_newton,
        [](Problems& r, const Matrix& m, const Vector& q) { return lcp::newton_min(m, q, any_set(r, q)); }},
       {"least index", by_least_index, [](Problems&, const Matrix& m, const Vector& q) { return lcp::least_index(m, q); }},
       {"driver", by_lemke, [](Problems&, const Matrix& m, const Vector& q) { return as_solution(lcp::solve(m, q)); }},
-      {"driver with a set", by_lemke,
-       [](Problems& r, const Matrix& m, const Vector& q) {
-         const std::vector<int> previous = any_set(r, q);
-         return as_solution(lcp::solve(m, q, lcp::Class::general, &previous));
-       }},
   };
   return all;
 }
@@ -57,7 +51,7 @@ const std::vector<Solver>& solvers() {
 
 TEST_CASE("every solver on every class, against enumeration", "[unit]") {
   const ProblemClass& problems = problem_classes()[static_cast<std::size_t>(GENERATE(range(0, 9)))];
-  const Solver& solver = solvers()[static_cast<std::size_t>(GENERATE(range(0, 7)))];
+  const Solver& solver = solvers()[static_cast<std::size_t>(GENERATE(range(0, 5)))];
   int solved = 0, without = 0;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     INFO(problems.name << ", " << solver.name << ", seed " << seed);
@@ -93,38 +87,10 @@ TEST_CASE("classes whose solution is unique have one, the same from every solver
   }
 }
 
-// A start at the solution needs no pivot; after f changes of sign mathematics.md §6.1 counts f + 1 pivots.
-TEST_CASE("a warm start costs as many pivots as there are changes", "[unit]") {
-  for (const int k : {20, 60, 120}) {
-    Problems random(static_cast<std::uint64_t>(k));
-    const Matrix m = random.semidefinite(k, k) / k + 0.1 * Matrix::Identity(k, k);
-    const Vector q = random.vector(k);
-    const lcp::Solution cold = lcp::lemke(m, q);
-    REQUIRE(cold.status == Status::solved);
-    const lcp::Solution again = lcp::lemke_from(m, q, cold.basis);
-    CHECK(again.pivots == 0);
-    CHECK((again.z - cold.z).norm() <= agreement * cold.z.norm());
-    for (int trial = 0; trial < 10; ++trial) {
-      std::vector<int> start = cold.basis;
-      const int flips = 1 + trial % 3;
-      for (int f = 0; f < flips; ++f) {
-        const int i = (7 * trial + 5 * f) % k;
-        if (const auto at = std::find(start.begin(), start.end(), i); at != start.end())
-          start.erase(at);
-        else
-          start.insert(std::upper_bound(start.begin(), start.end(), i), i);
-      }
-      const lcp::Solution warm = lcp::lemke_from(m, q, start);
-      REQUIRE(warm.status == Status::solved);
-      CHECK(warm.basis == cold.basis);
-      CHECK(warm.pivots <= flips + 3);
-      CHECK(warm.pivots < cold.pivots);
-    }
-  }
-}
-
 // The transform of a transform, by the definition: w_α and z_α change places in w = M z + q.
 TEST_CASE("a principal pivot transform keeps the solutions of w = Mz + q", "[unit]") {
+  constexpr double least_determinant = 1e-3;  // of entries of order one: the exchange loses three digits at most
+  int exchanged = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     INFO("seed " << seed);
     Problems random(seed);
@@ -133,26 +99,17 @@ TEST_CASE("a principal pivot transform keeps the solutions of w = Mz + q", "[uni
     const Vector q = random.vector(k);
     lcp::PrincipalTableau tableau(m, q);
     const std::vector<int> wanted = random.subset(k);
-    const int count = tableau.exchange_most(wanted);
-    CHECK(count == static_cast<int>(tableau.basis().size()));
+    if (wanted.empty() || std::abs(Matrix(m(wanted, wanted)).determinant()) < least_determinant) continue;
+    ++exchanged;
+    tableau.exchange(wanted);
+    CHECK(tableau.basis() == wanted);
     const Vector z = random.vector(k);
     const Vector w = m * z + q;
     Vector z_now = z, w_now = w;
     for (const int i : tableau.basis()) std::swap(z_now[i], w_now[i]);
     CHECK((tableau.m() * z_now + tableau.q() - w_now).norm() <= agreement * (1.0 + tableau.m().norm()));
-    for (const int i : tableau.basis()) CHECK(std::find(wanted.begin(), wanted.end(), i) != wanted.end());
   }
-}
-
-// M_II of rank 1, and skew with zero diagonal: one of two parallel diodes, both of a skew pair.
-TEST_CASE("of a singular set a largest nonsingular part is exchanged", "[unit]") {
-  Matrix m(4, 4);
-  m << 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 2, 0, 0, -2, 0;
-  lcp::PrincipalTableau tableau(m, Vector::Constant(4, -1.0));
-  CHECK(tableau.exchange_most({0, 1, 2, 3}) == 3);
-  CHECK(tableau.exchanged()[2]);
-  CHECK(tableau.exchanged()[3]);
-  CHECK(tableau.exchanged()[0] != tableau.exchanged()[1]);
+  CHECK(exchanged > 20);
 }
 
 // Ben Gharbia and Gilbert, INRIA RR-7160: from {1} Newton's method goes around. z = (1, 1, 1)/3.
@@ -162,11 +119,6 @@ TEST_CASE("35: Newton cycles, the others do not", "[hard]") {
   const Vector q = Vector::Constant(3, -1.0);
   const Vector expected = Vector::Constant(3, 1.0 / 3.0);
   CHECK(lcp::newton_min(m, q, {0}).status == Status::cycle);
-  for (const auto& start : std::vector<std::vector<int>>{{}, {0}, {1}, {0, 2}, {0, 1, 2}}) {
-    const lcp::Solution warm = lcp::lemke_from(m, q, start);
-    REQUIRE(warm.status == Status::solved);
-    CHECK((warm.z - expected).norm() <= tight);
-  }
   const lcp::Solution least = lcp::least_index(m, q);
   REQUIRE(least.status == Status::solved);
   CHECK((least.z - expected).norm() <= tight);
@@ -186,11 +138,6 @@ TEST_CASE("34: many solutions and none, from every solver", "[hard]") {
     if (two.status == Status::solved) CHECK((two.z[0] == 0.0 || two.z[0] == 2.0));
     CHECK(solver.run(random, m, Vector::Constant(1, -2.0)).status != Status::solved);
   }
-  const std::vector<int> active = {0};
-  const lcp::Answer answer = lcp::solve(m, Vector::Constant(1, 2.0), lcp::Class::general, &active);
-  REQUIRE(answer.status == Status::solved);
-  CHECK(answer.method == Method::warm_lemke);
-  CHECK(answer.z[0] == 2.0);
   CHECK(lcp::solve(m, Vector::Constant(1, -2.0)).status == Status::ray);
   CHECK(lcp::solve(m, Vector::Constant(1, -2.0)).method == Method::none);
 }
@@ -275,6 +222,5 @@ TEST_CASE("empty problems", "[unit]") {
   const Vector q(0);
   CHECK(lcp::newton_min(m, q).status == Status::solved);
   CHECK(lcp::least_index(m, q).status == Status::solved);
-  CHECK(lcp::lemke_from(m, q, {}).status == Status::solved);
-  CHECK(lcp::solve(m, q, lcp::Class::monotone).status == Status::solved);
+  CHECK(lcp::solve(m, q).status == Status::solved);
 }
