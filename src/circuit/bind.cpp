@@ -255,8 +255,8 @@ class CardBinding {
   /// value={…}, TABLE {…} …, V(…): a word is one only where no second word follows, for a node may bear that name.
   bool at_form() const {
     const Item* item = cursor_.peek();
-    if (item == nullptr || !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) ||
-                            is_one_of(foreign_forms, item->text)))
+    if (item == nullptr ||
+        !(is_value_form(item->text) || same_name(item->text, "table") || is_laplace(*item) || is_one_of(foreign_forms, item->text)))
       return false;
     return item->kind == ItemKind::assignment || item->kind == ItemKind::group ||
            (item->kind == ItemKind::word && !cursor_.at(ItemKind::word, 1));
@@ -511,36 +511,17 @@ void Binder::element(Place& place, const Card& card) {
   instance.written = place.scope.take_written(written);
   note_reads_apart(place.scope.session(), instance);
   const std::size_t terminals = instance.kind != nullptr ? static_cast<std::size_t>(instance.kind->terminals) : 0;
-  if (card.damaged || instance.kind == nullptr || instance.nodes.size() < terminals) circuit_.has_gaps = true;
-  circuit_.instances.push_back(std::move(instance));
-}
-
-void Binder::note_two_values(const Card& card) {
-  if (!circuit_.analyses.operating_point) return;
-  reporter_.note("N-dc-value", card.name_span,
-                 fmt::format("{} has a DC value and a waveform: .op takes the waveform just before t = 0", card.name));
+  if (card.damaged || instance.kind == nullptr || instance.nodes.size() < terminals) circuit().has_gaps = true;
+  circuit().instances.push_back(std::move(instance));
 }
 
 void Binder::refuse(const Card& card) {
   const RefusedElement* refused = find_refused_element(card.name.front());
   if (refused == nullptr) {
-    reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is not a known element", card.name));
+    reporter().error("E-unknown-card", card.name_span, fmt::format("{} is not a known element", card.name));
   } else {
-    reporter_.error("E-not-supported", card.name_span, fmt::format("{}: the element {} is not supported", card.name, refused->name));
+    reporter().error("E-not-supported", card.name_span, fmt::format("{}: the element {} is not supported", card.name, refused->name));
   }
-}
-
-model::NodeIndex Binder::node(Place& place, const Item& word) {
-  if (place.prefix.empty() || is_ground_name(word.text)) return circuit_.node(word.text, word.span);
-  const std::string key = without_case(word.text);
-  if (const auto known = place.nodes.find(key); known != place.nodes.end()) return known->second;
-  if (!place.is_made && is_global(key)) return circuit_.node(word.text, word.span);
-  model::NodeIndex index = model::ground;
-  if (!circuit_.add_node(place.prefix + word.text, word.span, index)) {
-    reporter_.error("E-name-clash", word.span, fmt::format("two different nodes have the full name {}{}", place.prefix, word.text));
-  }
-  place.nodes.emplace(key, index);
-  return index;
 }
 
 }  // namespace pwlsim::circuit

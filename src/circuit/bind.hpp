@@ -1,52 +1,20 @@
 #pragma once
 /// Element cards -> instances, by the shape their kind describes.
 
-#include <string>
-#include <unordered_map>
-#include <vector>
-
-#include "circuit/circuit.hpp"
-#include "circuit/models.hpp"
-#include "circuit/scope.hpp"
-#include "netlist/ast.hpp"
+#include "circuit/binding.hpp"
 
 namespace pwlsim::circuit {
 
-/// Where cards are bound: the deck, or one call of a subcircuit.
-struct Place {
-  Scope& scope;
-  std::string prefix;                                       ///< of names: "" or "X1.X2."
-  std::unordered_map<std::string, model::NodeIndex> nodes;  ///< local ones by key, ports included; unused in the deck itself
-  bool is_made = false;                                     ///< no text of the deck: its names are not global
-};
-
-class Binder {
+class Binder : public Binding {
  public:
-  Binder(Circuit& circuit, const Definitions& definitions, Models& models, Reporter& reporter)
-      : circuit_(circuit), definitions_(definitions), models_(models), reporter_(reporter) {}
+  using Binding::Binding;
 
   /// Adds the instance of an element card, of any letter but X. After an error it is there all the same, so that others may refer to
   /// its name; an instance without a kind is one of an element that cannot be simulated.
   void element(Place& place, const netlist::Card& card);
 
-  /// The node a word names at `place`, created at its first use.
-  [[nodiscard]] model::NodeIndex node(Place& place, const netlist::Item& word);
-
-  [[nodiscard]] bool is_global(const std::string& key) const { return definitions_.global_nodes.contains(key); }
-  /// A source with a DC value and a waveform: other simulators read .op from the first.
-  void note_two_values(const netlist::Card& card);
-  /// A card lacks something: what it was to connect is not known.
-  void leave_gap() { circuit_.has_gaps = true; }
-  [[nodiscard]] Reporter& reporter() { return reporter_; }
-  [[nodiscard]] Models& models() { return models_; }
-
  private:
   void refuse(const netlist::Card& card);
-
-  Circuit& circuit_;
-  const Definitions& definitions_;
-  Models& models_;
-  Reporter& reporter_;
 };
 
 }  // namespace pwlsim::circuit

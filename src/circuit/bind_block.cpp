@@ -21,12 +21,12 @@ constexpr PortKind port_kinds[] = {{"%v"}, {"%vd", false, 2}, {"%i", true}, {"%i
 
 class BlockBinding {
  public:
-  BlockBinding(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
-      : binder_(binder), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
+  BlockBinding(Binding& binding, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance)
+      : binding_(binding), place_(place), cursor_(cursor), card_(card), instance_(instance) {}
 
   bool bind() {
     if (!is_foreign() && port(cursor_, instance_.inputs, true) && output() && model()) return check_inputs();
-    binder_.leave_gap();
+    binding_.leave_gap();
     return false;
   }
 
@@ -36,10 +36,10 @@ class BlockBinding {
     const netlist::Item* last = nullptr;
     for (const netlist::Item& item : card_.items)
       if (item.kind == ItemKind::word) last = &item;
-    return last != nullptr && Models::known(place_.scope, *last) && binder_.models().use(place_.scope, *last, *instance_.kind) < 0;
+    return last != nullptr && Models::known(place_.scope, *last) && binding_.models().use(place_.scope, *last, *instance_.kind) < 0;
   }
 
-  Reporter& reporter() { return binder_.reporter(); }
+  Reporter& reporter() { return binding_.reporter(); }
 
   bool fail(std::string id, SourceSpan span, std::string_view what) {
     reporter().error(std::move(id), span, fmt::format("{}; usage: {}", what, instance_.kind->usage));
@@ -96,8 +96,8 @@ class BlockBinding {
       port.reference = static_cast<int>(instance_.references.size());
       instance_.references.push_back({place_.prefix + first.text, first.span, -1});
     } else {
-      port.nodes.p = binder_.node(place_, first);
-      if (kind.words == 2) port.nodes.n = binder_.node(place_, *cursor.next());
+      port.nodes.p = binding_.node(place_, first);
+      if (kind.words == 2) port.nodes.n = binding_.node(place_, *cursor.next());
     }
     ports.push_back(port);
     return true;
@@ -115,12 +115,12 @@ class BlockBinding {
 
   bool model() {
     if (!cursor_.at(ItemKind::word)) return fail("E-missing-model", card_.span, fmt::format("{} needs a model", card_.name));
-    instance_.model = binder_.models().use(place_.scope, *cursor_.next(), *instance_.kind);
+    instance_.model = binding_.models().use(place_.scope, *cursor_.next(), *instance_.kind);
     return instance_.model >= 0;
   }
 
   bool check_inputs() {
-    const elements::Model& model = binder_.models().at(instance_.model);
+    const elements::Model& model = binding_.models().at(instance_.model);
     for (const BlockInput& input : instance_.inputs)
       if (!input.is_current) instance_.control_nodes.push_back(input.nodes);
     if (model.kind->block->takes_vector) return check_lists(model);
@@ -140,7 +140,7 @@ class BlockBinding {
     return true;
   }
 
-  Binder& binder_;
+  Binding& binding_;
   Place& place_;
   CardCursor& cursor_;
   const netlist::Card& card_;
@@ -149,8 +149,8 @@ class BlockBinding {
 
 }  // namespace
 
-bool bind_block(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance) {
-  return BlockBinding(binder, place, cursor, card, instance).bind();
+bool bind_block(Binding& binding, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance) {
+  return BlockBinding(binding, place, cursor, card, instance).bind();
 }
 
 }  // namespace pwlsim::circuit

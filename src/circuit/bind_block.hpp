@@ -1,12 +1,12 @@
 #pragma once
 /// A cards: ports of XSPICE, `in`, `[in1 in2]`, `%v a`, `%vd(p,n)`, `%i a`, `%id(p,n)`, `%vnam V1`, and a model.
 
-#include "circuit/bind.hpp"
+#include "circuit/binding.hpp"
 #include "circuit/card_cursor.hpp"
 
 namespace pwlsim::circuit {
 
 /// Reads inputs, output and model; false after an error.
-bool bind_block(Binder& binder, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance);
+bool bind_block(Binding& binding, Place& place, CardCursor& cursor, const netlist::Card& card, elements::Instance& instance);
 
 }  // namespace pwlsim::circuit

@@ -306,7 +306,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_signal(const Expression&
     netlist::Item word;
     word.text = name.text;
     word.span = name.span;
-    const elements::NodePair pair{binder_.node(place_, word), model::ground};
+    const elements::NodePair pair{binding_.node(place_, word), model::ground};
     auto& list = instance_.control_nodes;
     const auto known = std::find_if(list.begin(), list.end(), [&](const auto& other) { return other.p == pair.p && other.n == pair.n; });
     const auto index = static_cast<int>(known - list.begin());

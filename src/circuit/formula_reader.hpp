@@ -7,14 +7,14 @@
 #include <unordered_map>
 #include <vector>
 
-#include "circuit/bind.hpp"
+#include "circuit/binding.hpp"
 #include "elements/formula.hpp"
 
 namespace pwlsim::circuit {
 
 class FormulaReader {
  public:
-  FormulaReader(Binder& binder, Place& place, elements::Instance& instance) : binder_(binder), place_(place), instance_(instance) {}
+  FormulaReader(Binding& binding, Place& place, elements::Instance& instance) : binding_(binding), place_(place), instance_(instance) {}
 
   /// Gives the instance its formula; false after an error.
   bool read(const netlist::Expression& expression, bool is_current);
@@ -76,9 +76,9 @@ class FormulaReader {
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);
   std::nullopt_t refuse(const Expression& expression, std::string_view what);
   std::nullopt_t too_deep(const Expression& expression);
-  [[nodiscard]] Reporter& reporter() { return binder_.reporter(); }
+  [[nodiscard]] Reporter& reporter() { return binding_.reporter(); }
 
-  Binder& binder_;
+  Binding& binding_;
   Place& place_;
   elements::Instance& instance_;
   elements::FormulaBuilder builder_;

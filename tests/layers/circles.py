@@ -9,10 +9,7 @@ import sys
 
 SRC = pathlib.Path(__file__).resolve().parents[2] / "src"
 KNOWN = {
-    ("circuit/bind", "circuit/bind_block", "circuit/formula_reader"),
     ("circuit/evaluator", "circuit/expression_derivative", "circuit/number_cure", "circuit/scope"),
-    ("netlist/load", "netlist/loader"),
-    ("engine/sparse/interior_point", "engine/sparse/port_solver"),
 }
 
 

@@ -5,7 +5,8 @@
 ///
 /// Every diode is a resistor s/u in turn: its closing row is  u ds + s du = σ μ − u s,  so that an iteration is one solution of a linear circuit.
 
-#include "engine/sparse/port_solver.hpp"
+#include "engine/sparse/factors.hpp"
+#include "engine/sparse/stage.hpp"
 
 namespace pwlsim::engine::sparse {
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
+#include "engine/sparse/stage.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -24,19 +25,6 @@ enum class Solved { yes, singular, no_position };
 enum class Search { none, newton, all };
 
 class InteriorPoint;
-
-/// Largest port quantities of the run so far, in volts: what signs are judged against.
-struct PortScale {
-  double input = 0.0, slack = 0.0;
-};
-
-/// A stage to solve. `right`: r, its closing rows without meaning.
-struct Stage {
-  double shift;
-  const std::vector<double>& from;  ///< z0
-  const std::vector<double>& right;
-  const std::vector<double>& w;
-};
 
 class PortSolver {
  public:

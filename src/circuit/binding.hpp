@@ -1,0 +1,45 @@
+#pragma once
+/// What the readers of element cards share: where a card stands, nodes, models, messages.
+
+#include <string>
+#include <unordered_map>
+
+#include "circuit/circuit.hpp"
+#include "circuit/models.hpp"
+#include "circuit/scope.hpp"
+#include "netlist/ast.hpp"
+
+namespace pwlsim::circuit {
+
+/// Where cards are bound: the deck, or one call of a subcircuit.
+struct Place {
+  Scope& scope;
+  std::string prefix;                                       ///< of names: "" or "X1.X2."
+  std::unordered_map<std::string, model::NodeIndex> nodes;  ///< local ones by key, ports included; unused in the deck itself
+  bool is_made = false;                                     ///< no text of the deck: its names are not global
+};
+
+class Binding {
+ public:
+  Binding(Circuit& circuit, const Definitions& definitions, Models& models, Reporter& reporter)
+      : circuit_(circuit), definitions_(definitions), models_(models), reporter_(reporter) {}
+
+  /// The node a word names at `place`, created at its first use.
+  [[nodiscard]] model::NodeIndex node(Place& place, const netlist::Item& word);
+  [[nodiscard]] bool is_global(const std::string& key) const { return definitions_.global_nodes.contains(key); }
+  /// A source with a DC value and a waveform: other simulators read .op from the first.
+  void note_two_values(const netlist::Card& card);
+  /// A card lacks something: what it was to connect is not known.
+  void leave_gap() { circuit_.has_gaps = true; }
+  [[nodiscard]] Circuit& circuit() { return circuit_; }
+  [[nodiscard]] Reporter& reporter() { return reporter_; }
+  [[nodiscard]] Models& models() { return models_; }
+
+ private:
+  Circuit& circuit_;
+  const Definitions& definitions_;
+  Models& models_;
+  Reporter& reporter_;
+};
+
+}  // namespace pwlsim::circuit
