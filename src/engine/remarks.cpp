@@ -2,7 +2,49 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace pwlsim::engine {
+
+namespace {
+
+/// So many events in a crowd are an accumulation that cannot be crossed.
+constexpr std::uint64_t crowd_limit = 400;
+
+/// Of switches that find no rest. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
+std::string cure_of(const std::vector<std::string>& switches) {
+  const auto is_transistor = [](const std::string& name) {
+    const char letter = name[name.find_last_of('.') + 1];  // of none at the end: the first of all
+    return letter == 'M' || letter == 'm' || letter == 'J' || letter == 'j';
+  };
+  if (!std::any_of(switches.begin(), switches.end(), is_transistor)) return "a hysteresis Vh";
+  return "a capacitor from gate to source of the transistors, whose gates take no time here, or a source that drives them against their "
+         "own source";
+}
+
+}  // namespace
+
+Ending interrupted(double time) { return {Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", time)}; }
+
+Ending keeps_toggling(double time, std::vector<std::string> switches) {
+  std::string text = fmt::format("the switches {}{}keep toggling at t = {} s: each state violates its own condition; try {}",
+                                 fmt::join(switches, ", "), switches.empty() ? "" : " ", time, cure_of(switches));
+  return {Outcome::no_solution, "E-no-settle", std::move(text), std::move(switches)};
+}
+
+bool Crowd::note(double time, double length) {
+  if (time - start > length) *this = {time, 0};
+  return ++count >= crowd_limit;
+}
+
+Ending accumulation(double time, const Crowd& crowd, std::vector<std::string> names, const std::string& part) {
+  std::string where = names.empty() ? part : fmt::format("at {}", fmt::join(names, ", "));
+  if (!where.empty()) where = ", " + where;
+  std::string text =
+      fmt::format("events accumulate at t = {} s ({} of them within {} s){}; try a resistor, capacitor or hysteresis that separates them",
+                  time, crowd.count, time - crowd.start, where);
+  return {Outcome::accumulation, "E-accumulation", std::move(text), std::move(names)};
+}
 
 Remark doubtful_certificate(double worst) {
   return {"W-certificate", fmt::format("the certificate's worst residual is {:.1e}: trust no more digits than that; parts of the circuit "

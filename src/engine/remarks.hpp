@@ -1,5 +1,5 @@
 #pragma once
-/// Remarks that every engine makes in the same words.
+/// Remarks of every engine, and why its runs end early, in the same words.
 
 #include <string>
 #include <vector>
@@ -17,6 +17,30 @@ namespace pwlsim::engine {
 inline constexpr const char* no_operating_point = "E-no-operating-point";
 /// W-no-operating-point: `what` has none.
 [[nodiscard]] Remark starts_without_operating_point(const std::string& what);
+
+/// Ends a run early.
+struct Ending {
+  Outcome outcome = Outcome::completed;
+  std::string id, text;
+  std::vector<std::string> elements{};
+};
+/// E-interrupted
+[[nodiscard]] Ending interrupted(double time);
+/// E-no-settle: switches that no round of changes satisfies.
+[[nodiscard]] Ending keeps_toggling(double time, std::vector<std::string> switches);
+/// Events closer together than the run can follow.
+struct Crowd {
+  double start = 0.0;  ///< s
+  std::uint64_t count = 0;
+
+  /// Takes one more event; whether there are too many of them within `length`, s.
+  bool note(double time, double length);
+};
+/// E-accumulation: `names` change sides there; where they are not known `part` says where it is, if it is not empty.
+[[nodiscard]] Ending accumulation(double time, const Crowd& crowd, std::vector<std::string> names, const std::string& part);
+
+/// The first jumps of a run, which Answer::jumps holds.
+inline constexpr std::size_t most_jumps_kept = 1000;
 
 /// Sides of ports for Answer::mode. Ports of one element are adjacent; the element is on if one of them is.
 class ModeText {

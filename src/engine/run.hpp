@@ -1,7 +1,6 @@
 #pragma once
 /// Request and answer of an engine; the same for every engine.
 
-#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -68,11 +67,6 @@ struct Probes {
   double from = 0.0, to = 0.0;
   PieceSink* sink = nullptr;
 };
-
-/// Rows of `width` values become rows of the first `kept` of them, in place.
-inline void keep_columns(double* rows, std::size_t count, std::size_t width, std::size_t kept) {
-  for (std::size_t row = 1; row < count && kept != width; ++row) std::copy_n(rows + row * width, kept, rows + row * kept);
-}
 
 enum class NonUnique { error, first, stay };
 

@@ -54,10 +54,10 @@ Clock::Margin Clock::margin_at(double time, double late) const {
   return {sign * value, sign * slope, threshold_noise * size, is_on_ && on_level_ == off_level_};
 }
 
-void Clock::start(bool is_on) {
+void Clock::start(bool is_on, double time) {
   is_on_ = is_on;
-  for (Term& term : terms_) term.cursor = term.track->before(0.0);
-  pass(0.0, 0.0);
+  for (Term& term : terms_) term.cursor = term.track->before(time);
+  pass(time, 0.0);
   if (terms_.size() == 1) recurrences_.assign(4 * terms_[0].track->loop.size(), {});
   search();
 }

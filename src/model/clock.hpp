@@ -39,8 +39,8 @@ class Clock {
   Clock(const System& system, const Control& control, double tolerance);
   Clock(std::vector<Term> terms, double constant, double on_level, double off_level, int driven, double tolerance);
 
-  /// From the left limit at t = 0; a switch on the wrong side there flips at t = 0.
-  void start(bool is_on);
+  /// From the left limit at `time`; a switch on the wrong side there flips at once.
+  void start(bool is_on, double time = 0.0);
   [[nodiscard]] bool is_on() const { return is_on_; }
   /// The next instant that is to be taken: a flip, a jump of a source, or after very many corners without either an empty one.
   [[nodiscard]] const Instant& next() const { return next_; }

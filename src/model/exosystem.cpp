@@ -171,16 +171,16 @@ void Exosystem::fill_matrices(int sources) {
   }
 }
 
-Exosystem::Phase Exosystem::start() const {
+Exosystem::Phase Exosystem::start(double time) const {
   Phase phase;
-  for (const auto& t : tracks_) phase.cursors.push_back(t.track.before(0.0));
+  for (const auto& t : tracks_) phase.cursors.push_back(t.track.before(time));
   phase.stage.assign(blocks_.size(), 1);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
     if (block.source < 0 || !block.is_curved()) continue;
-    phase.stage[i] = block.delay >= 0.0 ? 0 : block.end < 0.0 ? 2 : 1;
-    if (block.delay >= 0.0) phase.pending.emplace_back(block.delay, static_cast<int>(i));
-    if (block.end < forever && block.end >= 0.0) phase.pending.emplace_back(block.end, static_cast<int>(i));
+    phase.stage[i] = block.delay >= time ? 0 : block.end < time ? 2 : 1;
+    if (block.delay >= time) phase.pending.emplace_back(block.delay, static_cast<int>(i));
+    if (block.end < forever && block.end >= time) phase.pending.emplace_back(block.end, static_cast<int>(i));
   }
   std::stable_sort(phase.pending.begin(), phase.pending.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
   refresh_next(phase);

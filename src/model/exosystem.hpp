@@ -113,8 +113,8 @@ class Exosystem {
     std::vector<signed char> stage;               ///< a block: 0 not started, 1 alive, 2 ended
     double next = forever;                        ///< time of the next breakpoint
   };
-  /// Left limit at time 0.
-  [[nodiscard]] Phase start() const;
+  /// Left limit at `time`.
+  [[nodiscard]] Phase start(double time = 0.0) const;
   /// Takes every breakpoint up to time + tolerance; true if some source value jumped there.
   bool advance(Phase& phase, double time, double tolerance) const;
   /// ζ at `time` within the segments where the phase stands.

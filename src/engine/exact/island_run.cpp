@@ -41,7 +41,6 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Selector& selector)
   row_y_.resize(size);
   work_.resize(2 * size);
   wanted = model::IndexSet(system_.ports);
-  phase_ = system_.exosystem->start();
   segment_.system = &system_;
   outputs_.resize(system_.outputs.size());
   control_rows_.resize(system_.controls.size());

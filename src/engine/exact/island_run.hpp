@@ -58,6 +58,8 @@ class IslandRun {
   [[nodiscard]] bool is_at_limit(double time) const { return at_limit_ && event_time_ == time; }
   [[nodiscard]] AccumulationWatch& accumulation() { return accumulation_; }
 
+  /// The run begins at `time`, left of its breakpoints.
+  void start_sources(double time) { phase_ = system_.exosystem->start(time); }
   /// Breakpoints closer than `tolerance` are one, and so are passages of controls.
   void set_tolerance(double tolerance);
   /// Takes the breakpoints at `time`; true if a source value jumped.
@@ -148,18 +150,18 @@ class IslandRun {
   model::Vector limit_;    ///< ξ where events accumulate
   bool at_limit_ = false;  ///< the event at hand is that
   bool open_ = false;
-  double late_ = 0.0;          ///< of the instant at hand
+  double late_ = 0.0;  ///< of the instant at hand
   double length_before_ = 0.0;
   bool opened_at_limit_ = false;
   bool is_as_before_ = false;  ///< open, and no mode selected yet
   bool is_coarse_ = false;     ///< open, and a mode was accepted at the coarsest rounding level
   std::uint64_t coarse_selections_ = 0;
   double first_coarse_ = 0.0;
-  std::vector<char> passed_;   ///< controls that have changed their switch at the instant at hand
-  bool is_set_ = false;        ///< a switch of it, since the instant began
-  bool undecided_ = false;     ///< the present event is only a time at which the locator could not decide
-  bool all_rest_ = false;      ///< and no mode changed at it: guards at zero are looked at again once they are visibly negative
-  int rests_ = -1;             ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
+  std::vector<char> passed_;  ///< controls that have changed their switch at the instant at hand
+  bool is_set_ = false;       ///< a switch of it, since the instant began
+  bool undecided_ = false;    ///< the present event is only a time at which the locator could not decide
+  bool all_rest_ = false;     ///< and no mode changed at it: guards at zero are looked at again once they are visibly negative
+  int rests_ = -1;            ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;
   double row_time_ = 0.0, row_late_ = 0.0;  ///< of row_y_

@@ -3,14 +3,9 @@
 #include <cmath>
 
 #include "engine/exact/tolerances.hpp"
+#include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
-
-namespace {
-
-constexpr std::size_t most_jumps_kept = 1000;
-
-}  // namespace
 
 void JumpRecorder::keep(std::size_t island, const std::vector<double>& x) {
   if (jumps_.size() >= most_jumps_kept) return;

@@ -21,16 +21,24 @@ Start start_from(const RunState& state) {
 
 }  // namespace
 
-Answer March::advance(RunState& state, double length, Observer* observer) {
+Answer March::advance(double until, Observer* observer) {
   Request request;
-  request.stop = length;
+  request.stop = until;
   request.use_initial_conditions = true;
   request.non_unique = options_.non_unique;
   request.interrupt = options_.interrupt;
   NoSink sink;
-  Transient transient(model_, request, sink, selectors_, {observer, true});
-  Answer answer = transient.run(start_from(state));
-  state = transient.state();
+  Transient transient(model_, request, sink, selectors_, {observer, true, state_.time, options_.merge});
+  Answer answer = transient.run(start_from(state_));
+  state_ = transient.state();
+  return answer;
+}
+
+Answer March::advance(RunState& state, double length, Observer* observer) {
+  restart(state);
+  state_.time = 0.0;
+  Answer answer = advance(length, observer);
+  state = state_;
   return answer;
 }
 
@@ -38,6 +46,6 @@ Answer March::run(const RunState& from, const Request& request, RowSink& sink) {
   return Transient(model_, request, sink, selectors_, {}).run(start_from(from));
 }
 
-RunState state_of(const Start& start) { return {start.xi, start.on, {}}; }
+RunState state_of(const Start& start) { return {start.xi, start.on, {}, 0.0}; }
 
 }  // namespace pwlsim::engine

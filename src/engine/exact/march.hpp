@@ -15,13 +15,20 @@ class March {
   struct Options {
     NonUnique non_unique = NonUnique::error;
     const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
+    double merge = 0.0;                           ///< s: instants closer than this are one; 0: 1e-14 of the time that a run ends at
   };
   /// `model` must outlive it.
   March(const ExactModel& model, const Options& options) : model_(model), options_(options), selectors_(model, options.non_unique) {}
 
-  /// Runs for `length` s from t = 0, up to but excluding the instant at its end; `state` is the start and then the end. Instants closer than
-  /// 1e-14 of `length` are one. `observer` may be null; if it ends the run, the answer is complete, its time is that of the instant, and the state is
-  /// right of the instant.
+  /// The next run starts from here.
+  void restart(const RunState& state) { state_ = state; }
+  /// Runs up to but excluding the instant `until`, s. `observer` may be null; if it ends the run, the answer is complete, its time is that of the
+  /// instant, and the state is right of the instant.
+  Answer advance(double until, Observer* observer);
+  /// Where the last run has ended, or the next one starts.
+  [[nodiscard]] const RunState& state() const { return state_; }
+
+  /// The same for `length` s with sources as from t = 0 on, whatever the state's time; `state` is the start and then the end.
   Answer advance(RunState& state, double length, Observer* observer);
   /// An ordinary run with rows from such a state.
   Answer run(const RunState& from, const Request& request, RowSink& sink);
@@ -32,6 +39,7 @@ class March {
   const ExactModel& model_;
   Options options_;
   Selectors selectors_;
+  RunState state_;
 };
 
 /// The state in which `start` begins a run.

@@ -19,28 +19,15 @@ using Clock = std::chrono::steady_clock;
 constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
-constexpr int slow_size = 50;         ///< states and ports whose modes take milliseconds each
-constexpr double longest_wait = 0.1;  ///< s, of rows of such circuits for their block to be full
+constexpr int slow_size = 50;  ///< states and ports whose modes take milliseconds each
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Of switches that find no rest. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
-std::string cure_of(const std::vector<std::string>& switches) {
-  const auto is_transistor = [](const std::string& name) {
-    const char letter = name[name.find_last_of('.') + 1];  // of none at the end: the first of all
-    return letter == 'M' || letter == 'm' || letter == 'J' || letter == 'j';
-  };
-  if (!std::any_of(switches.begin(), switches.end(), is_transistor)) return "a hysteresis Vh";
-  return "a capacitor from gate to source of the transistors, whose gates take no time here, or a source that drives them against their "
-         "own source";
-}
 
 }  // namespace
 
 Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
     : model_(exact_model),
       request_(request),
-      sink_(sink),
       watching_(watching),
       feed_(watching.observer, exact_model.islands.size()),
       jump_recorder_(exact_model.islands, request.jumps),
@@ -49,23 +36,22 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
       control_probe_(thresholds_),
       port_watch_(islands_, request.watcher),
       pieces_(exact_model.islands, request.probes, request.interrupt),
-      impulses_(exact_model.islands, request.probes) {
+      impulses_(exact_model.islands, request.probes),
+      tolerance_(watching.merge > 0.0 ? watching.merge : tolerance::merge * request.stop),
+      rows_(request, sink, exact_model.signal_names.size(), rows_per_block, tolerance_) {
   islands_.reserve(model_.islands.size());
   for (std::size_t i = 0; i < model_.islands.size(); ++i) islands_.emplace_back(model_.islands[i], selectors.of(i));
   if (request.watcher != nullptr)
     for (auto& island : islands_) island.selector().share_in_any_case();
-  tolerance_ = tolerance::merge * request.stop;
   make_clocks();
   make_groups();
   modes_before_.assign(islands_.size(), nullptr);
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
-  width_ = 1 + model_.signal_names.size();
-  if (request.grid.rows > 0 || request.events) rows_.resize(rows_per_block * width_);
-  row_before_.resize(width_);
-  if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
+  row_before_.resize(rows_.width());
   for (auto& island : islands_) {
     island.set_tolerance(tolerance_);
+    island.start_sources(watching.begin);
     island.inject(request.faults);
   }
   is_slow_ = std::any_of(islands_.begin(), islands_.end(),
@@ -116,9 +102,9 @@ Answer Transient::run(const Start& start) {
   answer_.outcome = Outcome::completed;
   if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
-  flush();
+  take(rows_.flush());
   pieces_.advance(islands_, now_);
-  if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail_interrupted();
+  if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
   answer_.time = now_;
   answer_.probed = pieces_.is_cut() ? pieces_.cut_at() : now_;
   for (auto& island : islands_) {
@@ -129,7 +115,8 @@ Answer Transient::run(const Start& start) {
   }
   for (const auto& island : islands_)
     if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
-  answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
+  answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
+  answer_.statistics.rows = rows_.count();
   finish();
   return std::move(answer_);
 }
@@ -142,10 +129,10 @@ void Transient::march() {
     if (watching_.leaves_end_open && time > request_.stop - tolerance_) return stop_short();
     going = handle(time) && time < request_.stop && !is_ended_by_observer_;
     if (is_interrupted()) {
-      fail_interrupted();
+      fail(interrupted(now_));
       break;
     }
-    if (is_slow_ && !hand_over_in_time()) break;
+    if (is_slow_ && !take(rows_.flush_in_time())) break;
     if (++instants_ % instants_between_checks == 0 && request_.progress) request_.progress(time);
   }
 }
@@ -162,7 +149,7 @@ void Transient::stop_short() {
 }
 
 RunState Transient::state() const {
-  RunState state{{}, on_, {}};
+  RunState state{{}, on_, {}, now_};
   for (const IslandRun& island : islands_) {
     model::Vector x = Eigen::Map<const model::Vector>(island.x.data(), island.system().size());
     if (!island.is_open() && island.mode != nullptr) model::from_mode(island.system(), *island.mode, island.segment().y0.data(), x.data());
@@ -172,7 +159,7 @@ RunState Transient::state() const {
   return state;
 }
 
-/// t = 0: states as given, switches where the start has them, then the instant itself.
+/// States as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
   on_ = start.on;
   rested_.assign(on_.size(), 0);
@@ -188,13 +175,14 @@ bool Transient::begin(const Start& start) {
     const SwitchInfo& info = model_.switches[i];
     if (info.island >= 0) islands_[static_cast<std::size_t>(info.island)].set_switch(info.port, on_[i] != 0);
   }
-  for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0);
+  for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0, watching_.begin);
   Instant instant;
+  instant.time = now_ = watching_.begin;
   for (IslandRun* island : running_) {
-    island->evaluate_sources(0.0);
+    island->evaluate_sources(instant.time);
     jump_recorder_.before(number_of(*island), island->x);
     impulses_.before(number_of(*island), island->x);
-    if (island->take_breakpoints(0.0)) impulses_.sources_jumped(number_of(*island), island->x);
+    if (island->take_breakpoints(instant.time)) impulses_.sources_jumped(number_of(*island), island->x);
     recorder_.start(island->model(), island->x.data());
   }
   if (!settle(instant, true)) return false;
@@ -269,8 +257,8 @@ bool Transient::handle(double time) {
     if (crosses && island->event_time() == time && instant.late == 0.0) instant.late = island->event_late();
   }
   if (!any) return true;
-  const bool has_rows = request_.events && time >= first_row_time_ - tolerance_;
-  if (has_rows) fill_row(time, row_before_.data());
+  const bool has_rows = rows_.has_event_rows(time);
+  if (has_rows) row(time, row_before_.data());
   open_event_islands(time, instant);
   if (!std::all_of(running_.begin(), running_.end(), [&](const IslandRun* island) { return !island->is_open() || holds(*island); }))
     return false;
@@ -283,15 +271,12 @@ bool Transient::handle(double time) {
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
   port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
   if (has_rows) {
-    // On the grid the row's own time is written.
-    const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
-    row_before_[0] = last_event_row_ = on_grid ? row_time_ : time;
-    std::copy(row_before_.begin(), row_before_.end(), rows_.begin() + static_cast<std::ptrdiff_t>(buffered_ * width_));
-    if (!push_row()) return false;
-    double* row = &rows_[buffered_ * width_];
-    fill_row(time, row);
-    row[0] = last_event_row_;
-    if (!push_row()) return false;
+    row_before_[0] = rows_.begin_event(time);
+    std::copy(row_before_.begin(), row_before_.end(), rows_.room());
+    if (!accepted(rows_.push())) return false;
+    row(time, rows_.room());
+    rows_.room()[0] = rows_.event_time();
+    if (!accepted(rows_.push())) return false;
   }
   return watch_crowd(instant);
 }
@@ -319,10 +304,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
   }
   std::vector<std::string> names;
   for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
-  fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches {} keep toggling at t = {} s: each state violates its own condition; try {}",
-                   fmt::join(names, ", "), instant.time, cure_of(names)),
-       names);
+  fail(keeps_toggling(instant.time, std::move(names)));
   return false;
 }
 
@@ -409,7 +391,7 @@ bool Transient::flip(Instant& instant) {
   for (const int s : last_flips_) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
-    if (instant.time > 0.0) thresholds_.changed(s);
+    if (instant.time > watching_.begin) thresholds_.changed(s);
     const SwitchInfo& info = model_.switches[index];
     if (info.island < 0) continue;
     IslandRun& island = islands_[static_cast<std::size_t>(info.island)];
@@ -443,63 +425,32 @@ void Transient::note_mode_changes(Instant& instant) {
 
 /// Rows with a time before `time` (or at it, when inclusive).
 bool Transient::rows_before(double time, bool inclusive) {
-  // A row within rounding of an instant holds the values after it.
-  const double limit = inclusive ? time : time - tolerance_;
-  while (next_row_ < request_.grid.rows && (row_time_ < limit || (inclusive && row_time_ <= limit))) {
-    const bool written = std::abs(last_event_row_ - row_time_) <= tolerance_;  // by --events
-    if (!written && !emit_row(row_time_)) return false;
-    ++next_row_;
-    if (next_row_ < request_.grid.rows) row_time_ = request_.grid.time(next_row_);
+  while (rows_.is_due(time, inclusive)) {
+    const double row_time = rows_.next_time();
+    const RowFeed::Pushed pushed = rows_.push_next(*this);
+    if (pushed == RowFeed::Pushed::handed_over) now_ = std::max(now_, row_time);  // nothing happens between the last instant and this row
+    if (!accepted(pushed)) return false;
   }
   return true;
 }
 
-void Transient::fill_row(double time, double* row) {
-  std::fill(row, row + width_, 0.0);
+void Transient::row(double time, double* row) {
+  std::fill(row, row + rows_.width(), 0.0);
   row[0] = time;
   for (auto& island : islands_) island.add_signals(time, row + 1);
 }
 
-bool Transient::emit_row(double time) {
-  fill_row(time, &rows_[buffered_ * width_]);
-  return push_row();
-}
-
 bool Transient::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
 
-void Transient::fail_interrupted() {
-  fail(Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", now_), {});
+/// Whether the run goes on after a row.
+bool Transient::accepted(RowFeed::Pushed pushed) {
+  if (pushed == RowFeed::Pushed::handed_over && is_interrupted()) fail(interrupted(now_));
+  if (pushed == RowFeed::Pushed::handed_over && request_.progress) request_.progress(now_);
+  return take(pushed != RowFeed::Pushed::refused) && answer_.outcome == Outcome::completed;
 }
 
-bool Transient::push_row() {
-  ++answer_.statistics.rows;
-  if (++buffered_ < rows_per_block) return true;
-  if (is_interrupted()) {
-    now_ = std::max(now_, row_time_);  // nothing happens between the last instant and this row
-    fail_interrupted();
-    flush();
-    return false;
-  }
-  if (request_.progress) request_.progress(row_time_);
-  return flush();
-}
-
-/// A search through large modes may take long: rows do not wait for a block to be full, so that they are there when the run is ended from outside.
-bool Transient::hand_over_in_time() {
-  if (buffered_ == 0 || seconds_since(last_flush_) < longest_wait) return true;
-  return flush();
-}
-
-bool Transient::flush() {
-  if (buffered_ == 0) return true;
-  const auto clock = Clock::now();
-  const std::size_t columns = width_ - request_.unsaved_signals;
-  keep_columns(rows_.data(), buffered_, width_, columns);
-  const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
-  sink_seconds_ += seconds_since(clock);
-  buffered_ = 0;
-  if (is_slow_) last_flush_ = Clock::now();
-  if (!accepted && answer_.outcome == Outcome::completed) fail(Outcome::sink_stopped, "", "", {});
+bool Transient::take(bool accepted) {
+  if (!accepted && answer_.outcome == Outcome::completed) fail({Outcome::sink_stopped, "", ""});
   return accepted;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 /// The run: islands side by side, instants in order, rows in between.
 
-#include <chrono>
-#include <limits>
 #include <vector>
 
 #include "engine/exact/certificate.hpp"
@@ -17,16 +15,21 @@
 #include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
 #include "engine/exact/start.hpp"
+#include "engine/remarks.hpp"
+#include "engine/row_feed.hpp"
 #include "model/clock.hpp"
 
 namespace pwlsim::engine {
 
-class Transient {
+class Transient : private RowSource {
  public:
-  /// For runs within a run: who watches, and whether what happens at `stop` is left to the next one; then there is no certificate but that of the guards.
+  /// For runs within a run: who watches, whether what happens at `stop` is left to the next one (then there is no certificate but that of the guards),
+  /// when it begins, and how close instants are one, s.
   struct Watching {
     Observer* observer = nullptr;
     bool leaves_end_open = false;
+    double begin = 0.0;
+    double merge = 0.0;  ///< 0: a fraction of `stop`
   };
   Transient(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
   Answer run(const Start& start);
@@ -53,15 +56,6 @@ class Transient {
     double horizon = 0.0;                 ///< the next instant there, or in what steers it
   };
 
-  /// Instants near one another.
-  struct Crowd {
-    double start = 0.0;
-    std::uint64_t count = 0;
-
-    /// Whether there are too many within `length`.
-    bool note(double time, double length);
-  };
-
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
   void make_clocks();
   void make_groups();
@@ -83,12 +77,9 @@ class Transient {
   bool holds(const IslandRun& island);
   void note_loss(const IslandRun& island, const Instant& instant);
   bool rows_before(double time, bool inclusive);
-  bool emit_row(double time);
   [[nodiscard]] bool is_interrupted() const;
-  void fail_interrupted();
-  bool push_row();
-  bool flush();
-  bool hand_over_in_time();
+  bool accepted(RowFeed::Pushed pushed);
+  bool take(bool accepted);
   bool watch_crowd(const Instant& instant);
   bool watch_idle_crowd(const Instant& instant);
   bool fail_crowd(const Instant& instant, const Crowd& crowd);
@@ -98,17 +89,17 @@ class Transient {
   bool may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time);
   void cross(IslandRun& island, const AccumulationWatch::Limit& limit);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
+  void fail(Ending ending);
   [[nodiscard]] std::string mode_text(Outcome outcome) const;
   void fail_selection(const IslandRun& island, const model::Selected& selected, double time);
   void note_several(const IslandRun& island, const model::Selected& selected, double time);
   void note_open_signals();
   void open_island(IslandRun& island, Instant& instant);
-  void fill_row(double time, double* row);
+  void row(double time, double* row) override;
   void finish();
 
   const ExactModel& model_;
   const Request& request_;
-  RowSink& sink_;
   Watching watching_;
   bool is_ended_by_observer_ = false;
   Answer answer_;
@@ -123,7 +114,6 @@ class Transient {
   std::vector<int> last_flips_;  ///< and those that did last
   std::vector<char> rested_;     ///< switches that have changed at this instant because their control stays at a threshold
   bool is_slow_ = false;         ///< an island is large
-  std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
   std::vector<const model::Mode*> modes_before_;
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
@@ -141,14 +131,9 @@ class Transient {
   std::string several_text_;
   double tolerance_ = 0.0;  ///< instants closer than this are one
   double now_ = 0.0;
-  std::size_t width_ = 1;
-  std::vector<double> rows_, row_before_;
-  std::size_t buffered_ = 0;
-  std::uint64_t next_row_ = 0;
-  double row_time_ = 0.0, first_row_time_ = 0.0;
-  double last_event_row_ = -std::numeric_limits<double>::infinity();  ///< time of the last row written after an event
+  RowFeed rows_;
+  std::vector<double> row_before_;
   Crowd crowd_, idle_crowd_;
-  double sink_seconds_ = 0.0;
   std::uint64_t instants_ = 0;
 };
 

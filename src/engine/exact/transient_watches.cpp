@@ -14,9 +14,6 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// So many events within crowd_fraction of the run are an accumulation that cannot be crossed.
-constexpr std::uint64_t crowd_limit = 400;
-
 /// Elements with a port that is meant; ports of one element stand side by side, and it is named once.
 template <typename IsMeant>
 std::vector<std::string> port_names(const model::System& system, const IsMeant& is_meant) {
@@ -67,9 +64,7 @@ bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limi
   const bool known_exactly = limit.uncertainty <= tolerance::limit * limit.time;
   if (!(ahead > 0.0) || ahead > (known_exactly ? tolerance::crossing : tolerance::last_crossing) * limit.span) return false;
   if (limit.uncertainty > tolerance::known_limit * ahead) return false;
-  if (limit.time >= request_.stop ||
-      (next_row_ < request_.grid.rows && row_time_ > time + tolerance_ && row_time_ < limit.time - tolerance_))
-    return false;
+  if (limit.time >= request_.stop || (rows_.next_time() > time + tolerance_ && rows_.next_time() < limit.time - tolerance_)) return false;
   for (const model::Clock& clock : clocks_)
     if (clock.next().time <= limit.time) return false;
   for (IslandRun* other : running_) {
@@ -89,11 +84,6 @@ void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) 
   ++answer_.statistics.accumulations;
   island.go_to_limit(limit);
   island.accumulation().reset();
-}
-
-bool Transient::Crowd::note(double time, double length) {
-  if (time - start > length) *this = {time, 0};
-  return ++count >= crowd_limit;
 }
 
 bool Transient::watch_crowd(const Instant& instant) {
@@ -132,15 +122,10 @@ std::vector<std::string> Transient::what_happens(const Instant& instant) const {
 }
 
 bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
-  const double time = instant.time;
-  const std::vector<std::string> names = what_happens(instant);
-  std::string where = names.empty() ? "" : fmt::format(", at {}", fmt::join(names, ", "));
-  for (std::size_t i = 0; i < islands_.size() && where.empty(); ++i)  // nothing but sources
-    if (opened_[i] != Opened::no) where = fmt::format(", in the part with {}", islands_[i].system().name);
-  fail(Outcome::accumulation, "E-accumulation",
-       fmt::format("events accumulate at t = {} s ({} of them within {} s){}; try a resistor, capacitor or hysteresis that separates them",
-                   time, crowd.count, time - crowd.start, where),
-       names);
+  std::string part;
+  for (std::size_t i = 0; i < islands_.size() && part.empty(); ++i)  // nothing but sources
+    if (opened_[i] != Opened::no) part = "in the part with " + islands_[i].system().name;
+  fail(accumulation(instant.time, crowd, what_happens(instant), part));
   return false;
 }
 
@@ -209,11 +194,15 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
 }
 
 void Transient::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
-  answer_.outcome = outcome;
-  answer_.id = std::move(id);
-  answer_.message = std::move(text);
-  answer_.elements = std::move(elements);
-  answer_.mode = mode_text(outcome);
+  fail(Ending{outcome, std::move(id), std::move(text), std::move(elements)});
+}
+
+void Transient::fail(Ending ending) {
+  answer_.outcome = ending.outcome;
+  answer_.id = std::move(ending.id);
+  answer_.message = std::move(ending.text);
+  answer_.elements = std::move(ending.elements);
+  answer_.mode = mode_text(ending.outcome);
 }
 
 /// Where no solution continues the mode before the instant at hand is meant, else that which holds.

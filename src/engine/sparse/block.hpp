@@ -14,6 +14,7 @@
 #include <span>
 #include <unordered_set>
 
+#include "engine/remarks.hpp"
 #include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
@@ -97,6 +98,7 @@ class Block {
   bool look_back();
   bool give_up(const std::string& what);
   void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
+  void fail(Ending ending) { fail(ending.outcome, std::move(ending.id), std::move(ending.text), std::move(ending.elements)); }
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 
@@ -207,8 +209,7 @@ class Block {
   int level_ = 0;
   bool starting_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double moved_ = 0.0, motion_left_ = 0.0, damped_ = 0.0;
-  double crowd_start_ = 0.0;
-  int crowd_ = 0;
+  Crowd crowd_;
   int absorb_wait_ = 0, absorb_pause_ = 0;
   int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;

@@ -32,7 +32,6 @@ constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between tw
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
-constexpr int crowd_limit = 400;
 constexpr double crowd_fraction = 1e-9;
 
 /// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of the others is of the third order.
@@ -187,10 +186,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
   std::vector<std::string> restless;
   for (const Control& control : controls_)
     if (point_.on[control.port] != position_before_[control.port]) restless.push_back(descriptor_.ports()[control.port].name);
-  fail(Outcome::no_solution, "E-no-settle",
-       fmt::format("the switches keep toggling at t = {} s: each state violates its own condition{}{}; try a hysteresis Vh", instant.time,
-                   restless.empty() ? "" : ", of ", fmt::join(restless, ", ")),
-       restless);
+  fail(keeps_toggling(instant.time, std::move(restless)));
   trial_.solved = Solved::no_position;
   return false;
 }
@@ -444,23 +440,15 @@ std::vector<std::string> Block::changed_ports() const {
 }
 
 bool Block::watch_crowd(double time) {
-  if (time - crowd_start_ > crowd_fraction * request_.stop) {
-    crowd_start_ = time;
-    crowd_ = 0;
-  }
-  if (++crowd_ < crowd_limit) return true;
-  const std::vector<std::string> names = changed_ports();
-  fail(
-      Outcome::accumulation, "E-accumulation",
-      fmt::format("events accumulate at t = {} s ({} of them within {} s){}{}; try a resistor, capacitor or hysteresis that separates them",
-                  time, crowd_, time - crowd_start_, names.empty() ? "" : ", at ", fmt::join(names, ", ")),
-      names);
+  if (!crowd_.note(time, crowd_fraction * request_.stop)) return true;
+  fail(accumulation(time, crowd_, changed_ports(), {}));
   return false;
 }
 
 bool Block::begin(const Start& start) {
   if (segment_ && !passive_) {
-    fail(Outcome::no_solution, "E-no-solution", "the krylov engine follows networks of passive parts alone; try --engine exact or sparse", {});
+    fail(Outcome::no_solution, "E-no-solution", "the krylov engine follows networks of passive parts alone; try --engine exact or sparse",
+         {});
     return false;
   }
   point_.time = 0.0;

@@ -19,7 +19,7 @@ constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 256;
 /// A position so few ports away from one that is factored is reached by their columns; solved for so often, by a factor of its own.
-constexpr std::size_t most_flips = 4;
+constexpr std::size_t most_closings = 4;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
 constexpr double least_soundness = 1e-11;  ///< residual of an update, of the largest term of its row
@@ -66,7 +66,7 @@ Factors::Entry* Factors::find(double shift, const Position& on) {
 Factors::Entry& Factors::slot(const Position& on) {
   const bool known = !entries_.empty() && entries_.front().factor.klu_;
   const std::size_t each = known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
-                                       most_flips * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
+                                       most_closings * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
                                  : 0;
   const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, most_factors);
   if (entries_.size() < room) return entries_.emplace_back(Entry{});
@@ -156,9 +156,9 @@ bool Factors::update(Entry& entry) {
       continue;
     if (std::abs(other.shift - entry.shift) > same_shift * entry.shift) continue;
     of_base.clear();
-    for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_flips; ++i)
+    for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_closings; ++i)
       if (entry.on[i] != other.on[i]) of_base.push_back(static_cast<int>(i));
-    if (of_base.size() > most_flips || (base && of_base.size() >= flips.size())) continue;
+    if (of_base.size() > most_closings || (base && of_base.size() >= flips.size())) continue;
     base = &other;
     flips = of_base;
   }

@@ -7,9 +7,6 @@
 
 namespace pwlsim::engine::sparse {
 
-/// Answer::jumps holds so many.
-inline constexpr std::size_t most_jumps_kept = 1000;
-
 /// States of a jump one by one, in the order of Descriptor::states and as State::measure has them.
 struct JumpEnds {
   double time;

@@ -20,7 +20,6 @@ constexpr std::size_t rows_per_block = 256;
 /// Of the terms that a signal is a sum of: rounding of the solutions of a step.
 constexpr double rounding_of_terms = 1e-12;
 constexpr int steps_between_checks = 64;
-constexpr double longest_wait = 0.1;  ///< s, of rows for their block to be full
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
 constexpr double broken_certificate = 1e-6;  ///< of a run of segments, whose tolerance is next to rounding
@@ -31,15 +30,15 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
                      Block::Method method, RowSink& sink)
-    : request_(request), reltol_(reltol), method_(method), sink_(sink) {
+    : request_(request),
+      reltol_(reltol),
+      method_(method),
+      tolerance_(merge_fraction * request.stop),
+      rows_(request, sink, signals, rows_per_block, tolerance_) {
   for (const auto& part : parts) {
     tracks_.push_back(std::make_unique<Track>(*part, request, reltol, method));
     find_shares(*tracks_.back());
   }
-  width_ = 1 + signals;
-  rows_.resize(rows_per_block * width_);
-  tolerance_ = merge_fraction * request.stop;
-  if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
 }
 
 /// Signals of the track that are parts of probes.
@@ -56,12 +55,7 @@ void Transient::find_shares(Track& track) const {
 }
 
 bool Transient::fail(const Answer& failure) {
-  if (answer_.outcome != Outcome::completed) return false;
-  answer_.outcome = failure.outcome;
-  answer_.id = failure.id;
-  answer_.message = failure.message;
-  answer_.elements = failure.elements;
-  answer_.mode = mode_text();
+  if (answer_.outcome == Outcome::completed) end({failure.outcome, failure.id, failure.message, failure.elements});
   return false;
 }
 
@@ -123,23 +117,24 @@ Answer Transient::run(const std::vector<Start>& starts) {
     going = advance_least();
     if (going && count % steps_between_checks == 0 && request_.progress && !order_.empty())
       request_.progress(tracks_[order_.front()]->block.time());
-    if (going) going = !interrupted() && hand_over_in_time();
+    if (going) going = !is_interrupted() && take(rows_.flush_in_time());
   }
   if (answer_.outcome != Outcome::sink_stopped && !close_event()) going = false;
   if (answer_.outcome == Outcome::completed && going) rows_before(request_.stop, true);
-  flush();
+  take(rows_.flush());
   answer_.time = request_.stop;
   if (going) pieces_before(request_.stop);
   if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->block.time(), request_.stop);
   answer_.probed = answer_.time;
-  answer_.statistics.seconds_simulate = seconds_since(clock) - sink_seconds_;
+  answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
+  answer_.statistics.rows = rows_.count();
   finish();
   return std::move(answer_);
 }
 
 /// Signals are sums of what the parts have of them.
 void Transient::row(double time, double* values) {
-  std::fill(values, values + width_, 0.0);
+  std::fill(values, values + rows_.width(), 0.0);
   values[0] = time;
   for (const auto& track : tracks_) {
     track->block.signals(time, track->values.data());
@@ -148,26 +143,15 @@ void Transient::row(double time, double* values) {
   }
 }
 
-bool Transient::interrupted() {
+bool Transient::is_interrupted() {
   if (!request_.interrupt || request_.interrupt->load(std::memory_order_relaxed) == 0) return false;
-  answer_.outcome = Outcome::interrupted;
-  answer_.id = "E-interrupted";
-  answer_.message = fmt::format("stopped at t = {} s by a signal", order_.empty() ? request_.stop : tracks_[order_.front()]->block.time());
-  answer_.mode = mode_text();
+  end(interrupted(order_.empty() ? request_.stop : tracks_[order_.front()]->block.time()));
   return true;
 }
 
-/// A row within rounding of an instant holds the values after it.
 bool Transient::rows_before(double time, bool inclusive) {
-  const double limit = inclusive ? time : time - tolerance_;
-  while (next_row_ < request_.grid.rows && (row_time_ < limit || (inclusive && row_time_ <= limit))) {
-    if (std::abs(last_event_row_ - row_time_) > tolerance_) {
-      row(row_time_, &rows_[buffered_ * width_]);
-      if (!push_row()) return false;
-    }
-    ++next_row_;
-    if (next_row_ < request_.grid.rows) row_time_ = request_.grid.time(next_row_);
-  }
+  while (rows_.is_due(time, inclusive))
+    if (!accepted(rows_.push_next(*this))) return false;
   return true;
 }
 
@@ -259,53 +243,41 @@ bool Transient::open_event(Track& track) {
     return true;
   }
   last_instant_ = time;
-  if (!request_.events || time < first_row_time_ - tolerance_) return true;
-  const bool on_grid = next_row_ < request_.grid.rows && std::abs(row_time_ - time) <= tolerance_;
-  last_event_row_ = on_grid ? row_time_ : time;
-  double* before = &rows_[buffered_ * width_];
+  if (!rows_.has_event_rows(time)) return true;
+  double* before = rows_.room();
   row(time, before);
-  before[0] = last_event_row_;
+  before[0] = rows_.begin_event(time);
   for (std::size_t i = 0; i < track.part.island.signal_number.size(); ++i)
     before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.block.signals_before()[i] - track.values[i];
   event_open_ = true;
-  return push_row();
+  return accepted(rows_.push());
 }
 
 /// The row after the event, once all parts are beyond it.
 bool Transient::close_event() {
   if (!event_open_) return true;
   event_open_ = false;
-  double* after = &rows_[buffered_ * width_];
-  row(last_instant_, after);
-  after[0] = last_event_row_;
-  return push_row();
+  row(last_instant_, rows_.room());
+  rows_.room()[0] = rows_.event_time();
+  return accepted(rows_.push());
 }
 
-bool Transient::push_row() {
-  ++answer_.statistics.rows;
-  return ++buffered_ < rows_per_block || (flush() && !interrupted());
+/// Whether the run goes on after a row.
+bool Transient::accepted(RowFeed::Pushed pushed) {
+  return take(pushed != RowFeed::Pushed::refused) && (pushed == RowFeed::Pushed::kept || !is_interrupted());
 }
 
-/// Large circuits take long for a step: rows do not wait for a block to be full, so that they are there when the run is ended from outside.
-bool Transient::hand_over_in_time() {
-  if (buffered_ == 0 || seconds_since(last_flush_) < longest_wait) return true;
-  return flush();
-}
-
-bool Transient::flush() {
-  if (buffered_ == 0) return true;
-  const auto clock = Clock::now();
-  const std::size_t columns = width_ - request_.unsaved_signals;
-  keep_columns(rows_.data(), buffered_, width_, columns);
-  const bool accepted = sink_.write({rows_.data(), buffered_ * columns}, buffered_);
-  sink_seconds_ += seconds_since(clock);
-  buffered_ = 0;
-  last_flush_ = Clock::now();
-  if (!accepted && answer_.outcome == Outcome::completed) {
-    answer_.outcome = Outcome::sink_stopped;
-    answer_.mode = mode_text();
-  }
+bool Transient::take(bool accepted) {
+  if (!accepted && answer_.outcome == Outcome::completed) end({Outcome::sink_stopped, "", ""});
   return accepted;
+}
+
+void Transient::end(Ending ending) {
+  answer_.outcome = ending.outcome;
+  answer_.id = std::move(ending.id);
+  answer_.message = std::move(ending.text);
+  answer_.elements = std::move(ending.elements);
+  answer_.mode = mode_text();
 }
 
 void Transient::finish() {
@@ -334,10 +306,8 @@ void Transient::finish() {
   const bool has_segments = method_ == Block::Method::segments;
   const bool is_doubtful = worst > (has_segments ? broken_certificate : doubtful_tolerances * reltol_);
   if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
-    answer_.outcome = Outcome::no_solution;
-    answer_.id = "E-certificate";
-    answer_.message =
-        fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst);
+    end({Outcome::no_solution, "E-certificate",
+         fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst)});
   } else if (is_doubtful) {
     answer_.remarks.push_back(doubtful_certificate(worst));
   }

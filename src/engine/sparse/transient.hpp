@@ -1,17 +1,17 @@
 #pragma once
 /// The run: blocks side by side, the one that is least far first, rows in between.
 
-#include <chrono>
-#include <limits>
 #include <memory>
 #include <vector>
 
+#include "engine/remarks.hpp"
+#include "engine/row_feed.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/part.hpp"
 
 namespace pwlsim::engine::sparse {
 
-class Transient {
+class Transient : private RowSource {
  public:
   /// `signals`: of the whole network. Parts and request must outlive it.
   Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
@@ -34,7 +34,7 @@ class Transient {
   }
   bool begin(const std::vector<Start>& starts);
   bool advance_least();
-  void row(double time, double* values);
+  void row(double time, double* values) override;
   bool fail(const Answer& failure);
   [[nodiscard]] std::string mode_text() const;
   bool rows_before(double time, bool inclusive);
@@ -48,31 +48,25 @@ class Transient {
   bool close_event();
   void watch_start();
   void watch(const Track& track);
-  bool push_row();
-  bool flush();
-  bool hand_over_in_time();
-  bool interrupted();
+  bool accepted(RowFeed::Pushed pushed);
+  bool take(bool accepted);
+  bool is_interrupted();
+  void end(Ending ending);
   void finish();
 
   const Request& request_;
   double reltol_;
   Block::Method method_;
-  RowSink& sink_;
   std::vector<std::unique_ptr<Track>> tracks_;
   std::vector<std::size_t> order_;  ///< of tracks_: a heap by time, the least first
   Answer answer_;
   double tolerance_ = 0.0;
-  std::size_t width_ = 1, buffered_ = 0;
-  std::vector<double> rows_;
-  std::uint64_t next_row_ = 0;
-  double row_time_ = 0.0, first_row_time_ = 0.0, last_event_row_ = -std::numeric_limits<double>::infinity();
+  RowFeed rows_;
   double last_instant_ = -1.0;         ///< of any part
   bool event_open_ = false;            ///< its row after it is due
   std::uint64_t shared_instants_ = 0;  ///< at which several parts came upon something
-  double sink_seconds_ = 0.0;
-  std::chrono::steady_clock::time_point last_flush_ = std::chrono::steady_clock::now();
-  std::vector<char> on_;     ///< of all ports
-  double piece_time_ = 0.0;  ///< up to which pieces have been handed over
+  std::vector<char> on_;               ///< of all ports
+  double piece_time_ = 0.0;            ///< up to which pieces have been handed over
   std::vector<double> piece_values_;
   std::vector<double> probe_noise_;  ///< as Piece::noise, the largest so far
 };
