@@ -2,30 +2,51 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-#include <utility>
-
 #include "analysis/quantity.hpp"
-#include "cli/output.hpp"
+#include "cli/analysis_session.hpp"
 #include "cli/signals.hpp"
+#include "cli/split_files.hpp"
 
 namespace pwlsim::cli {
+namespace {
 
-int run_sensitivities(const circuit::Compiled& compiled, bool is_exact, const SensitivityOutput& output, analysis::RunOutcome& outcome,
-                      Messages& messages) {
-  outcome.sensitivities =
-      analysis::deck_derivatives(compiled, outcome.steady_state ? &*outcome.steady_state : nullptr, is_exact, caught_signal());
-  report_derivatives(outcome.sensitivities, messages);
-  if (compiled.analyses.sensitivities->method == circuit::Sensitivities::Method::adjoint)
-    messages.report({Severity::note, "N-sens-forward", {}, "method=adjoint is not there yet: the derivatives are computed forward, which gives the same numbers"});
-  int status = 0;
-  if (output.is_printed) status = print(analysis::derivative_text(outcome.sensitivities, output.digits), messages, output.stream);
-  if (output.file == nullptr || status != 0) return status;
-  status = write_whole(*output.file, analysis::derivative_csv(outcome.sensitivities), messages);
-  if (status == 0)
-    messages.remark(fmt::format("wrote {}: {}\n", output.file->name(), analysis::counted(outcome.sensitivities.size(), "derivative")));
-  return status;
-}
+/// `.sens`: derivatives of what the analyses before it have measured, as a table, a file and messages.
+class SensitivitySession : public AnalysisSession {
+ public:
+  [[nodiscard]] bool is_asked(const circuit::Analyses& analyses) const override { return analyses.sensitivities.has_value(); }
+
+  [[nodiscard]] int open_files(RunContext& run) override {
+    if (run.options.no_rows || run.is_stepped() || run.options.output == "-") return 0;
+    return run.open(sensitivity_file_name(run.rows_name()), file_);
+  }
+
+  [[nodiscard]] int run(RunContext& run) override {
+    analysis::RunOutcome& outcome = run.outcome;
+    const analysis::SteadyState* orbit = outcome.steady_state ? &*outcome.steady_state : nullptr;
+    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.name == "exact", caught_signal());
+    report_derivatives(outcome.sensitivities, run.messages);
+    if (run.analyses().sensitivities->method == circuit::Sensitivities::Method::adjoint)
+      run.messages.report({Severity::note,
+                           "N-sens-forward",
+                           {},
+                           "method=adjoint is not there yet: the derivatives are computed forward, which gives the same numbers"});
+    int status = 0;
+    if (!run.options.json)
+      status = print(analysis::derivative_text(outcome.sensitivities, digits_for(run.table_stream())), run.messages, run.table_stream());
+    if (!file_ || status != 0) return status;
+    status = write_whole(*file_, analysis::derivative_csv(outcome.sensitivities), run.messages);
+    if (status == 0)
+      run.messages.remark(fmt::format("wrote {}: {}\n", file_->name(), analysis::counted(outcome.sensitivities.size(), "derivative")));
+    return status;
+  }
+
+ private:
+  std::optional<waveform::OutputFile> file_;
+};
+
+}  // namespace
+
+std::unique_ptr<AnalysisSession> sensitivity_session() { return std::make_unique<SensitivitySession>(); }
 
 void report_derivatives(const analysis::DerivativeTable& table, Messages& messages, const std::string& where) {
   for (const analysis::Derivative& d : table) {

@@ -61,7 +61,8 @@ class Sweep {
     tell_measurements(&measure::Result::failure, measure::failure_warning);
     tell_measurements(&measure::Result::left_out, measure::left_out_warning);
     for (std::size_t run = 0; run < records_.size(); ++run)
-      if (!records_[run].sensitivities.empty()) report_derivatives(records_[run].sensitivities, messages_, fmt::format(" in the run with {}", name(run)));
+      if (!records_[run].sensitivities.empty())
+        report_derivatives(records_[run].sensitivities, messages_, fmt::format(" in the run with {}", name(run)));
     return task_.options.json ? status : std::max(status, print_tables());
   }
 
@@ -319,7 +320,8 @@ class Sweep {
       for (const measure::FourierResult& result : records_[run].measurements.fourier)
         text += fmt::format("{}\n{}", name(run), measure::fourier_text(result));
     for (std::size_t run = 0; run < records_.size(); ++run)
-      if (!records_[run].sensitivities.empty()) text += fmt::format("\n{}\n{}", name(run), analysis::derivative_text(records_[run].sensitivities, digits));
+      if (!records_[run].sensitivities.empty())
+        text += fmt::format("\n{}\n{}", name(run), analysis::derivative_text(records_[run].sensitivities, digits));
     return text.empty() ? 0 : print(text, messages_, stream);
   }
 

@@ -1,0 +1,81 @@
+/// `.pss`: the orbit, its rows beside those of .tran where the deck has both, and the start of .tran from it.
+
+#include <algorithm>
+
+#include "analysis/report.hpp"
+#include "analysis/steady_state.hpp"
+#include "cli/analysis_session.hpp"
+#include "cli/signals.hpp"
+#include "cli/split_files.hpp"
+
+namespace pwlsim::cli {
+namespace {
+
+using analysis::Ending;
+using waveform::OutputFile;
+
+class OrbitSession : public AnalysisSession {
+ public:
+  [[nodiscard]] bool is_asked(const circuit::Analyses& analyses) const override { return analyses.steady_state.has_value(); }
+  [[nodiscard]] bool needs_those_before() const override { return false; }
+
+  [[nodiscard]] int open_files(RunContext& run) override {
+    if (!run.analyses().transient || run.is_stepped()) return 0;
+    return run.open(orbit_file_name(run.rows_name()), file_);
+  }
+
+  [[nodiscard]] int run(RunContext& run) override {
+    if (run.engine.name != "exact") return run.fail(Status::run_failed, "E-pss-engine", analysis::orbit_needs_exact_engine);
+    run.outcome.steady_state = analysis::find_steady_state(*run.compiled, caught_signal());
+    const analysis::SteadyState& state = *run.outcome.steady_state;
+    for (const Diagnostic& message : state.messages) run.messages.report(message);
+    const int status = state.is_found || state.has_best_attempt ? rows(run, state) : 0;
+    if (!state.is_found) {
+      const int failed = run.fail(state.is_wrong_input ? Status::wrong_input : Status::run_failed, state.id, state.message);
+      return caught_signal() != 0 ? status_of_signal(caught_signal()) : failed;
+    }
+    return status == 0 && run.analyses().transient ? start_from_orbit(run, state) : status;
+  }
+
+ private:
+  static int start_from_orbit(RunContext& run, const analysis::SteadyState& state) {
+    Diagnostics diagnostics;
+    run.engine.simulate = analysis::from_orbit(*run.compiled, state, diagnostics);
+    run.messages.report(diagnostics, run.sources);
+    if (!run.engine.simulate) return static_cast<int>(Status::run_failed);
+    if (run.options.no_rows) run.engine.simulate = analysis::without_rows(std::move(run.engine.simulate));
+    return 0;
+  }
+
+  int rows(RunContext& run, const analysis::SteadyState& state) {
+    const bool is_alone = !run.analyses().transient;
+    OutputFile& file = is_alone ? *run.rows_file : *file_;
+    analysis::RunControl control{run.options.events, true, {}, &caught_signal()};
+    control.longest_window = analysis::most_periods_measured * state.orbit.period;
+    if (is_alone && run.has_pictures()) control.recorder = &run.recorder.emplace(0.0, state.orbit.period, run.compiled->saved_signals());
+    const auto writer = analysis::row_writer(run.options.format, *run.compiled, file);
+    const auto simulate = run.options.no_rows ? analysis::without_rows(state.simulate) : state.simulate;
+    analysis::TransientRun orbit = analysis::run_transient(state.compiled, simulate, file, *writer, control);
+    const bool is_complete = orbit.ending == Ending::completed;
+    if (is_alone) {
+      run.take_remarks(orbit.answer);
+      run.report.statistics.rows = orbit.rows;
+      run.note_rows(orbit.ending == Ending::write_failed, is_complete, orbit.answer.time);
+    }
+    run.outcome.measurements = std::move(orbit.measurements);
+    const int measured = run.report_measurements(run.outcome.measurements, is_complete);
+    run.report.seconds.total = run.seconds();
+    if (!is_complete) return std::max(run.conclude(orbit, file), measured);
+    if (state.is_found) run.messages.remark(analysis::orbit_summary(state, run.options.no_rows ? "nothing" : file.name()));
+    if (is_alone) run.tell_details();
+    return measured;
+  }
+
+  std::optional<OutputFile> file_;  ///< beside the rows of .tran
+};
+
+}  // namespace
+
+std::unique_ptr<AnalysisSession> orbit_session() { return std::make_unique<OrbitSession>(); }
+
+}  // namespace pwlsim::cli
