@@ -31,6 +31,7 @@
 #include "cli/deck_reader.hpp"
 #include "cli/picture_file.hpp"
 #include "cli/progress.hpp"
+#include "cli/schematic_json.hpp"
 #include "cli/sensitivity_session.hpp"
 #include "cli/signals.hpp"
 #include "cli/small_signal_session.hpp"
@@ -131,7 +132,7 @@ class Session {
 };
 
 int Session::prepare() {
-  DeckReading reading = read_deck(options_.deck, {.measure = true}, sources_, messages_);
+  DeckReading reading = read_deck(options_.deck, {.measure = true}, sources_, messages_, !options_.report.empty());
   report_.seconds.parse = reading.seconds_parse;
   report_.seconds.flatten = reading.seconds_flatten;
   outcome_.title = reading.deck.title;
@@ -139,8 +140,11 @@ int Session::prepare() {
   compiled_ = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
   files_ = std::move(reading.files);
+  outcome_.schematic = schematic_json(reading.drawing, reading.places);
   const std::vector<std::string> names = analysis::column_names(*compiled_);
   outcome_.signals.assign(names.begin() + 1, names.end());
+  for (std::size_t k = compiled_->saved_signals(); k < compiled_->recorded_signals(); ++k)
+    outcome_.drawn_signals.push_back(compiled_->network.signals[k].name);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const auto model_start = Clock::now();
@@ -315,7 +319,7 @@ int Session::orbit_rows(const analysis::SteadyState& state) {
   analysis::RunControl control{options_.events, true, {}, &caught_signal()};
   control.longest_window = analysis::most_periods_measured * state.orbit.period;
   if (is_alone && (plot_file_.is_open() || report_file_))
-    control.recorder = &recorder_.emplace(0.0, state.orbit.period, compiled_->saved_signals());
+    control.recorder = &recorder_.emplace(0.0, state.orbit.period, compiled_->recorded_signals());
   const auto writer = analysis::row_writer(options_.format, *compiled_, file);
   analysis::TransientRun run = analysis::run_transient(state.compiled, options_.no_rows ? analysis::without_rows(state.simulate) : state.simulate, file, *writer, control);
   if (is_alone) {
@@ -341,7 +345,7 @@ int Session::transient() {
         options_.events, options_.events || options_.json || report_file_ || !options_.stats.empty(), {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
     if (plot_file_.is_open() || report_file_)
-      control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->saved_signals());
+      control.recorder = &recorder_.emplace(compiled_->analyses.transient->start.seconds, stop, compiled_->recorded_signals());
     const auto writer = analysis::row_writer(options_.format, *compiled_, *rows_file_);
     if (options_.check) kept_rows_.emplace(*writer, 1 + compiled_->saved_signals());
     run = analysis::run_transient(*compiled_, engine_.simulate, *rows_file_, kept_rows_ ? *kept_rows_ : *writer, control);

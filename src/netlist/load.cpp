@@ -26,13 +26,14 @@ WrittenNetlist write_netlist(const std::string& path, SourceStore& sources, Diag
   return written;
 }
 
-Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {
+Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits, Drawing* drawing) {
   FileBytes file = read_file(path);
   if (!file.readable) {
     diagnostics.error("E-file-unreadable", {}, "cannot read '" + path + "': " + file.reason);
     return {{}, false, {}};
   }
   Loader loader(sources, diagnostics, limits);
+  loader.keep_drawing(drawing);
   Loaded loaded{loader.read_deck(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true, {path}};
   for (std::string& name : loader.files()) loaded.files.push_back(std::move(name));
   return loaded;

@@ -64,7 +64,7 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
 Loader::File Loader::add_top(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
   File file = add_text(name, std::move(bytes), directory);
   if (!is_schematic(name) || !file.is_text) return file;
-  SchematicNetlist netlist = netlist_of(file.index, directory, sources_, errors_.diagnostics());
+  SchematicNetlist netlist = netlist_of(file.index, directory, sources_, errors_.diagnostics(), drawing_);
   symbol_files_ = std::move(netlist.files);
   file.index = sources_.add("netlist of " + name, std::move(netlist.text), std::move(netlist.origins));
   return file;

@@ -68,6 +68,7 @@ function fillHeader() {
 fillHeader();
 fillSweepCharts();
 fillWaveforms();
+startSchematic();
 fillOperatingPoint();
 fillResults();
 fillRuns();
