@@ -66,7 +66,9 @@ const std::string helpers =
     "const current = name => part(name).querySelector('.current').textContent;"
     "const net = label => [...document.querySelectorAll('#schematic .net')].find(each => each.querySelector('.label')?.textContent === "
     "label);"
-    "const at = async share => { await clickAt(plotArea(0), [share, 0.5]); await wait(100); };";
+    "const changed = async (act) => { const before = byId('schematic-time').textContent; await act();"
+    "  for (let k = 0; k < 80 && byId('schematic-time').textContent === before; ++k) await wait(40); };"
+    "const at = share => changed(() => clickAt(plotArea(0), [share, 0.5]));";
 
 /// All symbols of lib/ltspice.symbols in all orientations, far apart.
 std::string every_symbol() {
@@ -182,7 +184,8 @@ TEST_CASE("voltages and currents, arrows and conduction follow the cursor", "[un
           "  a: net('a').querySelector('.voltage').textContent, arrow: part('R2').querySelector('.arrow').getAttribute('transform')});"
           "await at(0.0625); seen.early = look();"
           "await at(0.375); seen.later = look(); seen.time = byId('schematic-time').textContent;"
-          "const slider = byId('schematic-slider'); slider.value = 500; slider.oninput({target: slider}); await wait(100); seen.middle = "
+          "const slider = byId('schematic-slider'); slider.value = 500; await changed(() => slider.oninput({target: slider})); seen.middle "
+          "= "
           "look();");
   if (seen.object.empty()) return;
   // At 0.25 s v(a) = −1.5 V: D1 blocks; D2 carries (1.5 V − 1 V) over 1 Ω + 1 Ω backwards. At 1.5 s v(a) = 1 V, over 10 Ω. At 2 s it is 2 V.

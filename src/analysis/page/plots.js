@@ -82,7 +82,7 @@ function makePlot(members) {
 const extents = new Map();
 function extentOf(signal) {
   if (!extents.has(signal)) {
-    const m = measure(signal, signal.begin, signal.end);
+    const m = measure(signal, signal.exactFrom, signal.end);
     extents.set(signal, {size: Math.max(Math.abs(m.low), Math.abs(m.high)), swing: m.high - m.low});
   }
   return extents.get(signal);

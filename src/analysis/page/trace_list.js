@@ -62,7 +62,7 @@ function addExpression(text) {
   try {
     const made = expressionOf(text, data.signals.filter(signal => !signal.isDerived));
     if (made.signals.some(signal => signal.record !== made.signals[0].record)) throw new Error("its signals are of different runs");
-    data.signals.push(derived(text, made.unit, made.signals, made.at));
+    data.signals.push(derived(text, made.unit, made.signals, made));
     showOnly([...traces, data.signals.length - 1]);
     element("expression-error").textContent = "";
     return true;
