@@ -101,7 +101,7 @@ TEST_CASE("fingers at 390 pixels: two zoom, one moves, a tap and a long tap set 
                "seen.outside = [...document.body.querySelectorAll('*')].filter(box => !box.closest('.scroll') && "
                "box.getBoundingClientRect().right > "
                "innerWidth).map(box => box.outerHTML.slice(0, 60)).join('; ');"
-               "seen.small = [...document.querySelectorAll('.bar button')].filter(box => box.getBoundingClientRect().height < 24).length;"
+               "seen.small = [...document.querySelectorAll('.bar button')].filter(box => isShown(box) && box.getBoundingClientRect().height < 24).length;"
                "seen.plot = plotArea(0).clientWidth;",
            "", {phone});
   if (seen.object.empty()) return;
