@@ -171,6 +171,7 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
                     {"signals", json_line(page.signals)},
                     {"panels", array_of(panels_of(names), [](const auto& members) { return array_of(members, index_text); })},
                     {"saved", index_text(std::min(names.size(), outcome.signals.size()))},
+                    {"leftOut", index_text(outcome.signals.size() + outcome.drawn_signals.size() - names.size())},
                     {"schematic", schematic_text(outcome)},
                     {"ports", index_text(recorder.ports())},
                     {"lanes", array_of(recorder.lanes(), lane_text)},

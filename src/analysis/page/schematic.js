@@ -155,7 +155,8 @@ class SheetPicture {
   writeVoltage(net, number) {
     if (net.name === "0" || net.texts.length || !hasSignal(net.key)) return;
     const wires = this.sheet.wires.filter(wire => wire[4] === number), length = ([x1, y1, x2, y2]) => Math.abs(x2 - x1) + Math.abs(y2 - y1);
-    const places = wires.sort((a, b) => length(b) - length(a)).flatMap(([x1, y1, x2, y2]) => [0.5, 0.25, 0.75].flatMap(share =>
+    const longest = 4;  // are tried
+    const places = wires.sort((a, b) => length(b) - length(a)).slice(0, longest).flatMap(([x1, y1, x2, y2]) => [0.5, 0.25, 0.75].flatMap(share =>
       placesAt(x1 + share * (x2 - x1), y1 + share * (y2 - y1), letterHeight)));
     if (places.length) net.texts = writeLines(net.group, [[widestVoltage, "voltage"]], this.lettering.place(places, widestVoltage.length * letterWidth, letterHeight));
   }

@@ -158,18 +158,17 @@ function scaleSchematic(factor = null) {
   picture.svg.setAttribute("height", picture.height * (schematicScale ?? fitting));
 }
 
-function fillSchematicHint() {
+function fillSchematicLegend() {
   const names = [["conducting", "conducts"], ["blocking", "blocks"], ["breakdown", "breaks down"]];
   const box = element("schematic-legend");
-  box.replaceChildren();
-  if (!data.lanes.length) return;
-  for (const [state, text] of names) {
+  for (const [state, text] of data.lanes.length ? names : []) {
     const entry = document.createElement("span"), mark = document.createElement("i");
     mark.className = "mark " + state;
     entry.append(mark, text);
     box.append(entry);
   }
-  if (data.ports > data.lanes.length) box.append("States of the first " + data.lanes.length + " of " + data.ports + " ports are known.");
+  if (data.ports > data.lanes.length) box.append("States of the first " + data.lanes.length + " of " + data.ports + " diodes and switches are known. ");
+  if (data.leftOut > 0 && hasWaveforms()) box.append("The page holds " + data.signals.length + " signals; nets and elements beyond have no values.");
 }
 
 // Cursor A through what is visible, once.
@@ -204,11 +203,12 @@ function startSchematic() {
   element("schematic-in").onclick = () => scaleSchematic(1.25);
   element("schematic-out").onclick = () => scaleSchematic(0.8);
   element("schematic-svg").onclick = () => download("svg", new Blob([drawingAsSvg(picture.svg)], {type: "image/svg+xml"}), "schematic");
+  element("schematic-pin").onchange = event => element("schematic").classList.toggle("pinned", event.target.checked);
   element("schematic-play").onclick = playSchematic;
   element("schematic-slider").oninput = event => setCursor("A", visible.min + event.target.value / 1000 * (visible.max - visible.min));
-  whenViewChanges(() => soon(fillSchematic));
+  whenViewChanges(fillSchematic);
   whenPointed(() => soon(fillSchematic));
   addEventListener("resize", () => soon(() => scaleSchematic()));
-  fillSchematicHint();
+  fillSchematicLegend();
   showPlace(0);
 }
