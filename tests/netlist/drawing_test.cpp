@@ -161,7 +161,7 @@ TEST_CASE("sheets of blocks have the names of the flat circuit at each place", "
   const std::string wires =
       "PIN -32 0 LEFT 8\nPINATTR PinName in\nPINATTR SpiceOrder 1\nPIN 32 0 NONE 0\nPINATTR PinName out\nPINATTR SpiceOrder 2\n";
   write("inner.asy", "Version 4\nSymbolType BLOCK\nRECTANGLE Normal -32 -16 32 16\nLINE Normal -32 -16 32 16 2\n" + wires);
-  write("inner.asc", "Version 4\nWIRE 16 96 96 96\nFLAG 16 16 in\nFLAG 96 96 out\nFLAG 0 0 0\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\n");
+  write("inner.asc", "Version 4\nWIRE 16 96 96 96\nFLAG 16 16 in\nFLAG 96 96 out\nFLAG 0 0 Vcc\nSYMBOL res 0 0 R0\nSYMATTR InstName R1\n");
   write("outer.asy", "Version 4\nSymbolType BLOCK\n" + wires);
   write("outer.asc",
         "Version 4\nWIRE 32 0 96 0\nFLAG -32 0 in\nFLAG 160 0 out\nSYMBOL inner 0 0 R0\nSYMATTR InstName X1\nSYMBOL inner 128 0 "
@@ -188,7 +188,7 @@ TEST_CASE("sheets of blocks have the names of the flat circuit at each place", "
   CHECK(places[3].path == "X3.XU2");
   CHECK(node(3, "in") == "X3.N001");
   CHECK(node(3, "out") == "b");
-  CHECK(node(3, "0") == "0");
+  CHECK(node(3, "Vcc") == "Vcc");
   const DrawnSheet::Part& inner = drawn.drawing[places[1].sheet].parts.front();
   REQUIRE(inner.strokes.size() == 2);
   CHECK(inner.strokes[0].kind == netlist::Stroke::Kind::rectangle);

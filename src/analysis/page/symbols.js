@@ -11,8 +11,8 @@ const controls = "M-48 32H-34M-48 80H-34";
 const controlSigns = (plus, minus) => [["+", -26, plus], ["−", -26, minus]];
 const plusMinus = y => [["+", 0, y - 15], ["−", 0, y + 15]];
 
-function diodeLike(bar, more = "") {
-  return {lines: `M16 0V20M16 44V64${bar}${more}`, valve: "M2 20H30L16 44Z", box: [0, 18, 32, 46]};
+function diodeLike(bar, more = "", box = [0, 18, 32, 46]) {
+  return {lines: `M16 0V20M16 44V64${bar}${more}`, valve: "M2 20H30L16 44Z", box};
 }
 function sourceLike(top, bottom, inner, more = {}) {
   const middle = (top + bottom) / 2, r = Math.min(32, (bottom - top) / 2 - 6);
@@ -59,7 +59,7 @@ const shapes = {
   diode: diodeLike("M0 44H32"),
   schottky: diodeLike("M5 38H0V44H32V50H27"),
   zener: diodeLike("M-5 38L0 44H32L37 50"),
-  led: diodeLike("M0 44H32", "M34 26L44 16M44 16H38M44 16V22M36 36L46 26M46 26H40M46 26V32"),
+  led: diodeLike("M0 44H32", "M34 26L44 16M44 16H38M44 16V22M36 36L46 26M46 26H40M46 26V32", [0, 14, 48, 46]),
   varactor: diodeLike("M0 44H32M0 50H32"),
   voltage: sourceLike(16, 96, "", {signs: plusMinus(56)}),
   battery: {lines: leads(0, 16, 44, 68, 96) + "M-24 44H24M-12 52H12M-24 60H24M-12 68H12", signs: [["+", 14, 34]], box: [-24, 40, 24, 72]},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/names.hpp"
 #include "netlist/schematic/words.hpp"
@@ -43,7 +44,10 @@ class SheetDrawer {
     for (const auto& [point, ends] : ends_at_places(sheet_, placed_))
       if (ends > 2) drawn_.dots.push_back(point);
     for (const Placed& element : placed_) drawn_.parts.push_back(part(element));
-    for (const Directive& directive : sheet_.directives) add_coupling(directive);
+    for (const Directive& directive : sheet_.directives) {
+      add_coupling(directive);
+      add_globals(directive.text);
+    }
     return std::move(drawn_);
   }
 
@@ -81,6 +85,11 @@ class SheetDrawer {
       drawn_.couplings.push_back({{directive.at.x, directive.at.y + line_height * directive.line}, std::string(line)});
   }
 
+  void add_globals(std::string_view line) {
+    if (!same_name(take_word(line), ".global")) return;
+    for (std::string_view name = take_word(line); !name.empty(); name = take_word(line)) drawn_.globals.push_back(without_case(name));
+  }
+
   const Sheet& sheet_;
   const std::vector<Placed>& placed_;
   const Nets& nets_;
@@ -92,6 +101,7 @@ class Places {
  public:
   explicit Places(const Drawing& drawing) : drawing_(drawing) {
     for (std::size_t k = 1; k < drawing.size(); ++k) sheets_.emplace(without_case(drawing[k].block), k);
+    for (const DrawnSheet& sheet : drawing) globals_.insert(sheet.globals.begin(), sheet.globals.end());
   }
 
   std::vector<DrawnPlace> find() {
@@ -109,12 +119,16 @@ class Places {
 
   static std::string inside(const std::string& path, const std::string& name) { return path.empty() ? name : path + '.' + name; }
 
+  [[nodiscard]] bool is_global(const std::string& key) const { return key == "0" || key.starts_with("$g_") || globals_.contains(key); }
+
   void add(const std::string& path, std::size_t sheet, const Ports& ports) {
     if (places_.size() == most_drawn_places) return;
     DrawnPlace place{path, sheet, {}, {}};
     for (const std::string& net : drawing_[sheet].nets) {
       const auto port = ports.find(without_case(net));
-      place.nodes.push_back(net == "0" ? net : port != ports.end() ? port->second : inside(path, net));
+      place.nodes.push_back(is_global(without_case(net)) ? net
+                            : port != ports.end()                              ? port->second
+                                                                               : inside(path, net));
     }
     for (const DrawnSheet::Part& part : drawing_[sheet].parts)
       place.elements.push_back(part.element.empty() ? "" : inside(path, part.element));
@@ -135,6 +149,7 @@ class Places {
 
   const Drawing& drawing_;
   std::map<std::string, std::size_t> sheets_;
+  std::set<std::string> globals_;
   std::vector<DrawnPlace> places_;
 };
 

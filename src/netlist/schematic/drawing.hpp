@@ -45,7 +45,8 @@ struct DrawnSheet {
   std::vector<Label> labels;
   std::vector<GridPoint> dots;  ///< where three or more ends meet
   std::vector<Part> parts;
-  std::vector<Text> couplings;  ///< K cards, one line each
+  std::vector<Text> couplings;       ///< K cards, one line each
+  std::vector<std::string> globals;  ///< of `.global`: nets that have their name everywhere, without case
 };
 
 /// The schematic itself comes first.
