@@ -6,7 +6,7 @@ set(PWLSIM_PAGE_PARTS
   page_plot_script third_party/uplot/uPlot.iife.min.js)
 # One script of several files, in the order in which their names are needed.
 set(PWLSIM_PAGE_SCRIPTS text expression panels solution view plots pointer trace_list timeline overview measurements chart fourier spectrum xy
-  sweep_charts export address keys tables start)
+  sweep_charts export address keys tables symbols lettering schematic_values schematic start)
 
 function(pwlsim_page output)
   file(READ ${PROJECT_SOURCE_DIR}/third_party/README.md readme)

@@ -64,6 +64,16 @@ std::vector<std::string> kept_signals(const RunOutcome& outcome, std::size_t cou
   return {outcome.signals.begin(), outcome.signals.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
+/// The saved ones come first.
+std::vector<std::string> recorded_names(const RunOutcome& outcome, std::size_t count) {
+  std::vector<std::string> names = outcome.signals;
+  names.insert(names.end(), outcome.drawn_signals.begin(), outcome.drawn_signals.end());
+  names.resize(count);
+  return names;
+}
+
+std::string schematic_text(const RunOutcome& outcome) { return outcome.schematic.empty() ? "null" : outcome.schematic; }
+
 /// A number to so many digits that its error is below `error`.
 std::string number_to(double value, double error) {
   constexpr int most_digits = 17;
@@ -149,7 +159,7 @@ PageData page_data(const std::vector<const SolutionRecord*>& solutions, const st
 
 std::string data_text(const RunOutcome& outcome, const RunReport& run, const RunRecorder& recorder) {
   const SolutionRecord& solution = recorder.solution();
-  const std::vector<std::string> names = kept_signals(outcome, solution.empty() ? 0 : solution.signals());
+  const std::vector<std::string> names = recorded_names(outcome, solution.empty() ? 0 : solution.signals());
   std::vector<PageSignal> shown;
   for (std::size_t k = 0; k < names.size(); ++k) shown.push_back({names[k], std::string(unit_of_signal(names[k])), "", 0, k});
   const PageData page = page_data({&solution}, shown);
@@ -160,6 +170,9 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
                     {"records", json_line(page.records)},
                     {"signals", json_line(page.signals)},
                     {"panels", array_of(panels_of(names), [](const auto& members) { return array_of(members, index_text); })},
+                    {"saved", index_text(std::min(names.size(), outcome.signals.size()))},
+                    {"leftOut", index_text(outcome.signals.size() + outcome.drawn_signals.size() - names.size())},
+                    {"schematic", schematic_text(outcome)},
                     {"ports", index_text(recorder.ports())},
                     {"lanes", array_of(recorder.lanes(), lane_text)},
                     {"marks", array_of(event_marks(recorder.events()), marks_text)},
@@ -202,6 +215,8 @@ std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
                     {"quantities", array_of(kept_signals(outcome, signals), json_string)},
                     {"runNames", array_of(names, json_string)},
                     {"drawnRuns", index_text(names.size())},
+                    {"saved", index_text(shown.size())},
+                    {"schematic", schematic_text(outcome)},
                     {"ports", "0"},
                     {"lanes", "[]"},
                     {"marks", array_of(run_marks(outcome.sweep), marks_text)},

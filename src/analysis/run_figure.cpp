@@ -56,7 +56,8 @@ std::vector<waveform::Marks> event_marks(const std::vector<engine::Event>& event
 
 waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder) {
   const measure::SolutionRecord& solution = recorder.solution();
-  const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(solution.signals()));
+  const std::size_t count = std::min(names.size(), solution.signals());  // there may be more, of a page
+  const std::vector<std::string> kept(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count));
   waveform::Figure figure{title, "time", "s", {}, event_marks(recorder.events()), recorder.lanes()};
   std::size_t drawn = 0;
   for (const auto& members : panels_of(kept)) {

@@ -27,6 +27,8 @@ struct RunOutcome {
   int status = 0;  ///< of the program at its exit
   std::optional<Rows> rows;
   std::vector<std::string> signals;
+  std::vector<std::string> drawn_signals;              ///< that the page has besides
+  std::string schematic;                               ///< of the page, as JSON; empty where there is none
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
   std::optional<SteadyState> steady_state;

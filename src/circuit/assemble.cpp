@@ -167,9 +167,12 @@ class Assembler {
     warn_of_unused_ic();
   }
 
-  /// Saved ones first, then those that are measured only.
+  /// Saved ones first, then those that are drawn only, then those that are measured only.
   void add_signals(std::vector<SignalSource> signals, const std::vector<SignalSource>& probes) {
     const std::size_t saved = signals.size();
+    std::vector<SignalSource> drawn = resolve_drawn(circuit_, names_, signals);
+    circuit_.drawn_signals = drawn.size();
+    signals.insert(signals.end(), std::make_move_iterator(drawn.begin()), std::make_move_iterator(drawn.end()));
     auto& numbers = circuit_.measurements.probe_signals;
     for (const SaveRequest& probe : circuit_.probes)
       circuit_.measurements.probe_quantities.push_back(probe.kind == SaveRequest::Kind::voltage   ? Quantity::voltage

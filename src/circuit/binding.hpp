@@ -26,7 +26,8 @@ class Binding {
 
   /// The node a word names at `place`, created at its first use.
   [[nodiscard]] model::NodeIndex node(Place& place, const netlist::Item& word);
-  [[nodiscard]] bool is_global(const std::string& key) const { return definitions_.global_nodes.contains(key); }
+  /// Named by `.global`, or as LTspice and PSpice name nodes that are one everywhere: `$G_VDD`.
+  [[nodiscard]] bool is_global(const std::string& key) const { return key.starts_with("$g_") || definitions_.global_nodes.contains(key); }
   /// A source with a DC value and a waveform: other simulators read .op from the first.
   void note_two_values(const netlist::Card& card);
   /// A card lacks something: what it was to connect is not known.

@@ -36,6 +36,11 @@ struct SaveRequest {
   int number = 0;       ///< and which, from 1
 };
 
+/// Nodes and elements by full name whose signals a picture of the circuit shows. Names that are none, and elements without a current, are passed over.
+struct DrawnNames {
+  std::vector<std::string> nodes, elements;
+};
+
 /// One thing of `.ic`: the voltage of a node or the current of an inductor, by full name.
 struct InitialCondition {
   bool is_current = false;
@@ -64,11 +69,13 @@ class Circuit {
   std::vector<elements::Instance> instances;
   std::vector<elements::Model> models;
   std::vector<SaveRequest> saves;  ///< none: all
+  DrawnNames drawn;                ///< of what a picture shows besides
   HiddenParts hidden;
   std::vector<GateOutput> gate_outputs;
   Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
   std::vector<SaveRequest> probes;   ///< signals that measurements read
-  std::size_t measured_signals = 0;  ///< signals of the network that are measured and not saved: the last ones; filled in by assemble
+  std::size_t measured_signals = 0;  ///< the last ones of the network: drawn or measured, not saved; filled in by assemble
+  std::size_t drawn_signals = 0;     ///< the first of these, which are drawn
   std::vector<InitialCondition> conditions;
   Analyses analyses;
   std::vector<elements::Written> unfollowed;   ///< numbers that depend on parameters of .sens, and that are none of an element

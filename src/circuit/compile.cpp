@@ -23,6 +23,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
                   fmt::format("no element is connected to ground: the node {} is used as ground; try 0 as its name", ground));
   }
   Circuit& circuit = flattened.circuit;
+  if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
@@ -35,11 +36,15 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (!options.measure && circuit.analyses.sweeps.runs() > 1)
     reporter.note("N-first-run", circuit.analyses.sweeps.list.front().span,
                   fmt::format("the first of the {} runs of .step is used", circuit.analyses.sweeps.runs()));
-  if (!options.measure) network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
+  if (!options.measure) {
+    network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
+    circuit.drawn_signals = 0;
+  }
   Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
   if (options.measure) compiled.measurements = circuit.measurements;
   if (options.measure) compiled.orbit_measurements = circuit.orbit_measurements;
   compiled.measured_signals = circuit.measured_signals;
+  compiled.drawn_signals = circuit.drawn_signals;
   compiled.hidden = circuit.hidden;
   compiled.names_signals =
       std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });

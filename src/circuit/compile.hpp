@@ -18,9 +18,10 @@ struct CompileOptions {
   bool measure = false;           ///< .meas and .four are asked for; else they are only checked
   std::size_t run = 0;            ///< of those that .step asks for
   bool keep_circuit = false;      ///< for what works on elements, not on the network
+  DrawnNames drawn{};             ///< of a picture; passed over where there are several runs
 };
 
-/// `network.signals` are the columns of the output after `time`, in order; the last `measured_signals` are measured only.
+/// `network.signals` are the columns of the output after `time`, in order; the last `measured_signals` are drawn or measured only.
 struct Compiled {
   std::string title;
   model::Network network;
@@ -28,10 +29,13 @@ struct Compiled {
   std::optional<Circuit> circuit;  ///< where it was to be kept
   Measurements measurements{}, orbit_measurements{};  ///< of .tran, of .pss
   std::size_t measured_signals = 0;
+  std::size_t drawn_signals = 0;  ///< the first of these, for pictures
   bool names_signals = false;  ///< the deck says which signals it saves
   HiddenParts hidden{};
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
+  /// With those that are drawn.
+  [[nodiscard]] std::size_t recorded_signals() const { return saved_signals() + drawn_signals; }
 };
 
 /// Subcircuits shipped with the program that the deck calls are added to `sources`, for messages to quote.

@@ -1,5 +1,6 @@
 #include "circuit/signals.hpp"
 
+#include <algorithm>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -139,6 +140,25 @@ std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameInde
 
 std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
   return SignalList(circuit, names, reporter).read_probes();
+}
+
+std::vector<SignalSource> resolve_drawn(const Circuit& circuit, const NameIndex& names, const std::vector<SignalSource>& known) {
+  std::vector<SignalSource> drawn;
+  const auto add = [&](SignalSource source) {
+    const auto is_same = [&](const SignalSource& other) { return other.is_same(source); };
+    if (std::none_of(known.begin(), known.end(), is_same) && std::none_of(drawn.begin(), drawn.end(), is_same))
+      drawn.push_back(std::move(source));
+  };
+  for (const std::string& name : circuit.drawn.nodes)
+    if (const auto node = names.node(name); node && *node != model::ground)
+      add({fmt::format("v({})", name), *node, model::ground, -1, ' ', 0});
+  for (const std::string& name : circuit.drawn.elements) {
+    const int element = names.element(name);
+    if (element < 0) continue;
+    const elements::Kind* kind = circuit.instances[static_cast<std::size_t>(element)].kind;
+    if (kind != nullptr && kind->has_current) add({fmt::format("i({})", name), model::ground, model::ground, element, ' ', 0});
+  }
+  return drawn;
 }
 
 model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted) {

@@ -26,6 +26,10 @@ struct SignalSource {
 /// In the order of the columns, each once. Unknown names are errors, with the nearest.
 [[nodiscard]] std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
 
+/// Of `circuit.drawn`, without those among `known`.
+[[nodiscard]] std::vector<SignalSource> resolve_drawn(const Circuit& circuit, const NameIndex& names,
+                                                      const std::vector<SignalSource>& known);
+
 /// Of what measurements read, in the order of Circuit::probes.
 [[nodiscard]] std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
 

@@ -19,13 +19,25 @@ bool only_unreadable_files(const Diagnostics& diagnostics) {
          });
 }
 
+circuit::DrawnNames names_in(const std::vector<netlist::DrawnPlace>& places) {
+  circuit::DrawnNames names;
+  for (const netlist::DrawnPlace& place : places) {
+    names.nodes.insert(names.nodes.end(), place.nodes.begin(), place.nodes.end());
+    names.elements.insert(names.elements.end(), place.elements.begin(), place.elements.end());
+  }
+  return names;
+}
+
 }  // namespace
 
-DeckReading read_deck(const std::string& name, const circuit::CompileOptions& options, SourceStore& sources, Messages& messages) {
+DeckReading read_deck(const std::string& name, circuit::CompileOptions options, SourceStore& sources, Messages& messages,
+                      bool keep_drawing) {
   DeckReading reading;
   Diagnostics diagnostics;
   const auto parse_start = Clock::now();
-  netlist::Loaded loaded = netlist::load(name, sources, diagnostics);
+  netlist::Loaded loaded = netlist::load(name, sources, diagnostics, {}, keep_drawing ? &reading.drawing : nullptr);
+  reading.places = netlist::places_of(reading.drawing);
+  options.drawn = names_in(reading.places);
   reading.seconds_parse = since(parse_start);
   const auto flatten_start = Clock::now();
   if (loaded.readable) reading.compiled = circuit::compile(loaded.deck, sources, diagnostics, options);

@@ -52,7 +52,7 @@ class OrbitSession : public AnalysisSession {
     OutputFile& file = is_alone ? *run.rows_file : *file_;
     analysis::RunControl control{run.options.events, true, {}, &caught_signal()};
     control.longest_window = analysis::most_periods_measured * state.orbit.period;
-    if (is_alone && run.has_pictures()) control.recorder = &run.recorder.emplace(0.0, state.orbit.period, run.compiled->saved_signals());
+    if (is_alone && run.has_pictures()) control.recorder = &run.recorder.emplace(0.0, state.orbit.period, run.compiled->recorded_signals());
     const auto writer = analysis::row_writer(run.options.format, *run.compiled, file);
     const auto simulate = run.options.no_rows ? analysis::without_rows(state.simulate) : state.simulate;
     analysis::TransientRun orbit = analysis::run_transient(state.compiled, simulate, file, *writer, control);

@@ -18,6 +18,7 @@
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"
 #include "cli/deck_reader.hpp"
+#include "cli/schematic_json.hpp"
 #include "cli/signals.hpp"
 #include "cli/split_files.hpp"
 #include "cli/sweep_session.hpp"
@@ -78,7 +79,7 @@ class Session {
 };
 
 int Session::prepare() {
-  DeckReading reading = read_deck(run_.options.deck, {.measure = true}, run_.sources, run_.messages);
+  DeckReading reading = read_deck(run_.options.deck, {.measure = true}, run_.sources, run_.messages, !run_.options.report.empty());
   run_.report.seconds.parse = reading.seconds_parse;
   run_.report.seconds.flatten = reading.seconds_flatten;
   run_.outcome.title = reading.deck.title;
@@ -86,8 +87,11 @@ int Session::prepare() {
   run_.compiled = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
   run_.files = std::move(reading.files);
+  run_.outcome.schematic = schematic_json(reading.drawing, reading.places);
   const std::vector<std::string> names = analysis::column_names(*run_.compiled);
   run_.outcome.signals.assign(names.begin() + 1, names.end());
+  for (std::size_t k = run_.compiled->saved_signals(); k < run_.compiled->recorded_signals(); ++k)
+    run_.outcome.drawn_signals.push_back(run_.compiled->network.signals[k].name);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
   const double model_start = run_.seconds();

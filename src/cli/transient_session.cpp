@@ -45,7 +45,8 @@ class TransientSession : public AnalysisSession {
     const bool keeps_jumps = options.events || options.json || run.report_file || !options.stats.empty();
     analysis::RunControl control{options.events, keeps_jumps, {}, &caught_signal()};
     if (progress.shown()) control.progress = [&progress](double time) { progress.reached(time); };
-    if (run.has_pictures()) control.recorder = &run.recorder.emplace(card.start.seconds, card.stop.seconds, run.compiled->saved_signals());
+    if (run.has_pictures())
+      control.recorder = &run.recorder.emplace(card.start.seconds, card.stop.seconds, run.compiled->recorded_signals());
     writer_ = analysis::row_writer(options.format, *run.compiled, *run.rows_file);
     if (options.check) kept_rows_.emplace(*writer_, 1 + run.compiled->saved_signals());
     return analysis::run_transient(*run.compiled, run.engine.simulate, *run.rows_file, kept_rows_ ? *kept_rows_ : *writer_, control);

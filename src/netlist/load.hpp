@@ -8,6 +8,7 @@
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
 #include "netlist/ast.hpp"
+#include "netlist/schematic/drawing.hpp"
 
 namespace pwlsim::netlist {
 
@@ -27,7 +28,9 @@ struct Loaded {
   bool readable = true;
   std::vector<std::string> files;  ///< those read: the top file, then the others
 };
-[[nodiscard]] Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits = {});
+/// `drawing` takes what a picture of a schematic needs; null: nobody wants one.
+[[nodiscard]] Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits = {},
+                          Drawing* drawing = nullptr);
 
 /// The netlist of the schematic `path` as text.
 struct WrittenNetlist {

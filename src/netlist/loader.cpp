@@ -64,7 +64,7 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
 Loader::File Loader::add_top(const std::string& name, std::string bytes, const std::filesystem::path& directory) {
   File file = add_text(name, std::move(bytes), directory);
   if (!is_schematic(name) || !file.is_text) return file;
-  SchematicNetlist netlist = netlist_of(file.index, directory, sources_, errors_.diagnostics());
+  SchematicNetlist netlist = netlist_of(file.index, directory, sources_, errors_.diagnostics(), drawing_);
   symbol_files_ = std::move(netlist.files);
   file.index = sources_.add("netlist of " + name, std::move(netlist.text), std::move(netlist.origins));
   return file;
@@ -401,13 +401,14 @@ WrittenNetlist write_netlist(const std::string& path, SourceStore& sources, Diag
   return written;
 }
 
-Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits) {
+Loaded load(const std::string& path, SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits, Drawing* drawing) {
   FileBytes file = read_file(path);
   if (!file.readable) {
     diagnostics.error("E-file-unreadable", {}, "cannot read '" + path + "': " + file.reason);
     return {{}, false, {}};
   }
   Loader loader(sources, diagnostics, limits);
+  loader.keep_drawing(drawing);
   Loaded loaded{loader.read_deck(path, std::move(file.bytes), std::filesystem::path(path).parent_path()), true, {path}};
   for (std::string& name : loader.files()) loaded.files.push_back(std::move(name));
   return loaded;

@@ -28,6 +28,8 @@ class Loader {
   Deck read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory);
   /// The netlist of a schematic, whose bytes these are; empty where it is no text.
   std::string write_netlist(const std::string& name, std::string bytes, const std::filesystem::path& directory);
+  /// Of a schematic; call it before.
+  void keep_drawing(Drawing* drawing) { drawing_ = drawing; }
   /// Those read besides the top file.
   [[nodiscard]] std::vector<std::string> files() const;
 
@@ -79,6 +81,7 @@ class Loader {
   Deck deck_;
   std::map<std::string, File> files_;      ///< by canonical path
   std::vector<std::string> symbol_files_;  ///< of a schematic
+  Drawing* drawing_ = nullptr;             ///< null: not wanted
   std::set<FileIndex> reads_;
   std::vector<Visit> visits_;
   std::size_t repeated_files_ = 0;

@@ -154,3 +154,22 @@ TEST_CASE("a circuit can be built without a deck", "[unit]") {
   REQUIRE(diagnostics.all().size() == 1);
   CHECK(diagnostics.all()[0].id == "E-incomplete");
 }
+
+TEST_CASE("signals of a picture stand behind those saved and before those measured; names that are none are passed over", "[unit]") {
+  const std::string cards =
+      "V1 In 0 1\nR1 in 0 1\nX1 in sub\n.subckt sub a\nR2 a b 1\nK1 L1 L2 1\nL1 b 0 1\nL2 b 0 1\n.ends\n.save v(in)\n.tran 1 2\n.meas m "
+      "AVG v(X1.b)\n";
+  const circuit::DrawnNames drawn{{"in", "0", "nowhere", "x1.B", "X1.b"}, {"X1.R2", "R1", "X1.K1", "X1", "r1"}};
+  const auto deck = compile_deck(cards, {.measure = true, .drawn = drawn});
+  CHECK(deck.messages() == "");
+  REQUIRE(deck.compiled);
+  CHECK(test::columns(deck.network()) == std::vector<std::string>{"v(in)", "v(x1.B)", "i(X1.R2)", "i(R1)"});
+  CHECK(deck.compiled->saved_signals() == 1);
+  CHECK(deck.compiled->recorded_signals() == 4);
+  // What is measured alone, as v(X1.b) is where nobody draws it, follows.
+  const auto plain = compile_deck(cards, {.measure = true, .drawn = {{}, {"R1"}}});
+  CHECK(test::columns(plain.network()) == std::vector<std::string>{"v(in)", "i(R1)", "v(X1.b)"});
+  CHECK(plain.compiled->recorded_signals() == 2);
+  const auto swept = compile_deck(cards + ".step param p list 1 2\n", {.measure = true, .drawn = drawn});
+  CHECK(swept.compiled->recorded_signals() == 1);
+}

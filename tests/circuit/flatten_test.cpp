@@ -134,13 +134,16 @@ X2 s
 R1 vcc n 1
 R2 n gnd 1
 R3 n GND 1
+R4 $g_b n 1
 .ends
+V2 $G_B 0 1
 .tran 1m
 )");
   INFO(deck.messages());
   REQUIRE(deck.compiled.has_value());
   const model::Network& network = deck.network();
-  CHECK(network.nodes.size() == 3);
+  CHECK(network.nodes.size() == 4);
+  CHECK(named(network.resistors, "X1.R4").p == named(network.branches, "V2").p);  // LTspice's help, "Label a node name"
   CHECK(named(network.resistors, "X1.R1").p == named(network.resistors, "X2.R1").p);
   CHECK(named(network.resistors, "X1.R1").n != named(network.resistors, "X2.R1").n);
   CHECK(named(network.resistors, "X1.R2").n == model::ground);

@@ -101,7 +101,7 @@ TEST_CASE("fingers at 390 pixels: two zoom, one moves, a tap and a long tap set 
                "seen.outside = [...document.body.querySelectorAll('*')].filter(box => !box.closest('.scroll') && "
                "box.getBoundingClientRect().right > "
                "innerWidth).map(box => box.outerHTML.slice(0, 60)).join('; ');"
-               "seen.small = [...document.querySelectorAll('.bar button')].filter(box => box.getBoundingClientRect().height < 24).length;"
+               "seen.small = [...document.querySelectorAll('.bar button')].filter(box => isShown(box) && box.getBoundingClientRect().height < 24).length;"
                "seen.plot = plotArea(0).clientWidth;",
            "", {phone});
   if (seen.object.empty()) return;
@@ -303,4 +303,23 @@ TEST_CASE("switches within gates show when asked for, and slopes are drawn as sl
   CHECK(seen["offered"].truth);
   CHECK(std::stod(seen["open"].string) > 1.0);
   CHECK(seen["spare"].number > 0.0);
+}
+
+TEST_CASE("where a long run has only bins an expression lies between its bounds, and its statistics are of what is exact", "[unit]") {
+  // v(a) between 2 and 4 V over 1 kΩ: the power between 4 and 16 mW, in every bin of several periods.
+  const Json seen =
+      used("long\nV1 a 0 SIN(3 1 1k)\nR1 a 0 1k\nV2 b 0 PULSE(0 1 0 1n 1n 50u 100u)\nR2 b 0 1\n.tran 1m 4\n.save v(a) i(R1) v(b)\n",
+           "const file = new DOMParser().parseFromString(saved('svg')[1], 'image/svg+xml');"
+           "const points = file.querySelector('polyline').getAttribute('points').split(' ').map(point => point.split(',').map(Number));"
+           "const early = points.filter(([x]) => x < 300).map(([, y]) => y);"
+           "seen.points = early.length; seen.top = Math.min(...early); seen.bottom = Math.max(...early);"
+           "seen.rows = byId('measurements').textContent; seen.hint = byId('measurement-hint').textContent;",
+           "#expression=v(a)*i(R1)&traces=v(a)*i(R1)&y=0:0:0.02");
+  if (seen.object.empty()) return;
+  CHECK_THAT(seen["hint"].string, Contains("more events than this page keeps"));
+  CHECK(seen["points"].number > 100.0);
+  // The plot is 200 high from y = 20 on, for 20 mW to 0.
+  CHECK(seen["top"].number == Approx(20.0 + 200.0 * 0.2).margin(0.1));
+  CHECK(seen["bottom"].number == Approx(20.0 + 200.0 * 0.8).margin(0.1));
+  CHECK_THAT(seen["rows"].string, Contains("16 mW"));
 }

@@ -1,7 +1,7 @@
 // The view as files.
-function download(kind, blob) {
+function download(kind, blob, what = "view") {
   const link = document.createElement("a");
-  link.download = run.deck.replace(/.*\//, "").replace(/\.[^.]*$/, "") + "-view." + kind;
+  link.download = run.deck.replace(/.*\//, "").replace(/\.[^.]*$/, "") + "-" + what + "." + kind;
   link.href = URL.createObjectURL(blob);
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
@@ -76,4 +76,19 @@ function viewAsSvg() {
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${bottom + 20}" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>` +
     plots.map(plotAsSvg).join("") + `<text x="${left}" y="${bottom + 10}">${quantity(visible.min, "s", 9)}</text>` +
     `<text x="${width - right}" y="${bottom + 10}" text-anchor="end">${quantity(visible.max, "s", 9)}</text></svg>\n`;
+}
+
+// A drawing of the page as a file of its own, with the colours that it has now.
+function drawingAsSvg(drawn) {
+  const kept = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-linecap", "stroke-linejoin", "stroke-dasharray", "opacity", "font-size", "font-weight", "font-family"];
+  const copy = drawn.cloneNode(true), originals = [...drawn.querySelectorAll("*")], copies = [...copy.querySelectorAll("*")];
+  originals.forEach((original, k) => {
+    const style = getComputedStyle(original), made = copies[k];
+    if (style.display === "none" || original.matches(".reach, title")) return made.remove();
+    for (const name of ["class", "style", "tabindex", "role", "aria-label", "data-state"]) made.removeAttribute(name);
+    if (original.tagName !== "g") for (const name of kept) made.setAttribute(name, style.getPropertyValue(name));
+  });
+  const [x, y, width, height] = copy.getAttribute("viewBox").split(" "), paper = svgPart(null, "rect", {x, y, width, height, fill: styled("--paper")});
+  copy.prepend(paper);
+  return new XMLSerializer().serializeToString(copy) + "\n";
 }

@@ -13,7 +13,7 @@ function fillMeasurements() {
   for (const signal of data.signals.filter((each, k) => traces.has(k))) {
     const at = name => cursors[name] === null ? null : valueAt(signal, cursors[name]);
     const a = at("A"), b = at("B");
-    const own = {from: Math.max(from, signal.begin), to: Math.min(to, signal.end)};
+    const own = {from: Math.max(from, signal.exactFrom), to: Math.min(to, signal.end)};
     if (own.to <= own.from) continue;
     const m = measure(signal, own.from, own.to);
     const numbers = [a, b, a === null || b === null ? null : b - a, m.low, m.high, m.high - m.low, m.mean, m.rms];

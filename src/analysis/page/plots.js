@@ -70,7 +70,7 @@ function makePlot(members) {
       {...axis, size: axisWidth(), values: (plot, ticks) => tickTexts(ticks, unit)},
     ],
     series: [{label: "time", value: (plot, value) => quantity(value, "s", 9)}, ...members.map(seriesOf)],
-    hooks: {draw: [finishDrawing], ready: [listenToPlot]},
+    hooks: {draw: [finishDrawing], ready: [listenToPlot], setCursor: [plot => pointAt(plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : null)]},
   };
   const plot = new uPlot(options, [[whole.min, whole.max], ...members.map(() => [null, null])], element("panels"));
   plot.members = members;
@@ -82,7 +82,7 @@ function makePlot(members) {
 const extents = new Map();
 function extentOf(signal) {
   if (!extents.has(signal)) {
-    const m = measure(signal, signal.begin, signal.end);
+    const m = measure(signal, signal.exactFrom, signal.end);
     extents.set(signal, {size: Math.max(Math.abs(m.low), Math.abs(m.high)), swing: m.high - m.low});
   }
   return extents.get(signal);

@@ -8,7 +8,7 @@ function solutionOf(data) {
     lengths.forEach((length, k) => { starts[k + 1] = starts[k] + length; });
     Object.assign(signal, data.records[signal.record], {starts, coefficients: Float64Array.from(signal.coefficients)});
     signal.extremes = new Map();
-    signal.begin = signal.bins.length ? signal.bins[0] : signal.edges[0];
+    signal.exactFrom = signal.begin = signal.bins.length ? signal.bins[0] : signal.edges[0];
     signal.end = signal.edges[signal.edges.length - 1];
   }
 
@@ -149,7 +149,7 @@ function solutionOf(data) {
       let low = Infinity, high = -Infinity, first = null, last = null;
       while (bin + 2 < signal.bins.length && signal.bins[bin + 1] <= begin) ++bin;
       for (let b = bin; b + 1 < signal.bins.length && signal.bins[b] < end; ++b) {
-        if (signal.bins[b + 1] <= begin) continue;
+        if (signal.bins[b + 1] <= begin || !Number.isFinite(signal.largest[b] - signal.least[b])) continue;
         low = Math.min(low, signal.least[b]);
         high = Math.max(high, signal.largest[b]);
       }
@@ -178,8 +178,9 @@ function solutionOf(data) {
   const projected = values =>
     Float64Array.from(values, (unused, k) => values.reduce((sum, value, i) => sum + (2 * k + 1) / 2 * gauss.weights[i] * value * legendre[k][i], 0));
 
-  // A signal that a function makes of others, on the pieces where these are known: each is halved until sixteen coefficients resolve it.
-  function derived(name, unit, sources, at) {
+  // A signal that a function makes of others, on the pieces where these are known: each is halved until sixteen coefficients resolve it. Where there are only
+  // bins it lies between bounds; its mean is not known there.
+  function derived(name, unit, sources, {at, within}) {
     const edges = [sources[0].edges[0]], lengths = [], coefficients = [], resolution = 1e-12, deepest = 10;
     let largest = 0;
     const add = (piece, lower, upper, depth) => {
@@ -199,8 +200,9 @@ function solutionOf(data) {
     for (let piece = 0; piece <= lastPiece(sources[0]); ++piece) add(piece, -1, 1, 0);
     const starts = new Uint32Array(lengths.length + 1);
     lengths.forEach((length, k) => { starts[k + 1] = starts[k] + length; });
-    return {name, unit, colour: "", record: sources[0].record, isDerived: true, bins: [], least: [], largest: [], mean: [], square: [], edges, starts,
-      coefficients: Float64Array.from(coefficients), extremes: new Map(), begin: edges[0], end: edges[edges.length - 1]};
+    const {bins} = sources[0], spans = sources[0].least.map((unused, k) => within(sources.map(source => [source.least[k], source.largest[k]])));
+    return {name, unit, colour: "", record: sources[0].record, isDerived: true, bins, least: spans.map(span => span[0]), largest: spans.map(span => span[1]), mean: [], square: [],
+      edges, starts, coefficients: Float64Array.from(coefficients), extremes: new Map(), exactFrom: edges[0], begin: bins.length ? bins[0] : edges[0], end: edges[edges.length - 1]};
   }
 
   // The pieces of a signal within [from, to] with their series; those that the window cuts are expanded anew.

@@ -12,7 +12,7 @@ function fillHints() {
   element("timeline-hint").textContent = data.lanes.length ? "Filled: the diode or switch conducts; a shade: for that share of the time." + ports : ticks;
   element("measurement-hint").textContent = "Exact, not of rows: hold the pointer over a number for all its digits." + (data.thinned
     ? " The run has more events than this page keeps. Before t = " + quantity(detailFrom, "s", 9) +
-      " the curves show the extremes of each short piece of time, and windows begin and end between two of these."
+      " the curves show the extremes of each short piece of time, and windows begin and end between two of these. Expressions lie between what is drawn of them there; their statistics are of the time after it."
     : "");
 }
 
@@ -68,6 +68,7 @@ function fillHeader() {
 fillHeader();
 fillSweepCharts();
 fillWaveforms();
+startSchematic();
 fillOperatingPoint();
 fillResults();
 fillRuns();

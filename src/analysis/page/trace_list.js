@@ -9,11 +9,11 @@ for (const signal of data.signals) {
 
 const everyTrace = () => data.signals.map((signal, k) => k);
 
-// Without gate signals; of a sweep the first few signals, each of all its runs.
+// Without gate signals and those that only the schematic needs; of a sweep the first few signals, each of all its runs.
 function tracesAtFirst() {
   const mostPanels = 4;
   if (isSweep) return data.panels.slice(0, mostPanels).flat();
-  const found = everyTrace().filter(k => !data.signals[k].isGate && !data.signals[k].isDerived);
+  const found = everyTrace().filter(k => k < data.saved && !data.signals[k].isGate && !data.signals[k].isDerived);
   return found.length ? found : everyTrace();
 }
 
@@ -62,7 +62,7 @@ function addExpression(text) {
   try {
     const made = expressionOf(text, data.signals.filter(signal => !signal.isDerived));
     if (made.signals.some(signal => signal.record !== made.signals[0].record)) throw new Error("its signals are of different runs");
-    data.signals.push(derived(text, made.unit, made.signals, made.at));
+    data.signals.push(derived(text, made.unit, made.signals, made));
     showOnly([...traces, data.signals.length - 1]);
     element("expression-error").textContent = "";
     return true;

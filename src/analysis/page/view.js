@@ -25,6 +25,16 @@ const watchers = [];
 function whenViewChanges(act) { watchers.push(act); }
 function tellChange() { for (const act of watchers) act(); }
 
+// The time at the pointer while that is in a plot, else null; and whom it concerns.
+let pointedTime = null;
+const pointerWatchers = [];
+function whenPointed(act) { pointerWatchers.push(act); }
+function pointAt(time) {
+  if (time === pointedTime) return;
+  pointedTime = time;
+  for (const act of pointerWatchers) act();
+}
+
 // Once before the next picture, however often it is asked for: a moving pointer reports more often than a screen draws.
 const waiting = new Set();
 function soon(act) {

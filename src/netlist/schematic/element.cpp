@@ -16,14 +16,6 @@ bool is_file_name(std::string_view text) {
   });
 }
 
-/// `Q1` on a symbol with the prefix M is MQ1.
-std::string element_name(const Placed& placed) {
-  std::string name = node_name(placed.attribute("InstName"));
-  const char letter = placed.letter();
-  if (!name.empty() && lower_letter(name.front()) == letter) return name;
-  return static_cast<char>(letter - 'a' + 'A') + name;
-}
-
 /// Pins without a wire: LTspice's own devices tie them to their common.
 std::string open_node(const Placed& placed, const Nets& nets) {
   constexpr std::size_t common = 8;
@@ -81,6 +73,13 @@ std::string Placed::attribute(std::string_view name) const {
 }
 
 bool is_jumper(const Placed& placed) { return same_name(placed.symbol->name, "jumper") && placed.pins().size() == 2; }
+
+std::string element_name(const Placed& placed) {
+  std::string name = node_name(placed.attribute("InstName"));
+  const char letter = placed.letter();
+  if (!name.empty() && lower_letter(name.front()) == letter) return name;
+  return static_cast<char>(letter - 'a' + 'A') + name;
+}
 
 std::string element_line(const Placed& placed, const Nets& nets) {
   std::string line = element_name(placed);

@@ -24,6 +24,9 @@ struct Placed {
 /// A link between two pins that is no element.
 [[nodiscard]] bool is_jumper(const Placed& placed);
 
+/// In the netlist: `Q1` on a symbol with the prefix M is MQ1.
+[[nodiscard]] std::string element_name(const Placed& placed);
+
 /// `R1 in out 10k`. What follows the nodes: SpiceModel, Value, Value2, SpiceLine, SpiceLine2.
 [[nodiscard]] std::string element_line(const Placed& placed, const Nets& nets);
 

@@ -54,14 +54,14 @@ bool ends_deck(std::string_view line) {
 
 class Netlister {
  public:
-  Netlister(const std::filesystem::path& folder, SourceStore& sources, Diagnostics& diagnostics)
-      : shelf_(folder), sources_(sources), diagnostics_(diagnostics) {}
+  Netlister(const std::filesystem::path& folder, SourceStore& sources, Diagnostics& diagnostics, Drawing* drawing)
+      : shelf_(folder), sources_(sources), diagnostics_(diagnostics), drawing_(drawing) {}
 
   SchematicNetlist write(FileIndex schematic, const std::filesystem::path& folder) {
     add_line(fmt::format("* {}", sources_.name(schematic)), {schematic, 0});
     const Sheet sheet = read_sheet(schematic, sources_, diagnostics_);
     note_models(sheet);
-    write_elements(sheet, folder);
+    write_elements(sheet, folder, {});
     while (!waiting_.empty()) write_block();
     write_additions();
     write_directives(sheet, false);
@@ -95,7 +95,7 @@ class Netlister {
     }
   }
 
-  void write_elements(const Sheet& sheet, const std::filesystem::path& folder) {
+  void write_elements(const Sheet& sheet, const std::filesystem::path& folder, const Block& block) {
     std::vector<Placed> placed;
     for (const Instance& instance : sheet.instances) place(instance, sheet, folder, placed);
     std::vector<GridPoint> pins;
@@ -110,6 +110,13 @@ class Netlister {
       if (!is_jumper(element)) write_element(element, nets);
     }
     for (const Nets::Alias& alias : nets.aliases()) add_line(fmt::format("R_label_{} {} {} 0", alias.label, alias.label, alias.net), {});
+    if (drawing_ != nullptr) add_drawing(draw_sheet(sheet, placed, nets), block);
+  }
+
+  void add_drawing(DrawnSheet drawn, const Block& block) {
+    drawn.block = block.name;
+    drawn.ports = block.ports;
+    drawing_->push_back(std::move(drawn));
   }
 
   void place(const Instance& instance, const Sheet& sheet, const std::filesystem::path& folder, std::vector<Placed>& placed) {
@@ -183,7 +190,7 @@ class Netlister {
     const Sheet sheet = read_sheet(index, sources_, diagnostics_);
     const SourceOrigin origin{index, 0};
     add_line(fmt::format(".subckt {} {}", block.name, fmt::join(block.ports, " ")), origin);
-    write_elements(sheet, block.file.parent_path());
+    write_elements(sheet, block.file.parent_path(), block);
     write_directives(sheet, true);
     add_line(fmt::format(".ends {}", block.name), origin);
   }
@@ -207,6 +214,7 @@ class Netlister {
   Shelf shelf_;
   SourceStore& sources_;
   Diagnostics& diagnostics_;
+  Drawing* drawing_;
   SchematicNetlist netlist_;
   std::set<char> kinds_;
   std::set<std::string> models_, blocks_;
@@ -216,8 +224,9 @@ class Netlister {
 
 }  // namespace
 
-SchematicNetlist netlist_of(FileIndex schematic, const std::filesystem::path& folder, SourceStore& sources, Diagnostics& diagnostics) {
-  return Netlister(folder, sources, diagnostics).write(schematic, folder);
+SchematicNetlist netlist_of(FileIndex schematic, const std::filesystem::path& folder, SourceStore& sources, Diagnostics& diagnostics,
+                            Drawing* drawing) {
+  return Netlister(folder, sources, diagnostics, drawing).write(schematic, folder);
 }
 
 }  // namespace pwlsim::netlist

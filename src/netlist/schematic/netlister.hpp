@@ -7,6 +7,7 @@
 
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
+#include "netlist/schematic/drawing.hpp"
 
 namespace pwlsim::netlist {
 
@@ -18,8 +19,9 @@ struct SchematicNetlist {
 
 /// The schematic is a text of the store; symbols and blocks are sought in `folder`. Elements come in their order on the sheet, then the blocks as
 /// subcircuits, LTspice's own models and libraries for the kinds of elements that are there, and the directives. A symbol that is not found is
-/// `E-schematic-symbol`, one without a name `E-schematic-name`; the others are written all the same.
+/// `E-schematic-symbol`, one without a name `E-schematic-name`; the others are written all the same. `drawing` takes
+/// what a picture needs; null: nobody wants one.
 [[nodiscard]] SchematicNetlist netlist_of(FileIndex schematic, const std::filesystem::path& folder, SourceStore& sources,
-                                          Diagnostics& diagnostics);
+                                          Diagnostics& diagnostics, Drawing* drawing = nullptr);
 
 }  // namespace pwlsim::netlist

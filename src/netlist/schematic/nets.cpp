@@ -13,14 +13,14 @@ namespace {
 
 GridPoint exchanged(GridPoint point) { return {point.y, point.x}; }
 
+}  // namespace
+
 bool lies_on(GridPoint point, const Wire& wire) {
   const auto between = [](std::int32_t x, std::int32_t a, std::int32_t b) { return std::min(a, b) <= x && x <= std::max(a, b); };
   if (!between(point.x, wire.from.x, wire.to.x) || !between(point.y, wire.from.y, wire.to.y)) return false;
   const std::int64_t along_x = wire.to.x - wire.from.x, along_y = wire.to.y - wire.from.y;
   return along_x * (point.y - wire.from.y) == along_y * (point.x - wire.from.x);
 }
-
-}  // namespace
 
 std::string node_name(std::string_view label) {
   std::string name(label);

@@ -46,6 +46,9 @@ class Nets {
   std::vector<Alias> aliases_;
 };
 
+/// On its ends, too.
+[[nodiscard]] bool lies_on(GridPoint point, const Wire& wire);
+
 /// A label as a node of a netlist: characters that would part it are replaced.
 [[nodiscard]] std::string node_name(std::string_view label);
 

@@ -137,16 +137,18 @@ class SheetReader {
 
   /// `TEXT x y alignment size !directive`, or `;comment`. Older files leave the size out.
   bool read_text(std::string_view rest) {
-    if (!take_point(rest)) return false;
+    const auto at = take_point(rest);
+    if (!at) return false;
     const std::size_t mark = rest.find_first_of("!;");
     if (mark == std::string_view::npos) return false;
-    if (rest[mark] == '!') add_directive(rest.substr(mark + 1));
+    if (rest[mark] == '!') add_directive(rest.substr(mark + 1), *at);
     return true;
   }
 
   /// Its lines are parted by `\n`, and a backslash is written twice. LTspice writes `M§Q1` for the MQ1 of element_name.
-  void add_directive(std::string_view written) {
-    const auto start = [&](std::size_t at) { sheet_.directives.push_back({{}, span(written.substr(at)).begin}); };
+  void add_directive(std::string_view written, GridPoint place) {
+    int line = 0;
+    const auto start = [&](std::size_t at) { sheet_.directives.push_back({{}, span(written.substr(at)).begin, place, line++}); };
     start(0);
     for (std::size_t at = 0; at < written.size(); ++at) {
       const std::string_view pair = written.substr(at, 2);

@@ -40,6 +40,8 @@ struct Instance {
 struct Directive {
   std::string text;
   std::uint32_t offset = 0;  ///< where it begins in the schematic
+  GridPoint at;              ///< of the text that it is a line of
+  int line = 0;              ///< which
 };
 
 struct Sheet {

@@ -25,7 +25,7 @@ std::vector<std::optional<Pin>> read_pins(std::string_view field) {
     const std::size_t comma = word.find(',');
     const auto x = read_coordinate(word.substr(0, comma));
     pins.emplace_back();
-    if (x && comma != std::string_view::npos) pins.back() = Pin{{*x, read_coordinate(word.substr(comma + 1)).value_or(0)}, {}};
+    if (x && comma != std::string_view::npos) pins.back() = Pin{{*x, read_coordinate(word.substr(comma + 1)).value_or(0)}, {}, false};
   }
   return pins;
 }
@@ -91,12 +91,15 @@ class SymbolReader {
     if (same_name(keyword, "PIN")) {
       const auto x = read_coordinate(take_word(line));
       const auto y = read_coordinate(take_word(line));
-      if (x && y) pins_.push_back({{{*x, *y}, {}}, pins_.size() + 1});
+      const std::string_view side = take_word(line);
+      if (x && y) pins_.push_back({{{*x, *y}, {}, !side.empty() && !same_name(side, "NONE")}, pins_.size() + 1});
     } else if (same_name(keyword, "PINATTR") && !pins_.empty()) {
       read_pin_attribute(line);
     } else if (same_name(keyword, "SYMATTR")) {
       const std::string_view name = take_word(line);
       symbol_.attributes.set(name, trimmed(line));
+    } else {
+      read_stroke(keyword, line);
     }
   }
 
@@ -107,6 +110,25 @@ class SymbolReader {
   }
 
  private:
+  /// `LINE Normal 16 0 16 28`, perhaps with a style behind the points.
+  void read_stroke(std::string_view keyword, std::string_view line) {
+    using Kind = Stroke::Kind;
+    constexpr std::array<std::pair<std::string_view, Kind>, 4> kinds{
+        {{"LINE", Kind::line}, {"RECTANGLE", Kind::rectangle}, {"CIRCLE", Kind::circle}, {"ARC", Kind::arc}}};
+    const auto* const found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) { return same_name(kind.first, keyword); });
+    if (found == kinds.end()) return;
+    (void)take_word(line);  // the width of the pen
+    Stroke stroke{found->second, {}};
+    const std::size_t count = stroke.kind == Kind::arc ? 4 : 2;
+    while (stroke.points.size() < count) {
+      const auto x = read_coordinate(take_word(line));
+      const auto y = read_coordinate(take_word(line));
+      if (!x || !y) return;
+      stroke.points.push_back({*x, *y});
+    }
+    symbol_.strokes.push_back(std::move(stroke));
+  }
+
   void read_pin_attribute(std::string_view line) {
     const std::string_view name = take_word(line);
     if (same_name(name, "PinName")) {

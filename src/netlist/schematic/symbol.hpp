@@ -31,6 +31,14 @@ class Attributes {
 struct Pin {
   GridPoint at;
   std::string name;
+  bool shows_name = false;  ///< beside the pin
+};
+
+/// A line, rectangle, circle (in its box) or arc (of the circle in its box, counterclockwise from the ray to the third point to that to the fourth).
+struct Stroke {
+  enum class Kind { line, rectangle, circle, arc };
+  Kind kind = Kind::line;
+  std::vector<GridPoint> points;  ///< two, or four of an arc
 };
 
 struct Symbol {
@@ -38,6 +46,7 @@ struct Symbol {
   std::string prefix;                    ///< first the letter of its elements; empty: a block with a schematic of its own
   std::vector<std::optional<Pin>> pins;  ///< in the order of the netlist; none where a place has no pin (of LTspice's own devices)
   Attributes attributes;
+  std::vector<Stroke> strokes;  ///< how its file draws it; none of LTspice's own
 };
 
 /// The symbol of LTspice's library with that name, which may have its folder before it; null where there is none. Letter case does not count.
