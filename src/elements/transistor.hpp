@@ -26,6 +26,8 @@ struct Channel {
   bool p_type = false;
   double threshold = 0.0;   ///< V
   double resistance = 0.0;  ///< ohm
+  model::NodeIndex gate = model::ground;  ///< the node itself, or one behind a resistance
+  std::string twin_gate{};                ///< likewise in a twin; "": the node itself
 };
 
 /// Between the nodes drain, gate, source of the instance. Its current is that of the element.
