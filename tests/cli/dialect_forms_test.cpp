@@ -181,3 +181,17 @@ TEST_CASE("levels of a VSWITCH count beside a stray Vh", "[unit]") {
 TEST_CASE("x4 behind a value is m=4", "[unit]") {
   CHECK(measured("units\nI1 0 a 1\nR1 a 0 8 x4\nC1 a 0 1n x2 Rser=1\n.tran 1u 1m\n.meas v AVG v(a)\n", "v") == Approx(2.0));
 }
+
+TEST_CASE("Xyce's switch with an expression as its control", "[unit]") {
+  const std::string deck =
+      "generic\nV1 a 0 PWL(0 0 1m 1)\nV2 p 0 5\nS1 p q SWM CONTROL={2*V(a)}\nR1 q 0 1k\n.model SWM SWITCH(ON=0.8 OFF=0.2 RON=1m ROFF=1T)\n"
+      ".tran 10u 1m\n.meas t WHEN v(q)=2 RISE=1\n";
+  CHECK(measured(deck, "t") == Approx(0.4e-3));
+}
+
+TEST_CASE("models of PSpice's breakout library are at hand", "[unit]") {
+  const std::string deck =
+      "breakout\nV1 a 0 10\nVg g 0 10\nR1 a b 1\nM1 b g 0 0 MbreakN W=1 L=1u\nD1 0 b Dbreak\n.lib \"nom.lib\"\n.tran 1u 10u\n.meas i AVG "
+      "i(R1)\n";
+  CHECK(measured(deck, "i") == Approx(10.0 / (1.0 + 1.0 / (20e-6 * 1e6 * 10.0))));  // level 1: Ron = 1/(Kp W/L vgs)
+}
