@@ -23,7 +23,8 @@ double level_of(const Channel& channel) {
 }
 
 TwinEnds control_of(const Twin& twin, const Channel& channel) {
-  TwinEnds control{channel.twin_gate.empty() ? twin.node(twin.instance().nodes[gate]) : channel.twin_gate, twin.node(twin.instance().nodes[source])};
+  TwinEnds control{channel.twin_gate.empty() ? twin.node(twin.instance().nodes[gate]) : channel.twin_gate,
+                   twin.node(twin.instance().nodes[source])};
   if (channel.p_type) std::swap(control.p, control.n);
   return control;
 }
@@ -69,6 +70,18 @@ void twin_of_channel(Twin& twin, const Channel& channel) {
   const double level = level_of(channel);
   twin.contact({}, {twin.ends().p, twin.node(twin.instance().nodes[source])}, control_of(twin, channel),
                {channel.resistance, infinite, level, level, false});
+}
+
+void twin_of_following_channel(Twin& twin, const Channel& channel) {
+  const std::string drain = twin.ends().p, outer_source = twin.node(twin.instance().nodes[source]);
+  const std::string at_gate = channel.twin_gate.empty() ? twin.node(twin.instance().nodes[gate]) : channel.twin_gate;
+  const double sign = channel.p_type ? -1.0 : 1.0;
+  const auto excess_over = [&](const std::string& terminal) {
+    return fmt::format("max({}*({}-({})),0)", sign, voltage_text({at_gate, terminal}), channel.threshold);
+  };
+  twin.behaviour(
+      "channel", {drain, outer_source}, true,
+      fmt::format("{}*({}-{})", sign / std::max(channel.resistance, twin.sharpness()), excess_over(outer_source), excess_over(drain)));
 }
 
 TwinEvent event_of_channel(const Twin& twin, const Channel& channel) {

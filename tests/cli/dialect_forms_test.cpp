@@ -110,6 +110,17 @@ TEST_CASE("with .options gatecap a gate is charged through its resistance", "[un
   CHECK(measured(deck + planar, "on") == Approx(1e-6 + 1e-7 * std::log(10.0 / 7.0)).epsilon(1e-6));
 }
 
+TEST_CASE("with a gate-drain capacitance the gate voltage has a plateau", "[unit]") {
+  // (Cgs + Cgd) v' - Cgd vd' = (10 - v)/Rg with vd = 10 - (v - 3) R/Ron: from 9 V to 1 V at the drain; the current of Cgd in R1, a ten-thousandth, is left out.
+  const double constant = 100.0 * (1e-9 + 0.2e-9 * (1.0 + 10.0 / 0.01));
+  const std::string deck =
+      "plateau\nV1 d 0 10\nVg g 0 PULSE(0 10 1u 0 0 5u 10u)\nM1 x g 0 0 NM\nR1 d x 10\n.tran 0.1u 10u\n"
+      ".model NM VDMOS(Ron=0.01 Vto=3 Rg=100 Cgs=1n Cgdmax=0.4n)\n.options gatecap\n.meas t TRIG v(x)=9 FALL=1 TARG v(x)=1 FALL=1\n"
+      ".meas q INTEG i(M1) FROM=0 TO=0.9u\n";
+  CHECK(measured(deck, "t") == Approx(constant * std::log((10.0 - 3.001) / (10.0 - 3.009))).epsilon(5e-4));
+  CHECK(measured(deck, "q") == Approx(0.0).margin(1e-15));
+}
+
 TEST_CASE("breakdown goes through IBV at BV, as in SPICE", "[unit]") {
   // 12 V = 1002 ohm·i + 5.6 V + 1.5·kT/q·ln(i/5 mA), solved by hand (Newton): kT/q = 25.8649 mV at 27 °C.
   double i = 6e-3;

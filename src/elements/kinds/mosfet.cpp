@@ -325,6 +325,11 @@ std::string words_of_gate(const Instance& instance, const Model& model) {
   return fmt::format(", Rg = {:.6g} ohm, Cgs = {:.6g} F, Cgd = {:.6g} F", gate.resistance, gate.to_source, gate.to_drain);
 }
 
+/// A channel that closed at once would pull its own gate back over the gate-drain capacitance.
+bool follows_gate(const Instance& instance, const Model& model) {
+  return instance.drive_is_apart || (model.gate && model.gate->to_drain > 0.0);
+}
+
 void note(Emission& emission, const Channel& channel) {
   const Model& model = emission.model();
   const Values& v = model.values;
@@ -332,9 +337,10 @@ void note(Emission& emission, const Channel& channel) {
                                   : is_vertical(model) ? "Rd + Rs + 1/(Kp (Vdrive - Vto))"
                                                        : "Rd + Rs + 1/(Kp W/L (Vdrive - Vto))";
   const std::string at = v.has("Ron") ? "" : fmt::format(" at Vdrive = {} V", v.get("Vdrive"));
-  const char* const what = emission.instance().drive_is_apart
+  const char* const what = !follows_gate(emission.instance(), emission.model()) ? "a switch closed"
+                           : emission.instance().drive_is_apart
                                ? "a straight channel (its gate is not driven against its source alone) that conducts"
-                               : "a switch closed";
+                               : "a straight channel that conducts";
   const std::string gate = model.gate ? words_of_gate(emission.instance(), model) : "";
   note_idealised(emission, fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}){}, and a body diode, {}", what,
                                        channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"), origin, at,
@@ -345,7 +351,7 @@ void emit(Emission& emission) {
   const Instance& instance = emission.instance();
   Channel channel = channel_of(instance, emission.model());
   channel.gate = add_gate(emission);
-  instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
+  follows_gate(instance, emission.model()) ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, body_diode(instance, emission.model(), "body diode", 0), -1.0);
   add_junction(emission, body_diode(instance, emission.model(), "bulk diode", 2), 0.0);
   note(emission, channel);
@@ -371,7 +377,7 @@ void twin_of_gate(Twin& twin) {
 void smooth_twin(Twin& twin) {
   const Instance& instance = twin.instance();
   twin_of_gate(twin);
-  twin_of_channel(twin, twin_channel(twin));
+  follows_gate(instance, twin.model()) ? twin_of_following_channel(twin, twin_channel(twin)) : twin_of_channel(twin, twin_channel(twin));
   const std::string bulk = twin.node(bulk_of(instance, twin.model()));
   twin_of_junction(twin, body_diode(instance, twin.model(), "body", 0), {bulk, twin.ends().p});
   twin_of_junction(twin, body_diode(instance, twin.model(), "bulk", 2), {bulk, twin.node(instance.nodes[2])});
