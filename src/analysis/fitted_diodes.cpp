@@ -102,6 +102,23 @@ class Fit {
     return true;
   }
 
+  /// Tangents at the operating point: each at the diode's current there, until none moves. That is Newton's method. False where there is no operating point, or
+  /// it does not settle.
+  bool settle() {
+    constexpr int most = 50;
+    for (int k = 0; k < most; ++k) {
+      model::Network network = network_;
+      give_lines(network, fitted_);
+      Diagnostics unheard;
+      const PreparedEngine engine = prepare_engine(network, choice_, reltol_, unheard);
+      if (!engine.operating_point) return false;
+      const engine::OperatingPoint point = engine.operating_point();
+      if (point.answer.outcome != engine::Outcome::completed || (interrupt_ != nullptr && *interrupt_ != 0)) return false;
+      if (!take_point(point.values)) return true;
+    }
+    return false;
+  }
+
   void give(model::Network& network) const { give_lines(network, fitted_); }
 
   /// Of the diodes whose tangent is another than before; none: nothing.
@@ -160,6 +177,23 @@ class Fit {
     return has_moved;
   }
 
+  /// Whether a tangent has moved.
+  bool take_point(const std::vector<double>& values) {
+    constexpr double settled = 1e-9;  // of a current
+    bool has_moved = false;
+    for (std::size_t k = 0; k < fitted_.size(); ++k) {
+      Fitted& each = fitted_[k];
+      const model::ExponentialLaw& law = *network_.diodes[each.diode].law;
+      const double least = std::max(least_current, least_of_saturation * law.saturation), before = each.lines.currents.front();
+      double current = values[2 * k] / law.parallel;
+      if (!(current > least)) current = std::min(law.current(values[2 * k + 1]), before);
+      if (!(current > least && current < most_current) || std::abs(current - before) <= settled * before) continue;
+      each.lines = {{current}, {law.tangent(current)}};
+      has_moved = true;
+    }
+    return has_moved;
+  }
+
   /// None where it carries next to nothing.
   [[nodiscard]] std::optional<DiodeLines> lines_of(const Fitted& each, const measure::DiodeCurrents& found, std::size_t k) const {
     const model::ExponentialLaw& law = *network_.diodes[each.diode].law;
@@ -196,9 +230,9 @@ class Fit {
 }  // namespace
 
 std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt) {
-  if (!compiled.analyses.transient) return std::nullopt;
+  if (!compiled.analyses.transient && !compiled.analyses.operating_point) return std::nullopt;
   Fit fit(compiled, choice, reltol, interrupt);
-  if (!fit.is_needed() || !fit.run(compiled.analyses)) return std::nullopt;
+  if (!fit.is_needed() || !(compiled.analyses.transient ? fit.run(compiled.analyses) : fit.settle())) return std::nullopt;
   fit.give(compiled.network);
   return fit.note();
 }

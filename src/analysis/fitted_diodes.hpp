@@ -11,6 +11,7 @@ namespace pwlsim::analysis {
 /// ∫i² dt / ∫i dt, to two digits; where its current spans so much that one tangent is off, with two or three (analysis/tangent_points.hpp), of which the network gets each but the first as a
 /// diode in parallel. A diode that carries nothing is taken at the current that it would carry at its highest voltage. The runs end when no line moves (six at most, three of long ones). Returns a
 /// note on what was found; none where there is nothing to fit, or a run does not come to its end: the network is then as it was.
+/// With `.op` alone the tangents are those at the operating point, found by Newton's method.
 [[nodiscard]] std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol,
                                                    const std::atomic<int>* interrupt);
 

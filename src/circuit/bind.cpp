@@ -149,7 +149,7 @@ class CardBinding {
     const Parameter& parameter = kind_.parameters[0];
     const std::optional<double> factor = model_value();
     const bool model_behind = !factor && at_model(1);
-    if (const std::size_t most = model_behind ? 2 : 1; cursor_.positional_left() > most)
+    if (const std::size_t most = model_behind ? 2 : 1; cursor_.positional_left() > most && !parallel_units(*cursor_.peek(most)))
       return too_many(*cursor_.peek(most - 1), *cursor_.peek(most));
     if (cursor_.at_positional()) {
       ValueReader(place_.scope, reporter(), card_.name).positional(*cursor_.next(), parameter, instance_.values);
@@ -430,10 +430,20 @@ class CardBinding {
         if (same_name(item->text, "tc")) skip_numbers();
       } else if (item->kind == ItemKind::word && at_known_flag(*item)) {
         flag(*item);
+      } else if (const std::optional<double> units = parallel_units(*item)) {
+        instance_.values.set("m", *units, item->span);
       } else {
         unexpected(*item);
       }
     }
+  }
+
+  /// `x4`, as LTspice writes m=4 behind the value of R, C and L.
+  std::optional<double> parallel_units(const Item& item) const {
+    const bool is_part = kind_.letter == 'R' || kind_.letter == 'C' || kind_.letter == 'L';
+    if (!is_part || item.kind != ItemKind::word || lower_letter(item.text.front()) != 'x' || instance_.values.has("m")) return std::nullopt;
+    const netlist::NumberText number = netlist::read_number(std::string_view(item.text).substr(1));
+    return number.valid && number.value >= 1.0 && std::isfinite(number.value) ? std::optional(number.value) : std::nullopt;
   }
 
   /// The second of tc=a,b.

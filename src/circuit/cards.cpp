@@ -70,6 +70,10 @@ constexpr CardKind kinds[] = {
     {".rule", CardRole::state_machine, "a state machine"},
     {".output", CardRole::state_machine, "a state machine"},
     {".endmachine", CardRole::state_machine, "a state machine"},
+    {".if", CardRole::section, "begins cards that count if a condition holds"},
+    {".elseif", CardRole::section, "begins cards that count if another condition holds"},
+    {".else", CardRole::section, "begins cards that count otherwise"},
+    {".endif", CardRole::section, "ends cards that count if a condition holds"},
     {".lcs", CardRole::raw_system, "a raw linear complementarity system"},
 };
 
@@ -80,11 +84,10 @@ constexpr RefusedElement refused[] = {
     {'T', "T (transmission line)"},
     {'U', "U (distributed RC line or digital block)"},
     {'Y', "Y (lossy line)"},
-    {'Z', "Z (MESFET or IGBT)"},
 };
 
 constexpr std::string_view foreign_types[] = {
-    "CORE",     "URC",       "LTRA",       "TRN",      "LPNP",       "NMF",        "PMF",      "NIGBT",   "PIGBT",      "NHFET",
+    "CORE",     "URC",       "LTRA",       "TRN",      "LPNP",       "NMF",        "PMF",      "PIGBT",      "NHFET",
     "PHFET",    "mult",      "divide",     "slew",     "climit",     "ilimit",     "sidiode",  "aswitch", "adc_bridge", "dac_bridge",
     "core",     "lcouple",   "sine",       "square",   "triangle",   "oneshot",    "cmeter",   "lmeter",  "d_and",      "d_nand",
     "d_or",     "d_nor",     "d_xor",      "d_xnor",   "d_buffer",   "d_inverter", "d_dff",    "d_jkff",  "d_tff",      "d_srff",

@@ -27,6 +27,7 @@ enum class CardRole {
   sweep,
   state_machine,  ///< .machine to .endmachine
   raw_system,     ///< .lcs
+  section,        ///< .if to .endif
   ltspice,     ///< tells who wrote the deck
   silent,      ///< accepted, means nothing here
   ignored      ///< one warning

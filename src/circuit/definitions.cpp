@@ -85,6 +85,7 @@ class Reader {
         reporter_.error("E-unknown-card", card.name_span, fmt::format("{} is not an element: names begin with a letter", card.name));
       return;
     }
+    if (!card.guards.empty()) return here().elements.push_back(&card);  // each call counts names itself
     const auto [entry, is_new] = current().element_spans.try_emplace(without_case(card.name), card.name_span);
     if (is_new) {
       here().elements.push_back(&card);
@@ -177,6 +178,7 @@ class Reader {
       case CardRole::ltspice:
         result_.written_by_ltspice = true;
         return;
+      case CardRole::section:
       case CardRole::silent:
         return;
     }

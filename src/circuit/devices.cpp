@@ -131,7 +131,7 @@ bool takes_type(char letter, std::string_view type) {
     case 'j':
       return type == "NJF" || type == "PJF";
     default:
-      return letter == 'm' && type == "VDMOS";
+      return letter == 'm' && (type == "VDMOS" || type == "NMOS" || type == "PMOS");
   }
 }
 

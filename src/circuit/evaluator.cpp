@@ -45,6 +45,11 @@ std::optional<double> Evaluator::value(const netlist::Item& item) {
       reporter().error("E-not-finite", item.span, "this number is too large");
       return std::nullopt;
     }
+    if (scope_.knows(item.text)) {
+      if (reporter().first_time("bare parameter"))
+        reporter().note("N-bare-parameter", item.span, fmt::format("{0} is taken for the parameter of that name: {{{0}}}", item.text));
+      return value(Expression{Kind::name, 0.0, item.text, {}, item.span});
+    }
   }
   scope_.report_no_number(item);
   return std::nullopt;

@@ -1,5 +1,7 @@
 #include "circuit/expand.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/names.hpp"
@@ -25,13 +27,30 @@ constexpr std::string_view condition_usage = ".ic v(node)=value i(inductor)=valu
 }  // namespace
 
 void Expander::expand(Place& place) {
-  for (const Card* card : place.scope.definition().elements) {
+  const std::vector<const Card*>& elements = place.scope.definition().elements;
+  const bool has_guards = std::any_of(elements.begin(), elements.end(), [](const Card* card) { return !card->guards.empty(); });
+  std::unordered_map<std::string, const Card*> counted;
+  for (const Card* card : elements) {
     if (reporter().full()) return;
+    if (has_guards && !counts(place, *card, counted)) continue;
     is_call(*card) ? call(place, *card) : binder_.element(place, *card);
   }
   for (const Card* card : place.scope.definition().conditions) {
     for (const Item& item : card->items) condition(place, item);
   }
+}
+
+/// Whether its conditions hold here; a second of one name that counts is an error.
+bool Expander::counts(Place& place, const Card& card, std::unordered_map<std::string, const Card*>& counted) {
+  for (const netlist::Guard& guard : card.guards) {
+    const std::optional<double> value = Evaluator(place.scope, 0).value(guard.condition);
+    if (!value || (*value != 0.0) != guard.holds) return false;
+  }
+  const auto [entry, is_new] = counted.try_emplace(without_case(card.name), &card);
+  if (!is_new)
+    reporter().error("E-duplicate-element", card.name_span,
+                     fmt::format("a second element {}; the first is at {}", card.name, reporter().where(entry->second->name_span)));
+  return is_new;
 }
 
 void Expander::call(Place& place, const Card& card) {

@@ -1,6 +1,9 @@
 #pragma once
 /// Calls of subcircuits: each X card becomes the elements of its definition.
 
+#include <string>
+#include <unordered_map>
+
 #include "circuit/bind.hpp"
 
 namespace pwlsim::circuit {
@@ -13,6 +16,7 @@ class Expander {
   void expand(Place& place);
 
  private:
+  bool counts(Place& place, const netlist::Card& card, std::unordered_map<std::string, const netlist::Card*>& counted);
   void call(Place& place, const netlist::Card& card);
   void unknown_call(Place& place, const netlist::Card& card, const netlist::Item* name);
   void enter(Place& place, const netlist::Card& card, const netlist::Item& name, const Definition& called);

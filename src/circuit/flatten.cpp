@@ -2,26 +2,33 @@
 
 #include "circuit/census.hpp"
 #include "circuit/commands.hpp"
+#include "circuit/control_switches.hpp"
 #include "circuit/definitions.hpp"
 #include "circuit/devices.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
+#include "circuit/sections.hpp"
 #include "circuit/shipped.hpp"
 #include "circuit/unused_subcircuits.hpp"
+#include "circuit/xspice_logic.hpp"
 
 namespace pwlsim::circuit {
 
-Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
+Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
                   const std::string& ground) {
   Flattened result;
   Circuit& circuit = result.circuit;
+  const std::optional<netlist::Deck> chosen = with_chosen_sections(written, run, reporter);
+  const netlist::Deck& deck = chosen ? *chosen : written;
   circuit.title = deck.title;
   circuit.stands_for_ground = ground;
   const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
   circuit.written_by_ltspice = definitions.written_by_ltspice;
+  replace_control_switches(definitions);
+  replace_xspice_logic(definitions, reporter);
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   const DeviceModels devices = add_device_models(definitions, sources, reporter);

@@ -27,8 +27,15 @@ class Drives {
   explicit Drives(const Circuit& circuit) : groups_(circuit.nodes().size()) {
     for (const Instance& instance : circuit.instances)
       if (is_voltage(instance)) groups_.join(instance.nodes[0], instance.nodes[1]);
-    for (const Instance& instance : circuit.instances)
-      if (is_letter(instance, 'R')) link(group(instance.nodes[0]), group(instance.nodes[1]));
+    for (const Instance& instance : circuit.instances) {
+      if (instance.nodes.size() < 2) continue;
+      const NodeIndex a = instance.nodes[0], b = instance.nodes[1];
+      const bool is_resistor = is_letter(instance, 'R');
+      if (is_resistor) join(links_, group(a), group(b));
+      if (is_resistor || is_letter(instance, 'D') || is_letter(instance, 'C')) join(ties_, group(a), group(b));
+      if (is_resistor && a != model::ground && group(a) == 0) pulled_up_.insert(group(b));
+      if (is_resistor && b != model::ground && group(b) == 0) pulled_up_.insert(group(a));
+    }
   }
 
   int group(NodeIndex node) { return groups_.root(node); }
@@ -52,15 +59,53 @@ class Drives {
     return found;
   }
 
+  /// Whether a resistor leads from it to a supply.
+  [[nodiscard]] bool is_pulled_up(int at) const { return at != 0 && pulled_up_.contains(at); }
+
+  /// Whether resistors, diodes and capacitors lead from one group to the other, not over ground or a supply.
+  [[nodiscard]] bool reaches(int from, int to) const {
+    std::set<int> seen{from, 0};
+    std::vector<int> waiting{from};
+    while (!waiting.empty()) {
+      const int here = waiting.back();
+      waiting.pop_back();
+      if (here == to) return true;
+      const auto ties = ties_.find(here);
+      if (ties == ties_.end()) continue;
+      for (const int next : ties->second)
+        if (seen.insert(next).second) waiting.push_back(next);
+    }
+    return false;
+  }
+
  private:
-  void link(int a, int b) {
-    links_[a].push_back(b);
-    links_[b].push_back(a);
+  using Links = std::map<int, std::vector<int>>;
+
+  static void join(Links& links, int a, int b) {
+    links[a].push_back(b);
+    links[b].push_back(a);
   }
 
   NodeGroups groups_;
-  std::map<int, std::vector<int>> links_;
+  Links links_, ties_;
+  std::set<int> pulled_up_;
 };
+
+/// Two MOSFETs whose gates are pulled up to a supply and held down by one another's drain (a ZVS driver, an astable multivibrator) go through their linear
+/// region: as switches both would toggle from rest.
+void mark_crossed_pairs(Circuit& circuit, Drives& drives) {
+  constexpr std::size_t drain = 0, gate = 1, source = 2;
+  std::vector<Instance*> pulled_up;
+  for (Instance& instance : circuit.instances)
+    if (is_letter(instance, 'M') && instance.nodes.size() > source && drives.is_pulled_up(drives.group(instance.nodes[gate])))
+      pulled_up.push_back(&instance);
+  const auto holds = [&](const Instance& one, const Instance& other) {
+    return drives.reaches(drives.group(other.nodes[gate]), drives.group(one.nodes[drain]));
+  };
+  for (Instance* one : pulled_up)
+    for (Instance* other : pulled_up)
+      if (one != other && holds(*one, *other) && holds(*other, *one)) one->drive_is_apart = true;
+}
 
 }  // namespace
 
@@ -72,6 +117,7 @@ void mark_gate_drives(Circuit& circuit) {
     const int at_gate = drives.group(instance.nodes[gate]), at_source = drives.group(instance.nodes[source]);
     instance.drive_is_apart = at_source != 0 && at_gate != at_source && !drives.leads_only_to(at_source, at_gate);
   }
+  mark_crossed_pairs(circuit, drives);
 }
 
 }  // namespace pwlsim::circuit

@@ -258,6 +258,10 @@ bool has_two_levels(std::string_view name) {
 }
 
 std::string logic_subcircuit(std::string_view name) {
+  if (same_name(name, analog_switch))
+    return ".subckt xspice.aswitch c r a b params: cntl_off=0 cntl_on=1 r_off=1e12 r_on=1\n"
+           "Bm _m 0 V={cntl_on < cntl_off ? -1 : 1}*(v(c,r)-{(cntl_on+cntl_off)/2})\n"
+           "S1 a b _m 0 middle\n.model middle SW(Vt=0 Vh=0 Ron={r_on} Roff={r_off})\n.ends\n";
   const LogicDevice device = device_named(name);
   return device.type == nullptr ? "" : Writer(device).write();
 }

@@ -35,6 +35,9 @@ struct LogicDevice {
 /// Whether outputs of the subcircuit of that name are at vlow or at vhigh, and nowhere between.
 [[nodiscard]] bool has_two_levels(std::string_view name);
 
+/// Of the switch that stands for XSPICE's aswitch: control, its reference, two ends; cntl_off, cntl_on, r_off, r_on.
+inline constexpr std::string_view analog_switch = "xspice.aswitch";
+
 /// The subcircuit of that name, as text of a deck; "" for other names. Its ports: the inputs that are used, the outputs, the common; its parameters:
 /// vhigh, vlow, ref, vt, vh, td; of an OTA vhigh, vlow, ref, g, iout, isource, isink, rout, cout.
 [[nodiscard]] std::string logic_subcircuit(std::string_view name);

@@ -19,7 +19,7 @@ using ItemKind = Item::Kind;
 constexpr double deepest_calls = 1000, largest_value = 1e15;
 
 /// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
-constexpr std::string_view honoured[] = {"reltol", "seed", "i0", "vdrive", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
+constexpr std::string_view honoured[] = {"reltol", "seed", "i0", "vdrive", "gatecap", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
 constexpr std::string_view silent[] = {"abstol", "method", "max_include_depth", "max_parentheses"};  // the last two: read with the deck
 constexpr std::string_view ignored[] = {
     "vntol",        "chgtol",       "trtol",      "gmin",         "gminsteps", "srcsteps", "sourcesteps",   "itl1",     "itl2",
@@ -61,7 +61,9 @@ class OptionReader {
 
  private:
   void honour(const Item& item) {
-    if (item.kind != ItemKind::assignment || item.items.empty()) {
+    if (same_name(item.text, "gatecap") && (item.kind == ItemKind::word || item.items.empty())) {
+      options.settings.keeps_gates = true;
+    } else if (item.kind != ItemKind::assignment || item.items.empty()) {
       reporter_.error("E-missing-value", item.span, fmt::format("the option {} has no value", item.text));
     } else if (same_name(item.text, "nonunique")) {
       choose(item.items[0]);
@@ -87,6 +89,10 @@ class OptionReader {
     const std::optional<Number> number = scope_.number(item.items[0]);
     if (!number) return;
     const double value = number->value;
+    if (same_name(item.text, "gatecap")) {
+      options.settings.keeps_gates = value != 0.0;
+      return;
+    }
     const bool whole = without_case(item.text).starts_with("max_");
     const bool is_seed = same_name(item.text, "seed");
     const elements::Parameter parameter{item.text, "", 0.0, is_seed ? Range::not_negative : whole ? Range::whole_positive : Range::positive,

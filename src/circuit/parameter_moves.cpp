@@ -240,7 +240,7 @@ class Slots {
     if (same_name(name, is_swapped ? "Roff" : "Ron")) return contact(Moved::switch_resistance, contact_index, p * to_on(low, high), moves);
     if (same_name(name, is_swapped ? "Ron" : "Roff"))
       return leak(p, moves) && (contact(Moved::switch_resistance, contact_index, p * to_off(low, high), moves) || true);
-    const bool is_around = type == "SW" || type == "CSW" || (type == "VSWITCH" && (v.has("Vt") || v.has("Vh")));
+    const bool is_around = type == "SW" || type == "CSW" || (type == "VSWITCH" && (v.has("Vt") || (v.has("Vh") && !v.has("Von") && !v.has("Voff"))));
     if (is_around && (same_name(name, "Vt") || same_name(name, "It"))) return levels(p, p, moves);
     if (is_around && (same_name(name, "Vh") || same_name(name, "Ih"))) return levels(p, -p, moves);
     if (is_around) return false;

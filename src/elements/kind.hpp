@@ -31,6 +31,7 @@ struct Settings {
   bool finds_currents = true;       ///< `.options i0=` is not given: runs find each diode's current
   double gate_drive = 10.0;         ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
   bool written_by_ltspice = false;  ///< the deck has cards that LTspice adds by itself
+  bool keeps_gates = false;         ///< `.options gatecap`: resistances and capacitances of gates stay, the latter linear
 };
 
 /// A `.model` type: "D", or "SW" and its like.
@@ -45,6 +46,11 @@ struct ModelKind {
   std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all where there are none
 };
 
+/// What leads to a gate, and what charges it: ohm, F.
+struct GateParts {
+  double resistance = 0.0, to_source = 0.0, to_drain = 0.0;
+};
+
 struct Model {
   const ModelKind* kind = nullptr;
   std::string name;
@@ -52,6 +58,7 @@ struct Model {
   Values values;
   std::vector<Written> written{};  ///< of its values, those that depend on varied parameters
   std::optional<model::ExponentialLaw> law{};  ///< of a diode whose tangent is at a current to be found
+  std::optional<GateParts> gate{};  ///< of a transistor, with `.options gatecap`; of planar ones a metre of width
 };
 
 /// What stands between the terminals and the rest of a card.

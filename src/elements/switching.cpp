@@ -20,11 +20,20 @@ Thresholds between(double on, double off) { return on >= off ? Thresholds{on, of
 /// Ron above Roff is a switch that conducts better when off: the contact is then closed in the off state.
 bool closed_when_off(const Model& model) { return model.values.get("Ron") > model.values.get("Roff"); }
 
+/// PSpice's VSWITCH, and Xyce's SWITCH.
+bool is_level_switch(std::string_view type) { return type == "VSWITCH" || type == "SWITCH"; }
+
+/// Of these: Vt and Vh in place of Von and Voff.
+bool has_threshold(const Model& model) {
+  const Values& v = model.values;
+  return v.has("Vt") || (v.has("Vh") && !v.has("Von") && !v.has("Voff"));
+}
+
 /// Levels that are called on and off count where the control reaches them, at a peak or on a plateau too: so far inside the band the switch changes.
 double reach_of(const Model& model, const Thresholds& levels) {
   constexpr double share = 1e-11;  // of the larger level: above what is rounding in either engine
   const std::string_view type = model.kind->type;
-  const bool has_levels = type == "ISWITCH" || (type == "VSWITCH" && !model.values.has("Vt") && !model.values.has("Vh"));
+  const bool has_levels = type == "ISWITCH" || (is_level_switch(type) && !has_threshold(model));
   return has_levels ? std::min(share * std::max(std::abs(levels.on), std::abs(levels.off)), 0.25 * (levels.on - levels.off)) : 0.0;
 }
 
@@ -58,8 +67,8 @@ Thresholds thresholds(const Model& model) {
   const std::string_view type = model.kind->type;
   if (type == "SW") return around(v.get("Vt"), v.get("Vh"));
   if (type == "CSW") return around(v.get("It"), v.get("Ih"));
-  if (type == "VSWITCH" && (v.has("Vt") || v.has("Vh"))) return around(v.get("Vt"), v.get("Vh"));
-  if (type == "VSWITCH") return between(v.get("Von"), v.get("Voff"));
+  if (is_level_switch(type) && has_threshold(model)) return around(v.get("Vt"), v.get("Vh"));
+  if (is_level_switch(type)) return between(v.get("Von"), v.get("Voff"));
   return between(v.get("Ion"), v.get("Ioff"));
 }
 

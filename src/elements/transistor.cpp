@@ -23,7 +23,8 @@ double level_of(const Channel& channel) {
 }
 
 TwinEnds control_of(const Twin& twin, const Channel& channel) {
-  TwinEnds control{twin.node(twin.instance().nodes[gate]), twin.node(twin.instance().nodes[source])};
+  TwinEnds control{channel.twin_gate.empty() ? twin.node(twin.instance().nodes[gate]) : channel.twin_gate,
+                   twin.node(twin.instance().nodes[source])};
   if (channel.p_type) std::swap(control.p, control.n);
   return control;
 }
@@ -41,7 +42,7 @@ void add_channel(Emission& emission, const Channel& channel) {
   item.p = nodes[0];
   item.n = nodes[source];
   item.resistance = channel.resistance;
-  item.control = model::voltage_between(nodes[gate], nodes[source], channel.p_type ? -1.0 : 1.0);
+  item.control = model::voltage_between(channel.gate, nodes[source], channel.p_type ? -1.0 : 1.0);
   item.on_level = item.off_level = level_of(channel);
   item.written = model::WrittenControl{channel.p_type ? -1.0 : 1.0, 0.0, "V"};
   emission.result().item = emission.builder().add(std::move(item));
@@ -54,7 +55,7 @@ void add_following_channel(Emission& emission, const Channel& channel) {
   const double sign = channel.p_type ? -1.0 : 1.0;
   const double conductance = 1.0 / std::max(channel.resistance, least_resistance);
   const auto excess_over = [&](std::size_t terminal) {
-    model::LinearForm excess = model::voltage_between(nodes[gate], nodes[terminal], sign);
+    model::LinearForm excess = model::voltage_between(channel.gate, nodes[terminal], sign);
     excess.push_back(model::constant(-sign * channel.threshold));
     return add_positive_part(emission, excess);
   };
@@ -69,6 +70,18 @@ void twin_of_channel(Twin& twin, const Channel& channel) {
   const double level = level_of(channel);
   twin.contact({}, {twin.ends().p, twin.node(twin.instance().nodes[source])}, control_of(twin, channel),
                {channel.resistance, infinite, level, level, false});
+}
+
+void twin_of_following_channel(Twin& twin, const Channel& channel) {
+  const std::string drain = twin.ends().p, outer_source = twin.node(twin.instance().nodes[source]);
+  const std::string at_gate = channel.twin_gate.empty() ? twin.node(twin.instance().nodes[gate]) : channel.twin_gate;
+  const double sign = channel.p_type ? -1.0 : 1.0;
+  const auto excess_over = [&](const std::string& terminal) {
+    return fmt::format("max({}*({}-({})),0)", sign, voltage_text({at_gate, terminal}), channel.threshold);
+  };
+  twin.behaviour(
+      "channel", {drain, outer_source}, true,
+      fmt::format("{}*({}-{})", sign / std::max(channel.resistance, twin.sharpness()), excess_over(outer_source), excess_over(drain)));
 }
 
 TwinEvent event_of_channel(const Twin& twin, const Channel& channel) {

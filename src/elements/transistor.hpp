@@ -26,6 +26,8 @@ struct Channel {
   bool p_type = false;
   double threshold = 0.0;   ///< V
   double resistance = 0.0;  ///< ohm
+  model::NodeIndex gate = model::ground;  ///< the node itself, or one behind a resistance
+  std::string twin_gate{};                ///< likewise in a twin; "": the node itself
 };
 
 /// Between the nodes drain, gate, source of the instance. Its current is that of the element.
@@ -38,6 +40,7 @@ void add_channel(Emission& emission, const Channel& channel);
 /// which is v(drain, source)/Ron when on, no current when off, and between them the current that the gate allows.
 void add_following_channel(Emission& emission, const Channel& channel);
 void twin_of_channel(Twin& twin, const Channel& channel);
+void twin_of_following_channel(Twin& twin, const Channel& channel);
 [[nodiscard]] TwinEvent event_of_channel(const Twin& twin, const Channel& channel);
 
 /// A diode between two nodes.

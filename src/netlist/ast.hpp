@@ -26,6 +26,7 @@
 ///     .meas tran p AVG v(a)*i(b) FROM=1m     words tran, p, AVG; expression; words FROM, 1m
 ///     .meas t FIND v(a) WHEN v(b)=2*v(c)     words t, FIND; expression; word WHEN; two expressions
 ///
+/// `.if (a == b)` and `.elseif` hold one expression, with or without parentheses.
 /// On .subckt and X cards `params:p=1` reads as the word `params:` and the assignment.
 ///
 /// Guarantees: the text of a word, group or card name is never altered; an expression item has an expression; a card on which
@@ -74,6 +75,12 @@ struct Item {
   std::shared_ptr<const Expression> expression;
 };
 
+/// A condition of `.if` within a subcircuit, and whether it must hold for a card to count.
+struct Guard {
+  Item condition;
+  bool holds = true;
+};
+
 /// One logical line (continuations joined). `name` is its first word: "R1", ".tran", ".param".
 struct Card {
   std::string name;
@@ -82,6 +89,7 @@ struct Card {
   SourceSpan span;
   bool damaged = false;      ///< a syntax error on this card has been reported
   bool made_call = false;    ///< a subcircuit, whatever its name begins with: of a card that `circuit` made
+  std::vector<Guard> guards{};  ///< that each call of its subcircuit decides
   std::vector<Card> rows{};  ///< of `.lcs`: the lines of its file, their first words as names
 };
 

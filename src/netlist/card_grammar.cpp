@@ -305,6 +305,13 @@ void parse_function(const char*& first, const char* last, State& state, std::vec
   }
 }
 
+/// `.if (a == b)`
+void parse_condition(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  x3::parse(first, last, *blank);
+  Item item;
+  if (x3::parse(first, last, x3::with<state_tag>(state)[braced | OpenExpression{}], item)) items.push_back(std::move(item));
+}
+
 /// A word, where one stands here; the text of a card's words is never altered.
 bool take_word(const char*& first, const char* last, State& state, std::vector<Item>& items) {
   const char* const begin = first;
@@ -378,6 +385,9 @@ bool parse_card(const ParseContext& context, Card& card) {
   const char* first = name_text.data() + name_text.size();
   if (state.style.is_function()) {
     parse_function(first, line.end(), state, card.items);
+  }
+  if (state.style.is_condition()) {
+    parse_condition(first, line.end(), state, card.items);
   }
   if (state.style.is_measurement()) {
     parse_measurement(first, line.end(), state, card.items);

@@ -12,6 +12,7 @@ CardStyle::CardStyle(std::string_view name) {
   function_ = same_name(name, ".func");
   static constexpr std::array<std::string_view, 5> unread{".machine", ".state", ".rule", ".output", ".endmachine"};
   unread_ = is_one_of(unread, name);
+  condition_ = same_name(name, ".if") || same_name(name, ".elseif");
   model_ = same_name(name, ".model");
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");
   takes_params_ = letter == 'x' || same_name(name, ".subckt");

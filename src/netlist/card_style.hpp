@@ -13,6 +13,8 @@ class CardStyle {
   [[nodiscard]] bool is_function() const { return function_; }
   /// The card belongs to a state machine of LTspice, which is not read.
   [[nodiscard]] bool is_unread() const { return unread_; }
+  /// The card holds one expression: .if, .elseif.
+  [[nodiscard]] bool is_condition() const { return condition_; }
   /// Braces around parameters are taken for parentheses.
   [[nodiscard]] bool is_model() const { return model_; }
   /// The card measures: keywords and expressions without braces stand in a row.
@@ -28,6 +30,7 @@ class CardStyle {
   bool dot_ = false;
   bool function_ = false;
   bool unread_ = false;
+  bool condition_ = false;
   bool model_ = false;
   bool measurement_ = false;
   bool takes_params_ = false;

@@ -28,9 +28,10 @@ constexpr Parameter model_parameters[] = {
     {"Revilimit", "A", infinite, Range::positive, true, "Limit of the reverse current."},
     ignored("Epsilon", "Width of the rounded corner at Vfwd."),
     ignored("Revepsilon", "Width of the rounded corner at -Vrev."),
-    ignored("IBV", "Current at breakdown."),
+    {"IBV", "A", 1e-3, Range::not_negative, false,
+     "Current at the breakdown voltage, 0.1 nA in decks of LTspice; read for the reverse tangent."},
     ignored("IBVL", "Low-level breakdown current."),
-    ignored("NBV", "Breakdown emission coefficient."),
+    {"NBV", "", 1.0, Range::positive, false, "Emission coefficient of the breakdown, N if not given; read for the reverse tangent."},
     ignored("NBVL", "Low-level breakdown emission coefficient."),
     ignored("CJO", "Junction capacitance."),
     ignored("CJ0", "Junction capacitance."),
@@ -99,6 +100,20 @@ void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& dia
   values.set("Vfwd", law.drop);
   values.set("Vrev", reverse);
   if (!std::isinf(reverse)) values.set("Rrev", values.get("RS"));
+  if (!values.has("NBV") && !settings.written_by_ltspice) values.set("NBV", values.get("N"));
+  constexpr double breakdown_in_ltspice = 1e-10;  // A, its default of IBV
+  if (!values.has("IBV") && settings.written_by_ltspice) values.set("IBV", breakdown_in_ltspice);
+}
+
+/// Beyond BV: v = BV + NBV·Vt·ln(i/IBV) + RS·i, as the law of a diode whose saturation current is what this one has at v = 0 (Nagel, SPICE2, 1975). None
+/// where that current is no number, with BV above some 17 V: there the knee is a small part of it.
+std::optional<model::ExponentialLaw> breakdown_law(const Model& model) {
+  const Values& v = model.values;
+  if (!model.law || std::isinf(v.get("BV")) || v.get("IBV") == 0.0) return std::nullopt;
+  model::ExponentialLaw law = exponential_law(1.0, v.get("NBV"), v.get("RS"));
+  law.saturation = v.get("IBV") * std::exp(-v.get("BV") / law.slope);
+  constexpr double least = 1e-295;  // A
+  return law.saturation > least ? std::optional(law) : std::nullopt;
 }
 
 /// The line `.model D D` that LTspice adds to its decks: SPICE's default diode.
@@ -228,11 +243,11 @@ void report_gate(Emission& emission, bool has_gate) {
   }
 }
 
-/// The diodes from `first` on are the forward branch.
-void follow_law(Emission& emission, std::size_t first) {
+/// The diodes from `first` on are one branch.
+void follow_law(Emission& emission, std::size_t first, const std::optional<model::ExponentialLaw>& law) {
   auto& diodes = emission.builder().network().diodes;
-  if (!emission.model().law || diodes.size() != first + 1) return;
-  diodes[first].law = emission.model().law;
+  if (!law || diodes.size() != first + 1) return;
+  diodes[first].law = law;
   diodes[first].law->parallel = emission.value("m");
 }
 
@@ -246,8 +261,10 @@ void emit(Emission& emission) {
   const auto [forward, reverse] = branches(v, m);
   const std::size_t first = emission.builder().network().diodes.size();
   add_branch(emission, forward, ends, 1.0);
-  follow_law(emission, first);
+  follow_law(emission, first, emission.model().law);
+  const std::size_t second = emission.builder().network().diodes.size();
   add_branch(emission, reverse, {ends.n, ends.p}, -1.0);
+  follow_law(emission, second, breakdown_law(emission.model()));
   add_leakage(emission, v.get("Roff") / m, ends);
 }
 

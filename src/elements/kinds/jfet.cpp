@@ -91,7 +91,8 @@ Junction gate_diode(const Instance& instance, const Model& model, std::string_vi
 
 void emit(Emission& emission) {
   const Instance& instance = emission.instance();
-  const Channel channel = channel_of(instance, emission.model());
+  Channel channel = channel_of(instance, emission.model());
+  channel.gate = instance.nodes[1];
   instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-drain diode", 0), -1.0);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-source diode", 2), 0.0);

@@ -22,6 +22,8 @@ constexpr Parameter body_emission{
 constexpr Parameter body_drop{"Vfwd", "V", 0.0, Range::not_negative, false, "Drop of the body diode; from Is and N if given."};
 constexpr Parameter body_slope{"Rfwd", "ohm", 0.0, Range::not_negative, false, "Slope resistance of the body diode, likewise."};
 
+constexpr Parameter gate_resistance{"Rg", "ohm", 0.0, Range::not_negative, false, "Gate resistance; read with .options gatecap."};
+
 constexpr Parameter planar_parameters[] = {
     threshold,
     {"Vt0", "V", 0.0, Range::any, false, "Another name of Vto."},
@@ -47,8 +49,8 @@ constexpr Parameter planar_parameters[] = {
     without_effect("cbd"),
     without_effect("cbs"),
     without_effect("pb"),
-    without_effect("cgso"),
-    without_effect("cgdo"),
+    {"cgso", "F/m", 0.0, Range::not_negative, false, "Gate-source overlap capacitance per width; read with .options gatecap."},
+    {"cgdo", "F/m", 0.0, Range::not_negative, false, "Gate-drain overlap capacitance per width; read with .options gatecap."},
     without_effect("cgbo"),
     without_effect("rsh"),
     without_effect("cj"),
@@ -75,7 +77,7 @@ constexpr Parameter planar_parameters[] = {
     without_effect("kf"),
     without_effect("af"),
     without_effect("tnom"),
-    without_effect("rg"),
+    gate_resistance,
     without_effect("rb"),
     without_effect("rds"),
     without_effect("wd"),
@@ -117,12 +119,12 @@ constexpr Parameter vertical_parameters[] = {
     without_effect("vq"),
     without_effect("ibv"),
     without_effect("nbv"),
-    without_effect("rg"),
+    gate_resistance,
     without_effect("rds"),
     without_effect("cjo"),
-    without_effect("cgs"),
-    without_effect("cgdmin"),
-    without_effect("cgdmax"),
+    {"cgs", "F", 0.0, Range::not_negative, false, "Gate-source capacitance; read with .options gatecap."},
+    {"cgdmin", "F", 0.0, Range::not_negative, false, "Least gate-drain capacitance; read with .options gatecap."},
+    {"cgdmax", "F", 0.0, Range::not_negative, false, "Largest gate-drain capacitance; read with .options gatecap."},
     without_effect("a"),
     without_effect("m"),
     without_effect("vj"),
@@ -172,6 +174,7 @@ constexpr Parameter vertical_parameters[] = {
     part_type,
 };
 
+constexpr std::string_view vertical_gate_names[] = {"Rg", "cgs", "cgdmin", "cgdmax"}, planar_gate_names[] = {"Rg", "cgso", "cgdo"};
 constexpr std::string_view body_names[] = {"Is", "N", "Rb", "BV"};
 
 bool is_vertical(const Model& model) { return model.kind->type == "VDMOS"; }
@@ -189,7 +192,8 @@ double overdrive(const Model& model) {
 
 void take_body_diode(Model& model, const Settings& settings) {
   bool is_exponential = false;
-  for (std::string_view name : body_names) is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
+  for (std::string_view name : body_names)
+    is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
   if (!is_exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
   const model::ExponentialLaw exponential = exponential_law(model.values.get("Is"), model.values.get("N"), optional(model, "Rb", 0.0));
   const Tangent law = exponential.tangent(settings.tangent_current);
@@ -206,8 +210,25 @@ void take_transconductance(Values& values) {
   if (values.has("tox") && !values.has("Kp")) values.set("Kp", mobility * oxide_permittivity / values.get("tox"));
 }
 
+/// Linear ones: of a power MOSFET the gate-drain capacitance at v(gate,drain) = 0, half way between its least and its largest (LTspice's help, "M. MOSFET").
+void take_gate(Model& model, const Settings& settings, Diagnostics& diagnostics) {
+  const Values& v = model.values;
+  if (!settings.keeps_gates) {
+    const std::string names =
+        written(model, is_vertical(model) ? std::span<const std::string_view>(vertical_gate_names) : planar_gate_names);
+    if (!names.empty())
+      diagnostics.warning("W-ignored-parameter", model.span,
+                          fmt::format("{} of model {} {} ignored, as gates take no time; try .options gatecap", names, model.name,
+                                      names.find(',') == std::string::npos ? "is" : "are"));
+    return;
+  }
+  model.gate = is_vertical(model) ? GateParts{v.get("Rg"), v.get("cgs"), 0.5 * (v.get("cgdmin") + v.get("cgdmax"))}
+                                  : GateParts{v.get("Rg"), v.get("cgso"), v.get("cgdo")};
+}
+
 void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) {
   Values& values = model.values;
+  take_gate(model, settings, diagnostics);
   if (!is_vertical(model)) take_transconductance(values);
   if (!is_vertical(model) && values.has("Vt0") && !values.has("Vto")) values.set("Vto", values.get("Vt0"), values.span("Vt0"));
   if (!values.has("Vdrive")) values.set("Vdrive", settings.gate_drive);
@@ -272,6 +293,43 @@ Junction body_diode(const Instance& instance, const Model& model, std::string_vi
           in_parallel(model.law, instance.values.get("m"))};
 }
 
+/// Of the instance: all its devices, and their width.
+GateParts gate_of(const Instance& instance, const Model& model) {
+  const double devices = instance.values.get("m"), width = devices * (is_vertical(model) ? 1.0 : size_of(instance, model, "W"));
+  return {model.gate->resistance / devices, width * model.gate->to_source, width * model.gate->to_drain};
+}
+
+/// The gate of the channel, behind its resistance, with its capacitances.
+model::NodeIndex add_gate(Emission& emission) {
+  const Instance& instance = emission.instance();
+  const model::NodeIndex outside = instance.nodes[1];
+  if (!emission.model().gate) return outside;
+  const GateParts gate = gate_of(instance, emission.model());
+  model::NodeIndex inside = outside;
+  if (gate.resistance > 0.0) {
+    inside = emission.inner_node("gate");
+    emission.builder().add(model::Resistor{emission.label("Rg"), outside, inside, gate.resistance});
+  }
+  const auto add = [&](std::string_view part, std::size_t terminal, double capacitance) {
+    if (capacitance <= 0.0 || inside == instance.nodes[terminal]) return -1;
+    return emission.builder().add(model::Capacitor{emission.label(part), inside, instance.nodes[terminal], capacitance, false, 0.0});
+  };
+  add("Cgs", 2, gate.to_source);
+  const int drain = add("Cgd", 0, gate.to_drain);
+  if (drain >= 0) emission.result().current.push_back({Quantity::capacitor_current, drain, -1.0});
+  return inside;
+}
+
+std::string words_of_gate(const Instance& instance, const Model& model) {
+  const GateParts gate = gate_of(instance, model);
+  return fmt::format(", Rg = {:.6g} ohm, Cgs = {:.6g} F, Cgd = {:.6g} F", gate.resistance, gate.to_source, gate.to_drain);
+}
+
+/// A channel that closed at once would pull its own gate back over the gate-drain capacitance.
+bool follows_gate(const Instance& instance, const Model& model) {
+  return instance.drive_is_apart || (model.gate && model.gate->to_drain > 0.0);
+}
+
 void note(Emission& emission, const Channel& channel) {
   const Model& model = emission.model();
   const Values& v = model.values;
@@ -279,26 +337,47 @@ void note(Emission& emission, const Channel& channel) {
                                   : is_vertical(model) ? "Rd + Rs + 1/(Kp (Vdrive - Vto))"
                                                        : "Rd + Rs + 1/(Kp W/L (Vdrive - Vto))";
   const std::string at = v.has("Ron") ? "" : fmt::format(" at Vdrive = {} V", v.get("Vdrive"));
-  const char* const what = emission.instance().drive_is_apart
-                               ? "a straight channel (its gate is not driven against its source) that conducts"
-                               : "a switch closed";
-  note_idealised(emission, fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}), and a body diode, {}", what,
+  const char* const what = !follows_gate(emission.instance(), emission.model()) ? "a switch closed"
+                           : emission.instance().drive_is_apart
+                               ? "a straight channel (its gate is not driven against its source alone) that conducts"
+                               : "a straight channel that conducts";
+  const std::string gate = model.gate ? words_of_gate(emission.instance(), model) : "";
+  note_idealised(emission, fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}){}, and a body diode, {}", what,
                                        channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"), origin, at,
-                                       words_of({v.get("Rfwd"), v.get("Vfwd")})));
+                                       gate, words_of({v.get("Rfwd"), v.get("Vfwd")})));
 }
 
 void emit(Emission& emission) {
   const Instance& instance = emission.instance();
-  const Channel channel = channel_of(instance, emission.model());
-  instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
+  Channel channel = channel_of(instance, emission.model());
+  channel.gate = add_gate(emission);
+  follows_gate(instance, emission.model()) ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, body_diode(instance, emission.model(), "body diode", 0), -1.0);
   add_junction(emission, body_diode(instance, emission.model(), "bulk diode", 2), 0.0);
   note(emission, channel);
 }
 
+/// The channel, which its gate drives from behind a resistance.
+Channel twin_channel(const Twin& twin) {
+  Channel channel = channel_of(twin.instance(), twin.model());
+  if (twin.model().gate && twin.model().gate->resistance > 0.0) channel.twin_gate = twin.inner("gate");
+  return channel;
+}
+
+void twin_of_gate(Twin& twin) {
+  const Instance& instance = twin.instance();
+  if (!twin.model().gate) return;
+  const GateParts gate = gate_of(instance, twin.model());
+  const std::string outside = twin.node(instance.nodes[1]), inside = gate.resistance > 0.0 ? twin.inner("gate") : outside;
+  if (gate.resistance > 0.0) twin.resistor("Rg", {outside, inside}, gate.resistance);
+  if (gate.to_source > 0.0) twin.capacitor("Cgs", {inside, twin.node(instance.nodes[2])}, gate.to_source);
+  if (gate.to_drain > 0.0) twin.capacitor("Cgd", {inside, twin.ends().p}, gate.to_drain);
+}
+
 void smooth_twin(Twin& twin) {
   const Instance& instance = twin.instance();
-  twin_of_channel(twin, channel_of(instance, twin.model()));
+  twin_of_gate(twin);
+  follows_gate(instance, twin.model()) ? twin_of_following_channel(twin, twin_channel(twin)) : twin_of_channel(twin, twin_channel(twin));
   const std::string bulk = twin.node(bulk_of(instance, twin.model()));
   twin_of_junction(twin, body_diode(instance, twin.model(), "body", 0), {bulk, twin.ends().p});
   twin_of_junction(twin, body_diode(instance, twin.model(), "bulk", 2), {bulk, twin.node(instance.nodes[2])});
@@ -323,7 +402,7 @@ Kind mosfet() {
   kind.saved_by_default = true;
   kind.emit = emit;
   kind.smooth_twin = smooth_twin;
-  kind.twin_event = [](const Twin& twin) { return std::optional(event_of_channel(twin, channel_of(twin.instance(), twin.model()))); };
+  kind.twin_event = [](const Twin& twin) { return std::optional(event_of_channel(twin, twin_channel(twin))); };
   return kind;
 }
 

@@ -24,8 +24,10 @@ constexpr Parameter level_parameters[] = {
     switch_off_resistance,
     {"Von", "V", 1.0, Range::any, false, "On above; with Voff above Von: on below."},
     {"Voff", "V", 0.0, Range::any, false, "Off below; with Voff above Von: off above."},
+    {"On", "V", 1.0, Range::any, false, "Another name of Von (Xyce)."},
+    {"Off", "V", 0.0, Range::any, false, "Another name of Voff (Xyce)."},
     {"Vt", "V", 0.0, Range::any, false, "Threshold, in place of Von and Voff: on above Vt+Vh, off below Vt-Vh."},
-    {"Vh", "V", 0.0, Range::not_negative, false, "Half width of the hysteresis, with Vt."},
+    {"Vh", "V", 0.0, Range::any, false, "Half width of the hysteresis, with Vt; a negative one counts as zero."},
     {"TD", "s", 0.0, Range::any, false, "Delay.", Use::refused},
     switch_inductance,
     switch_drop,
@@ -35,17 +37,23 @@ void complete(Model& model, const Settings&, Diagnostics& diagnostics) { complet
 
 constexpr ModelKind hysteresis_model{"SW", "voltage-controlled switch", hysteresis_parameters, complete};
 void check_levels(Model& model, const Settings&, Diagnostics& diagnostics) {
-  const Values& v = model.values;
-  const std::string_view threshold = v.has("Vt") ? "Vt" : "Vh";
+  Values& v = model.values;
+  if (v.has("On") && !v.has("Von")) v.set("Von", v.get("On"), v.span("On"));
+  if (v.has("Off") && !v.has("Voff")) v.set("Voff", v.get("Off"), v.span("Off"));
   const std::string_view level = v.has("Von") ? "Von" : "Voff";
-  if (v.has(threshold) && v.has(level))
+  if (!v.has(level)) return complete_hysteresis(model, "Vt", "Vh", diagnostics);
+  if (v.has("Vt"))
     diagnostics.error(
-        "E-duplicate-parameter", v.span(threshold),
-        fmt::format("{} of model {} repeats what {} already defines; try either Von and Voff, or Vt and Vh", threshold, model.name, level));
+        "E-duplicate-parameter", v.span("Vt"),
+        fmt::format("Vt of model {} repeats what {} already defines; try either Von and Voff, or Vt and Vh", model.name, level));
+  else if (v.has("Vh"))
+    diagnostics.warning("W-ignored-parameter", v.span("Vh"),
+                        fmt::format("Vh of model {} is ignored: {} already gives the levels", model.name, level));
 }
 
 constexpr ModelKind level_model{"VSWITCH", "voltage-controlled switch", level_parameters, check_levels};
-constexpr const ModelKind* models[] = {&hysteresis_model, &level_model};
+constexpr ModelKind generic_model{"SWITCH", "voltage-controlled switch", level_parameters, check_levels};
+constexpr const ModelKind* models[] = {&hysteresis_model, &level_model, &generic_model};
 
 void connect(Emission& emission) {
   const NodePair& control = emission.instance().control_nodes[0];
