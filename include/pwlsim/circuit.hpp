@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <pwlsim/controller.hpp>
 #include <pwlsim/error.hpp>
 #include <pwlsim/result.hpp>
 #include <pwlsim/steady_state.hpp>
@@ -117,6 +118,10 @@ class Circuit {
   /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
   Circuit& cards(std::string_view lines);
 
+  /// A sampled controller (controller.hpp). Throws Error (E-controller) if it has no function, no output, no positive `every`, a negative delay, or
+  /// another number of initial values than of outputs. run checks its inputs and outputs.
+  Circuit& controller(Controller controller);
+
   /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
   /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
   Circuit& set_value(std::string_view element, const Waveform& value);
@@ -151,6 +156,7 @@ class Circuit {
   std::string base_text_;                                    // path or deck
   std::string text_;                                         // title, then cards
   std::vector<std::pair<std::string, std::string>> values_;  // of set_value
+  std::vector<Controller> controllers_;
   bool has_ideal_diode_ = false;
 };
 

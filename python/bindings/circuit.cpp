@@ -87,6 +87,7 @@ void bind_circuit(py::module_& module) {
   bind_elements(circuit);
   bind_cards(circuit);
   bind_running(circuit);
+  bind_controller(circuit);
   module.def("sine", &sine_text);
   module.def("pulse", &pulse_text);
   module.def("straight_lines",

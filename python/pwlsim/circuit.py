@@ -245,6 +245,38 @@ class Circuit:
         """The value of an element outside of subcircuits from now on, as ``circuit[element].value = value``."""
         return self._call("set_value", element, value)
 
+    def controller(
+        self,
+        inputs: Union[str, Sequence[str]],
+        outputs: Union[str, Sequence[str]],
+        every: float,
+        function: Callable[..., Union[float, Sequence[float], None]],
+        *,
+        delay: float = 0.0,
+        initial: Union[float, Sequence[float], None] = None,
+    ) -> "Circuit":
+        """Digital control: at t = 0, every, 2·every, … (s) ``function(t, *inputs)`` returns the outputs, which hold from t + delay (s) on until the next.
+
+        inputs: signals, "v(out)", "i(L1)" in V and A, as they are just before the instant. outputs: names of sources V… and I… of constant value, which
+        is set (V, A); any other name is a node, which a source of the controller's own holds against ground (V). A duty cycle is such a node beside a
+        carrier: ``voltage_switch("S1", "in", "sw", "duty", "carrier", "SW")``. The function returns a number, a sequence with one number an output, or
+        None: the outputs stay. initial: outputs before the first and at the operating point; default the source's value, or 0.
+
+        State is what the function keeps; every run calls it anew. What it raises ends the run: a RunError (E-controller) has the rows as `result`, and what
+        was raised as its cause. Raises Error (E-controller) where every, delay or initial is wrong; `run` checks inputs and outputs. The exact engine only.
+
+        A capacitor of 1 µF is charged by 1 mA for every second sample, 1 ms each, that is by 1 V a time:
+
+        >>> circuit = Circuit("staircase").current_source("I1", "0", "a", 0).capacitor("C1", "a", "0", 1e-6, ic=0).save("v(a)")
+        >>> circuit = circuit.controller("v(a)", "I1", 1e-3, lambda t, v: 0 if round(t / 1e-3) % 2 else 1e-3)
+        >>> circuit.run(stop=4e-3, step=1e-3, use_initial_conditions=True)["v(a)"].round(12).tolist()
+        [0.0, 1.0, 1.0, 2.0, 2.0]
+        """
+        names = [inputs] if isinstance(inputs, str) else list(inputs)
+        held = [outputs] if isinstance(outputs, str) else list(outputs)
+        first = [] if initial is None else np.atleast_1d(np.asarray(initial, dtype=float)).tolist()
+        return self._call("controller", names, held, float(every), float(delay), first, function)
+
     def __getitem__(self, name: str) -> Element:
         return Element(self, name)
 

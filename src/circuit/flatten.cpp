@@ -50,6 +50,7 @@ Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& rep
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   models.check_unused(top, deck.title_span.file);
   take_parameter_values(top, circuit);
+  circuit.draws_random = session.draws_random;
   result.expanded = true;
   return result;
 }

@@ -63,6 +63,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   width_ = 1 + model_.signal_names.size();
   if (request.grid.rows > 0 || request.events) rows_.resize(rows_per_block * width_);
   row_before_.resize(width_);
+  sampled_.resize(request.sampler != nullptr ? width_ : 0);
   if (request.grid.rows > 0) row_time_ = first_row_time_ = request.grid.time(0);
   for (auto& island : islands_) {
     island.set_tolerance(tolerance_);
@@ -174,6 +175,7 @@ RunState Transient::state() const {
 
 /// t = 0: states as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
+  if (request_.sampler != nullptr) request_.sampler->begin();
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   pieces_.before_start(start.signals);
@@ -208,8 +210,10 @@ bool Transient::begin(const Start& start) {
 /// beside it, that is on what is saved.
 double Transient::next_instant() {
   double horizon = request_.stop;
+  if (request_.sampler != nullptr) horizon = std::min(horizon, request_.sampler->next());
+  const double limit = horizon;
   for (Group& group : groups_) {
-    double own = request_.stop;
+    double own = limit;
     for (const std::size_t other : group.steered_by) own = std::min(own, groups_[other].horizon);
     for (const model::Clock* clock : group.clocks) own = std::min(own, clock->next().time);
     for (const IslandRun* island : group.islands) own = std::min(own, island->next_break());
@@ -252,7 +256,21 @@ void Transient::open_event_islands(double time, Instant& instant) {
   }
 }
 
+/// The signals are those just before what happens at `time`.
+bool Transient::ask_sampler(double time) {
+  fill_row(time, sampled_.data());
+  settings_.clear();
+  if (!request_.sampler->sample(time, std::span(sampled_).subspan(1), settings_)) {
+    fail_interrupted();
+    return false;
+  }
+  for (const Sampler::Setting& setting : settings_)
+    for (IslandRun* island : running_) island->hold(setting.channel, setting.value, time);
+  return true;
+}
+
 bool Transient::handle(double time) {
+  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
   Instant instant;
   instant.time = time;
   for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;

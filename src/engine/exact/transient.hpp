@@ -17,6 +17,7 @@
 #include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
 #include "engine/exact/start.hpp"
+#include "engine/sampler.hpp"
 #include "model/clock.hpp"
 
 namespace pwlsim::engine {
@@ -70,6 +71,7 @@ class Transient {
   void stop_short();
   double next_instant();
   bool handle(double time);
+  bool ask_sampler(double time);
   bool settle(Instant& instant, bool at_start);
   bool select_open(const std::vector<IslandRun*>& islands, Instant& instant);
   void take_clocks(Instant& instant);
@@ -142,7 +144,8 @@ class Transient {
   double tolerance_ = 0.0;  ///< instants closer than this are one
   double now_ = 0.0;
   std::size_t width_ = 1;
-  std::vector<double> rows_, row_before_;
+  std::vector<double> rows_, row_before_, sampled_;
+  std::vector<Sampler::Setting> settings_;
   std::size_t buffered_ = 0;
   std::uint64_t next_row_ = 0;
   double row_time_ = 0.0, first_row_time_ = 0.0;
