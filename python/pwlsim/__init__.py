@@ -15,7 +15,7 @@ from ._core import version as __version__
 from .circuit import Circuit, Element
 from .errors import Error, Interrupted, Message, PwlsimWarning, RunError
 from .result import Certificate, Fourier, Measurement, Result, Statistics
-from .sweeps import MonteCarlo, sweep
+from .sweeps import MonteCarlo, Points, sweep
 from .steady import LoopGain, Response, SteadyState
 from .waveforms import pulse, sine, straight_lines
 
@@ -30,6 +30,7 @@ __all__ = [
     "Measurement",
     "Message",
     "MonteCarlo",
+    "Points",
     "PwlsimWarning",
     "Response",
     "Result",
