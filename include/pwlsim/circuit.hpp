@@ -13,6 +13,7 @@
 
 #include <pwlsim/controller.hpp>
 #include <pwlsim/error.hpp>
+#include <pwlsim/gradient.hpp>
 #include <pwlsim/result.hpp>
 #include <pwlsim/steady_state.hpp>
 #include <pwlsim/value.hpp>
@@ -141,6 +142,15 @@ class Circuit {
   /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
   [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
                                        const SteadyStateOptions& around = {}, const Options& options = {}) const;
+  /// A measurement of `.meas tran` or `.meas pss` and its derivatives to parameters, exact, as `.sens` of a deck (docs/reference/steady-state.md): "R" of a
+  /// `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)". A measurement of `.meas pss` needs `.pss` among the cards. All parameters together cost little
+  /// more than one. Throws as run and steady_state do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A single derivative that does not exist is
+  /// told in its `failure`.
+  [[nodiscard]] Gradient gradient(std::string_view measurement, const std::vector<std::string>& parameters,
+                                  const Options& options = {}) const;
+  /// Of several measurements of one run; of all where `measurements` is empty.
+  [[nodiscard]] std::vector<Gradient> gradients(const std::vector<std::string>& measurements, const std::vector<std::string>& parameters,
+                                                const Options& options = {}) const;
   /// Number of runs of the deck's `.step`; 1 without `.step`. Throws as run does.
   [[nodiscard]] std::size_t runs() const;
   /// The cards added in code, below the title. Messages name this text `code`.

@@ -44,6 +44,7 @@ void bind_errors(py::module_& module);
 void bind_result(py::module_& module);
 void bind_circuit(py::module_& module);
 void bind_running(py::class_<Circuit>& circuit);
+void bind_gradient(py::class_<Circuit>& circuit);
 void bind_controller(py::class_<Circuit>& circuit);
 void bind_sweep(py::module_& module);
 

@@ -14,6 +14,7 @@ True
 from ._core import version as __version__
 from .circuit import Circuit, Element
 from .errors import Error, Interrupted, Message, PwlsimWarning, RunError
+from .gradient import Gradient
 from .result import Certificate, Fourier, Measurement, Result, Statistics
 from .sweeps import MonteCarlo, Points, sweep
 from .steady import LoopGain, Response, SteadyState
@@ -25,6 +26,7 @@ __all__ = [
     "Element",
     "Error",
     "Fourier",
+    "Gradient",
     "Interrupted",
     "LoopGain",
     "Measurement",

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _core
 from .errors import Interrupted, PwlsimWarning, _messages
+from .gradient import Gradient
 from .result import Result
 from .steady import LoopGain, Response, SteadyState
 
@@ -414,6 +415,35 @@ class Circuit:
         frequency, values, gain, messages = self._core.small_signals(grid.tolist(), what, around)
         _warn(messages, 3)
         return Response(frequency, values, LoopGain(*gain) if gain else None)
+
+    def gradient(self, measurement: str, parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False) -> Gradient:
+        """A measurement of `.meas tran` or `.meas pss` with its exact derivatives to parameters, as `.sens` of a deck, through all events.
+
+        parameters: "R" of a `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)"; all together cost little more than one. stop: s; 0 takes the deck's
+        `.tran`. A measurement of `.meas pss` needs `.pss` among the cards.
+
+        Raises as `run` and `steady_state` do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A derivative that does not exist is NaN, and
+        `failures` says why.
+
+        A divider of 12 V by R1 and 2 ohm: v = 24/(R1 + 2), so that dv/dR1 = −24/(R1 + 2)².
+
+        >>> circuit = Circuit.from_text("d\\nV1 a 0 12\\nR1 a b 4\\nR2 b 0 2\\n.meas tran v AVG v(b)\\n.tran 1 1\\n")
+        >>> gradient = circuit.gradient("v", ["R1", "V1"])
+        >>> round(gradient.value, 12), round(gradient["R1"], 12), round(gradient["V1"], 12)
+        (4.0, -0.666666666667, 0.333333333333)
+        """
+        return self.gradients([measurement], parameters, stop=stop, use_initial_conditions=use_initial_conditions, _level=4)[measurement]
+
+    def gradients(
+        self, measurements: Sequence[str], parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False, _level: int = 3
+    ) -> Dict[str, Gradient]:
+        """The same of several measurements of one run, by name; of all where `measurements` is empty."""
+        given = {"stop": stop, "use_initial_conditions": use_initial_conditions}
+        found = self._core.gradients(list(measurements), list(parameters), given)
+        if found:
+            _warn(found[0][3], _level)
+        asked = {name.lower(): name for name in measurements}
+        return {asked.get(name.lower(), name): Gradient(name, value, derivatives) for name, value, derivatives, _ in found}
 
     def runs(self) -> int:
         """How many runs the deck's `.step` asks for; 1 without. Raises as `run` does."""
