@@ -4,25 +4,22 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "analysis/prepared_engine.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/exact.hpp"
-#include "netlist/ast.hpp"
 
 namespace pwlsim::analysis {
 
 class SteppedSources {
  public:
-  /// Empty where it cannot be: one of the names is no source of constant value (or something folds it into another part), the sparse engine is needed, or
-  /// exponential diodes have a tangent at a current that depends on the run. `options`: of the compilation, but for `held`.
-  [[nodiscard]] static std::optional<SteppedSources> make(const netlist::Deck& deck, SourceStore sources, circuit::CompileOptions options,
-                                                          const std::vector<std::string>& names, EngineChoice choice, double reltol);
+  /// `compiled` with `channels` sources held (CompileOptions::held). Empty where it cannot be: a channel has no source of constant value, the sparse engine
+  /// is needed, values are random, or exponential diodes have a tangent at a current that depends on the run.
+  [[nodiscard]] static std::optional<SteppedSources> make(circuit::Compiled compiled, std::size_t channels, EngineChoice choice,
+                                                          double reltol);
 
   [[nodiscard]] const std::shared_ptr<const circuit::Compiled>& compiled() const { return compiled_; }
-  /// `values` of the names. The same values give the same rows, whatever else has been run; threads may ask side by side.
+  /// `values` of the channels. The same values give the same rows, whatever else has been run; threads may ask side by side.
   [[nodiscard]] Simulate simulate(std::span<const double> values) const;
 
  private:

@@ -44,9 +44,11 @@ void look_for_sources(Sweep::Data& data) {
   const Compilation& read = data.compilation;
   if (read.has_controllers()) throw api::error("E-controller", "a circuit with controllers has no sweep; try a loop over Circuit::run");
   if (!may_be_sources(data)) return;
-  circuit::CompileOptions options;
-  options.measure = true;
-  data.sources = analysis::SteppedSources::make(read.deck(), read.sources(), options, data.names, api::choice_of(data.options.engine),
+  Diagnostics diagnostics;
+  SourceStore sources = read.sources();
+  auto compiled = circuit::compile(read.deck(), sources, diagnostics, {.measure = true, .held = data.names});
+  if (!compiled || diagnostics.has_errors()) return;
+  data.sources = analysis::SteppedSources::make(std::move(*compiled), data.names.size(), api::choice_of(data.options.engine),
                                                 analysis::relative_tolerance(data.options.reltol, read.compiled().analyses));
 }
 

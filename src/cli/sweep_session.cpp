@@ -136,7 +136,11 @@ class Sweep {
       if (sweep.is_parameter) return;
       names.push_back(sweep.name);
     }
-    sources_ = analysis::SteppedSources::make(task_.deck, task_.sources, {.measure = true}, names, task_.options.engine, task_.reltol);
+    Diagnostics diagnostics;
+    SourceStore sources = task_.sources;
+    auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .held = names});
+    if (!compiled || diagnostics.has_errors()) return;
+    sources_ = analysis::SteppedSources::make(std::move(*compiled), names.size(), task_.options.engine, task_.reltol);
   }
 
   bool simulate_sources(std::size_t run, SweptRun& record) {
