@@ -1,7 +1,7 @@
 # cmake --install: the program, its man page, completion, documentation and examples, the library; cpack -G DEB makes a Debian package of them.
 include(GNUInstallDirs)
 # ./run builds the program alone; what else is installed is built here. First, so that it is there when the files below are copied.
-install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target pwlsim pwlsim_library $<$<BOOL:${PWLSIM_PYTHON}>:pwlsim_python>
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target pwlsim pwlsim_library $<$<BOOL:${PWLSIM_SHARED}>:pwlsim_shared> $<$<BOOL:${PWLSIM_PYTHON}>:pwlsim_python>
   RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR \"the library could not be built: \${output}\")

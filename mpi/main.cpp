@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -146,18 +147,46 @@ class Office {
     if (!arguments_.quiet && ::isatty(2) != 0) std::fprintf(stderr, "\r%zu of %zu runs", finished_, records_.size());
   }
 
+  struct Hand {
+    int runs = 0;  ///< handed out, and not back
+    bool is_done = false;
+  };
+
+  /// One run a worker, so that none waits behind a long one at the end; where runs are short a second one waits at the worker, which then does not wait for rank 0.
+  [[nodiscard]] int runs_ahead() const {
+    constexpr double short_run = 0.01;  // s
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    return finished_here_ > 0 && seconds * (ranks_ - 1) < short_run * static_cast<double>(finished_here_) ? 2 : 1;
+  }
+
+  void fill(int rank, Hand& hand) {
+    for (const int wanted = runs_ahead(); !hand.is_done && hand.runs < wanted; ++hand.runs) {
+      const std::uint64_t number = next();
+      MPI_Send(&number, 1, MPI_UINT64_T, rank, tag, MPI_COMM_WORLD);
+      hand.is_done = number == no_more;
+      if (hand.is_done) return;
+    }
+  }
+
   void hand_out() {
-    for (int working = ranks_ - 1; working > 0;) {
+    std::vector<Hand> hands(static_cast<std::size_t>(ranks_));
+    const auto is_at_work = [](const Hand& hand) { return !hand.is_done || hand.runs > 0; };
+    hands[0].is_done = true;
+    while (std::any_of(hands.begin(), hands.end(), is_at_work)) {
       MPI_Status status;
       MPI_Probe(MPI_ANY_SOURCE, tag, MPI_COMM_WORLD, &status);
       int size = 0;
       MPI_Get_count(&status, MPI_BYTE, &size);
       std::string bytes(static_cast<std::size_t>(size), '\0');
       MPI_Recv(bytes.data(), size, MPI_BYTE, status.MPI_SOURCE, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-      const std::uint64_t number = next();
-      MPI_Send(&number, 1, MPI_UINT64_T, status.MPI_SOURCE, tag, MPI_COMM_WORLD);  // before the record is written: the worker goes on
-      if (number == no_more) --working;
-      if (const Record record = record_of(bytes); record.number != no_more) take(record);
+      const Record record = record_of(bytes);
+      Hand& hand = hands[static_cast<std::size_t>(status.MPI_SOURCE)];
+      const bool is_run = record.number != no_more;  // else the worker is ready
+      hand.runs -= is_run ? 1 : 0;
+      fill(status.MPI_SOURCE, hand);  // before the record is written: the worker goes on
+      if (!is_run) continue;
+      ++finished_here_;
+      take(record);
     }
   }
 
@@ -190,6 +219,8 @@ class Office {
   Journal journal_;
   std::uint64_t begun_ = 0;
   std::size_t finished_ = 0, failed_ = 0;
+  std::size_t finished_here_ = 0;  ///< by other ranks, since `began_`
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
 int lead(const Arguments& arguments, Worker& worker, int ranks) {

@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include <pwlsim/controller.hpp>
 #include <pwlsim/error.hpp>
+#include <pwlsim/gradient.hpp>
 #include <pwlsim/result.hpp>
 #include <pwlsim/steady_state.hpp>
 #include <pwlsim/value.hpp>
@@ -117,6 +119,10 @@ class Circuit {
   /// Any lines of the deck language: subcircuits, blocks A, `.func`, …
   Circuit& cards(std::string_view lines);
 
+  /// A sampled controller (controller.hpp). Throws Error (E-controller) if it has no function, no output, no positive `every`, a negative delay, or
+  /// another number of initial values than of outputs. run checks its inputs and outputs.
+  Circuit& controller(Controller controller);
+
   /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
   /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
   Circuit& set_value(std::string_view element, const Waveform& value);
@@ -136,6 +142,15 @@ class Circuit {
   /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
   [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
                                        const SteadyStateOptions& around = {}, const Options& options = {}) const;
+  /// A measurement of `.meas tran` or `.meas pss` and its derivatives to parameters, exact, as `.sens` of a deck (docs/reference/steady-state.md): "R" of a
+  /// `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)". A measurement of `.meas pss` needs `.pss` among the cards. All parameters together cost little
+  /// more than one. Throws as run and steady_state do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A single derivative that does not exist is
+  /// told in its `failure`.
+  [[nodiscard]] Gradient gradient(std::string_view measurement, const std::vector<std::string>& parameters,
+                                  const Options& options = {}) const;
+  /// Of several measurements of one run; of all where `measurements` is empty.
+  [[nodiscard]] std::vector<Gradient> gradients(const std::vector<std::string>& measurements, const std::vector<std::string>& parameters,
+                                                const Options& options = {}) const;
   /// Number of runs of the deck's `.step`; 1 without `.step`. Throws as run does.
   [[nodiscard]] std::size_t runs() const;
   /// The cards added in code, below the title. Messages name this text `code`.
@@ -151,6 +166,7 @@ class Circuit {
   std::string base_text_;                                    // path or deck
   std::string text_;                                         // title, then cards
   std::vector<std::pair<std::string, std::string>> values_;  // of set_value
+  std::vector<Controller> controllers_;
   bool has_ideal_diode_ = false;
 };
 

@@ -8,6 +8,7 @@
 
 #include <pwlsim/circuit.hpp>
 #include <pwlsim/error.hpp>
+#include <pwlsim/gradient.hpp>
 #include <pwlsim/result.hpp>
 #include <pwlsim/steady_state.hpp>
 #include <pwlsim/sweep.hpp>

@@ -19,7 +19,7 @@ struct Event {
   bool source_edge = false;                        ///< a source jumps or has a corner
   bool mode_change = false;                        ///< diodes or switches change
   bool jump = false;                               ///< states jump
-  std::vector<std::string> turned_on, turned_off;  ///< diodes and switches: "D1", "X1:S1"; "D1 (2)" is the second port of D1
+  std::vector<std::string> turned_on, turned_off;  ///< diodes and switches: "D1", "X1.S1"; "D1 (2)" is the second port of D1
 };
 
 /// A measurement of a `.meas` card.

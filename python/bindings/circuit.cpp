@@ -87,6 +87,8 @@ void bind_circuit(py::module_& module) {
   bind_elements(circuit);
   bind_cards(circuit);
   bind_running(circuit);
+  bind_controller(circuit);
+  bind_gradient(circuit);
   module.def("sine", &sine_text);
   module.def("pulse", &pulse_text);
   module.def("straight_lines",

@@ -44,8 +44,12 @@ void bind_errors(py::module_& module);
 void bind_result(py::module_& module);
 void bind_circuit(py::module_& module);
 void bind_running(py::class_<Circuit>& circuit);
+void bind_gradient(py::class_<Circuit>& circuit);
+void bind_controller(py::class_<Circuit>& circuit);
 void bind_sweep(py::module_& module);
 
+/// What the function of a controller raised, which ended the run; None: nothing did.
+[[nodiscard]] py::object cause_of(const RunError& error);
 [[nodiscard]] Options options_of(const py::dict& from);
 
 }  // namespace pwlsim::python

@@ -28,8 +28,9 @@ py::list list_of(const std::vector<Message>& messages) {
 namespace {
 
 /// The exceptions are classes of Python (pwlsim/errors.py), made where the package has been imported.
-void raise(const char* maker, const py::list& messages, const py::object& result) {
+void raise(const char* maker, const py::list& messages, const py::object& result, const py::object& cause = py::none()) {
   const py::object error = py::module_::import("pwlsim.errors").attr(maker)(messages, result);
+  if (!cause.is_none()) PyException_SetCause(error.ptr(), cause.inc_ref().ptr());
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
 }
 
@@ -40,7 +41,7 @@ void bind_errors(py::module_&) {
     try {
       if (pointer) std::rethrow_exception(pointer);
     } catch (const RunError& error) {
-      raise("_run_error", list_of(error.messages()), py::cast(error.result()));
+      raise("_run_error", list_of(error.messages()), py::cast(error.result()), cause_of(error));
     } catch (const Error& error) {
       raise("_error", list_of(error.messages()), py::none());
     }

@@ -93,8 +93,9 @@ py::tuple run(const Circuit& circuit, const py::dict& given, const py::object& p
   try {
     const py::gil_scoped_release released;
     result = circuit.run(options);
-  } catch (const RunError&) {
+  } catch (const RunError& error) {
     (void)watch.was_interrupted();  // what Python raised stands before what came of it
+    if (PyObject_IsInstance(cause_of(error).ptr(), PyExc_KeyboardInterrupt) == 1) return py::make_tuple(error.result(), true);
     throw;
   }
   return py::make_tuple(*result, watch.was_interrupted());

@@ -14,8 +14,9 @@ True
 from ._core import version as __version__
 from .circuit import Circuit, Element
 from .errors import Error, Interrupted, Message, PwlsimWarning, RunError
+from .gradient import Gradient
 from .result import Certificate, Fourier, Measurement, Result, Statistics
-from .sweeps import MonteCarlo, sweep
+from .sweeps import MonteCarlo, Points, sweep
 from .steady import LoopGain, Response, SteadyState
 from .waveforms import pulse, sine, straight_lines
 
@@ -25,11 +26,13 @@ __all__ = [
     "Element",
     "Error",
     "Fourier",
+    "Gradient",
     "Interrupted",
     "LoopGain",
     "Measurement",
     "Message",
     "MonteCarlo",
+    "Points",
     "PwlsimWarning",
     "Response",
     "Result",

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _core
 from .errors import Interrupted, PwlsimWarning, _messages
+from .gradient import Gradient
 from .result import Result
 from .steady import LoopGain, Response, SteadyState
 
@@ -245,6 +246,38 @@ class Circuit:
         """The value of an element outside of subcircuits from now on, as ``circuit[element].value = value``."""
         return self._call("set_value", element, value)
 
+    def controller(
+        self,
+        inputs: Union[str, Sequence[str]],
+        outputs: Union[str, Sequence[str]],
+        every: float,
+        function: Callable[..., Union[float, Sequence[float], None]],
+        *,
+        delay: float = 0.0,
+        initial: Union[float, Sequence[float], None] = None,
+    ) -> "Circuit":
+        """Digital control: at t = 0, every, 2·every, … (s) ``function(t, *inputs)`` returns the outputs, which hold from t + delay (s) on until the next.
+
+        inputs: signals, "v(out)", "i(L1)" in V and A, as they are just before the instant. outputs: names of sources V… and I… of constant value, which
+        is set (V, A); any other name is a node, which a source of the controller's own holds against ground (V). A duty cycle is such a node beside a
+        carrier: ``voltage_switch("S1", "in", "sw", "duty", "carrier", "SW")``. The function returns a number, a sequence with one number an output, or
+        None: the outputs stay. initial: outputs before the first and at the operating point; default the source's value, or 0.
+
+        State is what the function keeps; every run calls it anew. What it raises ends the run: a RunError (E-controller) has the rows as `result`, and what
+        was raised as its cause. Raises Error (E-controller) where every, delay or initial is wrong; `run` checks inputs and outputs. The exact engine only.
+
+        A capacitor of 1 µF is charged by 1 mA for every second sample, 1 ms each, that is by 1 V a time:
+
+        >>> circuit = Circuit("staircase").current_source("I1", "0", "a", 0).capacitor("C1", "a", "0", 1e-6, ic=0).save("v(a)")
+        >>> circuit = circuit.controller("v(a)", "I1", 1e-3, lambda t, v: 0 if round(t / 1e-3) % 2 else 1e-3)
+        >>> circuit.run(stop=4e-3, step=1e-3, use_initial_conditions=True)["v(a)"].round(12).tolist()
+        [0.0, 1.0, 1.0, 2.0, 2.0]
+        """
+        names = [inputs] if isinstance(inputs, str) else list(inputs)
+        held = [outputs] if isinstance(outputs, str) else list(outputs)
+        first = [] if initial is None else np.atleast_1d(np.asarray(initial, dtype=float)).tolist()
+        return self._call("controller", names, held, float(every), float(delay), first, function)
+
     def __getitem__(self, name: str) -> Element:
         return Element(self, name)
 
@@ -382,6 +415,35 @@ class Circuit:
         frequency, values, gain, messages = self._core.small_signals(grid.tolist(), what, around)
         _warn(messages, 3)
         return Response(frequency, values, LoopGain(*gain) if gain else None)
+
+    def gradient(self, measurement: str, parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False) -> Gradient:
+        """A measurement of `.meas tran` or `.meas pss` with its exact derivatives to parameters, as `.sens` of a deck, through all events.
+
+        parameters: "R" of a `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)"; all together cost little more than one. stop: s; 0 takes the deck's
+        `.tran`. A measurement of `.meas pss` needs `.pss` among the cards.
+
+        Raises as `run` and `steady_state` do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A derivative that does not exist is NaN, and
+        `failures` says why.
+
+        A divider of 12 V by R1 and 2 ohm: v = 24/(R1 + 2), so that dv/dR1 = −24/(R1 + 2)².
+
+        >>> circuit = Circuit.from_text("d\\nV1 a 0 12\\nR1 a b 4\\nR2 b 0 2\\n.meas tran v AVG v(b)\\n.tran 1 1\\n")
+        >>> gradient = circuit.gradient("v", ["R1", "V1"])
+        >>> round(gradient.value, 12), round(gradient["R1"], 12), round(gradient["V1"], 12)
+        (4.0, -0.666666666667, 0.333333333333)
+        """
+        return self.gradients([measurement], parameters, stop=stop, use_initial_conditions=use_initial_conditions, _level=4)[measurement]
+
+    def gradients(
+        self, measurements: Sequence[str], parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False, _level: int = 3
+    ) -> Dict[str, Gradient]:
+        """The same of several measurements of one run, by name; of all where `measurements` is empty."""
+        given = {"stop": stop, "use_initial_conditions": use_initial_conditions}
+        found = self._core.gradients(list(measurements), list(parameters), given)
+        if found:
+            _warn(found[0][3], _level)
+        asked = {name.lower(): name for name in measurements}
+        return {asked.get(name.lower(), name): Gradient(name, value, derivatives) for name, value, derivatives, _ in found}
 
     def runs(self) -> int:
         """How many runs the deck's `.step` asks for; 1 without. Raises as `run` does."""

@@ -51,7 +51,8 @@ class Error(Exception):
 
 
 class RunError(Error):
-    """The run came to a time where it could not go on; `result` holds the rows up to then (None for a steady state that was not found)."""
+    """The run came to a time where it could not go on; `result` holds the rows up to then (None for a steady state that was not found).
+    Where a controller's function raised, that is the cause."""
 
     result: Any = None
 

@@ -15,7 +15,24 @@ from .circuit import Circuit
 from .errors import Error
 from .result import Result
 
-__all__ = ["MonteCarlo", "sweep"]
+__all__ = ["MonteCarlo", "Points", "sweep"]
+
+
+class Points:
+    """Points for `sweep` as columns of equal length: run k has the k-th value of each name.
+
+    >>> Points({"R": [1, 2, 3], "L": [1e-3, 2e-3, 4e-3]}).columns()["L"].tolist()
+    [0.001, 0.002, 0.004]
+    """
+
+    def __init__(self, values: Mapping[str, Iterable[float]]) -> None:
+        self.values = {name: np.atleast_1d(np.asarray(column, dtype=float)) for name, column in values.items()}
+        if len({column.shape for column in self.values.values()}) > 1:
+            raise ValueError("the columns of points have different lengths")
+
+    def columns(self) -> Dict[str, np.ndarray]:
+        """The values of every name, shape (runs,)."""
+        return self.values
 
 
 class MonteCarlo:
@@ -63,14 +80,14 @@ Measure = Union[str, Tuple[str, str], Tuple[str, Callable[[Result], float]]]
 
 def sweep(
     circuit: Circuit,
-    values: Union[Mapping[str, Iterable[float]], MonteCarlo],
+    values: Union[Mapping[str, Iterable[float]], Points, MonteCarlo],
     *,
     measure: Sequence[Measure] = (),
     jobs: Optional[int] = None,
     progress: Optional[bool] = None,
     **options: Any,
 ) -> Any:
-    """Runs a circuit with all combinations of values, the last name changing fastest, or with the points of MonteCarlo.
+    """Runs a circuit with all combinations of values, the last name changing fastest, or with the points of Points or MonteCarlo.
 
     values: names of parameters, or of elements outside of subcircuits, with their values. measure: what is taken of each run: the name of a measurement of the
     deck; (name, "AVG v(out) FROM=1m"), a measurement as `Circuit.measure` takes it; (name, function of the Result). Default: all measurements of the deck.
@@ -85,7 +102,7 @@ def sweep(
     >>> [float(x) for x in table["out"]]
     [5.0, 2.5, 2.0, 1.0]
     """
-    columns = values.columns() if isinstance(values, MonteCarlo) else _grid(values)
+    columns = values.columns() if isinstance(values, (Points, MonteCarlo)) else _grid(values)
     points = np.column_stack(list(columns.values())) if columns else np.empty((0, 0))
     asked = [(each, None) if isinstance(each, str) else tuple(each) for each in measure]
     measured = circuit.copy()

@@ -174,3 +174,24 @@ def test_stepped_decks_are_run_one_by_one():
     results = [circuit.run(run=k) for k in range(3)]
     assert [r.stepped for r in results] == [{"r": 1.0}, {"r": 2.0}, {"r": 4.0}]
     assert [r["i(V1)"][-1] for r in results] == [-1.0, -0.5, -0.25]
+
+
+def test_gradients_are_exact():
+    # v = 12·R2/(R1 + R2): dv/dR1 = −12·R2/(R1 + R2)², dv/dV1 = R2/(R1 + R2); 2·v beside it.
+    circuit = pwlsim.Circuit.from_text("d\nV1 a 0 12\nR1 a b {r}\nR2 b 0 2\n.param r=4\n.meas tran v AVG v(b)\n.meas tran twice PARAM 2*v\n.tran 1 1\n")
+    gradient = circuit.gradient("V", ["R1", "r", "V1"])
+    assert gradient.measurement == "v" and gradient.value == pytest.approx(4, rel=ROUNDING) and gradient.parameters == ("R1", "r", "V1")
+    np.testing.assert_allclose(np.asarray(gradient), [-2 / 3, -2 / 3, 1 / 3], rtol=ROUNDING)
+    np.testing.assert_allclose(gradient.normalised, [-2 / 3, -2 / 3, 1], rtol=ROUNDING)
+    np.testing.assert_array_equal(gradient.left, gradient.derivatives)
+    assert gradient["r1"] == gradient.derivatives[0] and not gradient.failures and not gradient.kinks
+    both = circuit.gradients(["twice", "v"], ["V1"])
+    assert list(both["twice"].derivatives) == pytest.approx([2 / 3], rel=ROUNDING) and both["v"]["V1"] == pytest.approx(1 / 3, rel=ROUNDING)
+    assert set(circuit.gradients([], ["V1"])) == {"v", "twice"}
+    for measurement, parameters, id in (("w", ["R1"], "E-sens-no-measurement"), ("v", ["R9"], "E-sens-unknown-parameter")):
+        with pytest.raises(pwlsim.Error) as caught:
+            circuit.gradient(measurement, parameters)
+        assert caught.value.id == id
+    with pytest.raises(pwlsim.Error) as caught:
+        circuit.copy().controller([], "V1", 1.0, lambda t: 1.0).gradient("v", ["R1"])
+    assert caught.value.id == "E-controller"

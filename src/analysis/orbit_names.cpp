@@ -95,7 +95,7 @@ std::vector<NamedState> states_after_start(const ExactModel& model, const steady
   return states;
 }
 
-std::vector<OrbitMode> orbit_modes(const ExactModel& model, const circuit::HiddenParts& hidden, const steady::Trace& trace) {
+std::vector<OrbitMode> orbit_modes(const ExactModel& model, const circuit::HiddenParts& hidden, const steady::Trace& trace, double period) {
   std::vector<OrbitMode> modes;
   Positions positions(model, hidden);
   for (const steady::TraceStep& step : trace.steps) {
@@ -112,6 +112,12 @@ std::vector<OrbitMode> orbit_modes(const ExactModel& model, const circuit::Hidde
     for (const engine::Change& change : trace.steps.front().changes)
       for (std::string& event : positions.take(change)) events.push_back(std::move(event));
   if (!modes.empty()) modes.front().event = listed(events);
+  constexpr double at_end = 1.0 - 1e-12;
+  if (modes.size() > 1 && modes.back().time >= at_end * period) {
+    modes.front().event = modes.back().event;
+    modes.front().has_jump |= modes.back().has_jump;
+    modes.pop_back();
+  }
   return modes;
 }
 
@@ -146,7 +152,8 @@ std::vector<std::pair<std::string, double>> shares_of(const ExactModel& model, c
   std::map<std::string, double> share;
   const double whole = direction.squaredNorm();
   for (Eigen::Index k = 0; k < direction.size(); ++k)
-    if (const double part = std::norm(direction[k]) / whole; part > least) share[coordinate_name(model, static_cast<std::size_t>(k))] += part;
+    if (const double part = std::norm(direction[k]) / whole; part > least)
+      share[coordinate_name(model, static_cast<std::size_t>(k))] += part;
   std::vector<std::pair<std::string, double>> list(share.begin(), share.end());
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return list;

@@ -27,7 +27,9 @@ struct OrbitMode {
 /// The stores right of t = 0.
 [[nodiscard]] std::vector<NamedState> states_after_start(const engine::ExactModel& model, const steady::Trace& trace);
 /// The modes of the period in order; elements of `hidden` are left out.
-[[nodiscard]] std::vector<OrbitMode> orbit_modes(const engine::ExactModel& model, const circuit::HiddenParts& hidden, const steady::Trace& trace);
+/// What happens at the end of the period happens at t = 0.
+[[nodiscard]] std::vector<OrbitMode> orbit_modes(const engine::ExactModel& model, const circuit::HiddenParts& hidden,
+                                                 const steady::Trace& trace, double period);
 
 /// The name of a coordinate of the stacked state.
 [[nodiscard]] std::string coordinate_name(const engine::ExactModel& model, std::size_t coordinate);

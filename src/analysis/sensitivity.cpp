@@ -101,6 +101,7 @@ Derivative entry_of(const std::string& measurement, const Sensitivities::Paramet
   Derivative entry;
   entry.measurement = measurement;
   entry.parameter = parameter.name;
+  entry.measured = value;
   entry.value = entry.right = d.right;
   entry.left = d.left;
   entry.normalised = value != 0.0 ? d.right * parameter.value / value : std::numeric_limits<double>::quiet_NaN();
@@ -122,6 +123,11 @@ DerivativeTable table_of(const Sensitivities& card, const circuit::Measurements&
   return table;
 }
 
+bool are_wanted(const Sensitivities& card, const circuit::Measurements& measurements) {
+  return std::any_of(measurements.list.begin(), measurements.list.end(),
+                     [&](const circuit::Measurement& each) { return each.shown && card.wants(each.name); });
+}
+
 std::vector<TwoSided> failed_column(const circuit::Measurements& measurements, const std::string& why) {
   return std::vector<TwoSided>(measurements.list.size(), TwoSided::failed(why));
 }
@@ -140,13 +146,13 @@ std::vector<TwoSided> column_of(const MeasuredPass& run, MeasuredDerivatives der
 DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Measurements& measurements, const std::string& failure) {
   const Sensitivities& card = *compiled.analyses.sensitivities;
   const std::vector<std::vector<TwoSided>> columns(card.parameters.size(), failed_column(measurements, failure));
-  return table_of(card, measurements, std::vector<double>(measurements.list.size(), 0.0), columns);
+  return table_of(card, measurements, std::vector<double>(measurements.list.size(), std::numeric_limits<double>::quiet_NaN()), columns);
 }
 
 DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt) {
   const Sensitivities& card = *compiled.analyses.sensitivities;
   const circuit::Measurements& measurements = state.compiled.measurements;
-  if (measurements.list.empty()) return {};
+  if (!are_wanted(card, measurements)) return {};
   const bool is_driven = !state.common.sources.empty();
   const LinearisedOrbit linear(*state.model, state.orbit.trace, state.orbit.period, is_driven, state.parameters->names);
   const Sensitivity sensitivity(*state.model, state.orbit.trace, linear, *state.parameters, true);
@@ -274,7 +280,7 @@ std::string number_text(double value, int digits) { return digits == 0 ? fmt::fo
 }  // namespace
 
 DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
-  if (compiled.measurements.list.empty()) return {};
+  if (!are_wanted(*compiled.analyses.sensitivities, compiled.measurements)) return {};
   return RunDerivatives(compiled, state, interrupt).run();
 }
 

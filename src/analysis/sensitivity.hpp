@@ -14,6 +14,7 @@ namespace pwlsim::analysis {
 
 struct Derivative {
   std::string measurement, parameter;
+  double measured = 0.0;           ///< m; NaN where the measurement failed, or nothing was measured
   double value = 0.0;              ///< dm/dp
   double normalised = 0.0;         ///< p/m·dm/dp; not finite where m is 0
   double left = 0.0, right = 0.0;  ///< towards smaller and larger p: differ at a kink

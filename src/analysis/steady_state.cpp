@@ -44,6 +44,22 @@ void add_watch(model::Network& network, const model::LinearForm& signal, double 
   network.signals.push_back({watch_name, {{model::Term::Kind::node_voltage, node, 1.0}}});
 }
 
+/// Adds up one signal of all rows.
+class SignalMean : public engine::RowSink {
+ public:
+  SignalMean(std::size_t signal, std::size_t signals) : signal_(signal), width_(signals + 1) {}
+  bool write(std::span<const double> values, std::size_t count) override {
+    for (std::size_t k = 0; k < count; ++k) sum_ += values[k * width_ + 1 + signal_];
+    rows_ += count;
+    return true;
+  }
+  [[nodiscard]] double mean() const { return rows_ > 0 ? sum_ / static_cast<double>(rows_) : 0.0; }
+
+ private:
+  std::size_t signal_, width_, rows_ = 0;
+  double sum_ = 0.0;
+};
+
 /// Those that something saved depends on.
 std::vector<model::Source> needed_sources(const model::Network& network) {
   std::vector<model::Source> sources;
@@ -88,7 +104,7 @@ class Finder {
     state_.compiled.network = steady::with_settled_sources(compiled_.network);
     if (card_.trigger == Trigger::crosses) {
       const auto probe = static_cast<std::size_t>(compiled_.orbit_measurements.probe_signals[static_cast<std::size_t>(card_.probe)]);
-      add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level);
+      add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level_is_mean ? mean_of(probe) : card_.level);
       ++state_.compiled.measured_signals;
     }
     if (compiled_.analyses.small_signal) {
@@ -106,6 +122,31 @@ class Finder {
     options.non_unique = request_of_choice(compiled_.analyses.non_unique);
     march_ = std::make_shared<engine::March>(*model_, options);
     return true;
+  }
+
+  /// Over a few periods of the guess, behind tstab.
+  double mean_of(std::size_t signal) {
+    constexpr double periods = 16.0;
+    constexpr int points = 4096;
+    if (!state_.common.sources.empty() || !card_.period) return 0.0;
+    Diagnostics diagnostics;
+    const model::Network& network = state_.compiled.network;
+    model_ = engine::prepare(network, diagnostics);
+    if (!model_) return 0.0;
+    engine::March march(*model_, {request_of_choice(compiled_.analyses.non_unique), &interrupt_});
+    const auto told = static_cast<std::ptrdiff_t>(state_.messages.size());
+    engine::RunState from = start();
+    state_.messages.erase(state_.messages.begin() + told, state_.messages.end());  // they are told of the model with the watch
+    if (card_.settling_time && *card_.settling_time > 0.0) march.advance(from, *card_.settling_time, nullptr);
+    const double length = periods * *card_.period;
+    engine::Request request;
+    request.stop = length;
+    request.use_initial_conditions = true;
+    request.interrupt = &interrupt_;
+    request.grid = {[length](std::uint64_t k) { return length * static_cast<double>(k) / points; }, points};
+    SignalMean mean(signal, network.signals.size());
+    (void)march.run(from, request, mean);
+    return mean.mean();
   }
 
   static engine::NonUnique request_of_choice(circuit::NonUniqueChoice choice) {
@@ -165,6 +206,9 @@ class Finder {
       if (!section) return;
       task.section = std::move(*section);
     }
+    state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
+    if (!card_.level_is_mean || state_.orbit.verdict != Verdict::no_event) return;
+    task.section.reset();  // what oscillates does not pass its mean
     state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
   }
 
@@ -260,7 +304,7 @@ class Finder {
   void describe() {
     const Orbit& orbit = state_.orbit;
     state_.model = model_;
-    state_.modes = orbit_modes(*model_, compiled_.hidden, orbit.trace);
+    state_.modes = orbit_modes(*model_, compiled_.hidden, orbit.trace, orbit.period);
     state_.states = states_after_start(*model_, orbit.trace);
     Compiled& own = state_.compiled;
     own.measurements = compiled_.orbit_measurements;

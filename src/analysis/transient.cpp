@@ -230,6 +230,7 @@ engine::Request request_of(const circuit::Analyses& analyses, const RunControl& 
   request.non_unique = non_unique(analyses.non_unique);
   request.progress = control.progress;
   request.interrupt = control.interrupt;
+  request.sampler = control.sampler;
   request.watcher = control.recorder != nullptr ? control.recorder : control.watcher;
   return request;
 }

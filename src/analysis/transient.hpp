@@ -35,6 +35,7 @@ struct RunControl {
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
   RunRecorder* recorder = nullptr;              ///< is told of rows and events; may be null
   engine::EventWatcher* watcher = nullptr;      ///< is told of events where there is no recorder; may be null
+  engine::Sampler* sampler = nullptr;           ///< sets held sources; may be null
   double longest_window = 0.0;                  ///< s: windows of measurements may reach so far behind Tstop, where the run can tell
 };
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "api/messages.hpp"
 #include "base/names.hpp"
@@ -184,6 +186,23 @@ Circuit& Circuit::save(const std::vector<std::string>& signals) {
 
 Circuit& Circuit::measure(std::string_view name, std::string_view what) {
   text_ += fmt::format(".meas tran {} {}\n", checked_word(name), checked_text(what));
+  return *this;
+}
+
+Circuit& Circuit::controller(Controller controller) {
+  const auto& outputs = controller.outputs;
+  const auto& initial = controller.initial;
+  if (!controller.function) throw api::error("E-controller", "a controller needs a function");
+  if (outputs.empty()) throw api::error("E-controller", "a controller needs an output; try the name of a node");
+  if (!(controller.every > 0.0 && std::isfinite(controller.every)))
+    throw api::error("E-controller", "a controller needs a sampling interval `every` greater than 0 s");
+  if (!(controller.delay >= 0.0 && std::isfinite(controller.delay)))
+    throw api::error("E-controller", "the delay of a controller must not be negative");
+  if (!initial.empty() && initial.size() != outputs.size())
+    throw api::error("E-controller", fmt::format("a controller of {} outputs has {} initial values", outputs.size(), initial.size()));
+  for (const std::string& output : outputs) (void)checked_word(output);
+  for (const std::string& input : controller.inputs) (void)checked_text(input);
+  controllers_.push_back(std::move(controller));
   return *this;
 }
 

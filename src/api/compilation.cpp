@@ -8,12 +8,19 @@
 #include <utility>
 
 #include "analysis/fitted_diodes.hpp"
+#include "api/controllers.hpp"
 #include "api/element_value.hpp"
 #include "api/messages.hpp"
 #include "base/names.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim {
+
+analysis::EngineChoice api::choice_of(Engine engine) {
+  return engine == Engine::exact    ? analysis::EngineChoice::exact
+         : engine == Engine::sparse ? analysis::EngineChoice::sparse
+                                    : analysis::EngineChoice::automatic;
+}
 
 Compilation::Compilation(const Circuit& circuit, const Options& options, const Wanted& wanted) {
   read(circuit, options);
@@ -22,14 +29,23 @@ Compilation::Compilation(const Circuit& circuit, const Options& options, const W
   });
   if (options.stop != 0.0) set_transient(options);
   if (!wanted.cards.empty()) append_lines("options", wanted.cards);
+  hold_outputs(circuit.controllers_);
   of_reading_ = diagnostics_;
+  compile(options, wanted);
+  if (held_.empty()) return;
+  check_outputs();
+  if (!saves_inputs(circuit.controllers_)) return;
+  diagnostics_ = of_reading_;
   compile(options, wanted);
 }
 
 void Compilation::compile(const Options& options, const Wanted& wanted) {
-  compiled_ = circuit::compile(
-      deck_, sources_, diagnostics_,
-      {.analysis_required = wanted.analysis_required, .measure = true, .run = options.run, .keep_circuit = wanted.keeps_circuit});
+  compiled_ = circuit::compile(deck_, sources_, diagnostics_,
+                               {.analysis_required = wanted.analysis_required,
+                                .measure = true,
+                                .run = options.run,
+                                .keep_circuit = wanted.keeps_circuit,
+                                .held = held_});
   check();
 }
 
@@ -44,13 +60,63 @@ Compilation::Compilation(const Compilation& read, const Options& options, const 
   compile(options, {.analysis_required = true});
 }
 
+/// Each output is a source of the deck, or a new one at the node of that name.
+void Compilation::hold_outputs(const std::vector<Controller>& controllers) {
+  for (const Controller& controller : controllers)
+    for (std::size_t k = 0; k < controller.outputs.size(); ++k) {
+      const std::string& output = controller.outputs[k];
+      const char letter = lower_letter(output.front());
+      const bool is_source = (letter == 'v' || letter == 'i') && api::find_card(deck_.cards, output) != nullptr;
+      const std::string name = is_source ? output : "Vheld_" + output;
+      if (std::any_of(held_.begin(), held_.end(), [&](const std::string& other) { return same_name(other, name); }))
+        throw api::error("E-controller", fmt::format("two outputs of controllers set {}", output));
+      held_.push_back(name);
+      if (!is_source) append_lines("outputs", fmt::format("{} {} 0 0", name, output));
+      if (!controller.initial.empty()) give_value(name, Value(controller.initial[k]).text());
+    }
+}
+
+void Compilation::check_outputs() const {
+  std::vector<char> found(held_.size(), 0);
+  for (const model::Source& source : compiled_->network.sources)
+    if (const auto* held = std::get_if<model::Held>(&source.function)) found[static_cast<std::size_t>(held->channel)] = 1;
+  for (std::size_t k = 0; k < held_.size(); ++k)
+    if (found[k] == 0)
+      throw api::error("E-controller",
+                       fmt::format("a controller cannot set {}, which has a waveform; try a constant value for it", held_[k]));
+}
+
+/// The runs that find tangents would call the functions of controllers.
+void Compilation::check_tangents() const {
+  if (held_.empty()) return;
+  for (const model::Diode& diode : compiled_->network.diodes)
+    if (diode.law)
+      throw api::error("E-controller",
+                       fmt::format("beside controllers no run finds the tangent of {}, an exponential diode; try .options i0= with the "
+                                   "current that it carries, or a model with Ron and Vfwd",
+                                   diode.label.name));
+}
+
+/// What a controller reads is a signal. True: cards were added.
+bool Compilation::saves_inputs(const std::vector<Controller>& controllers) {
+  std::string missing;
+  for (const Controller& controller : controllers)
+    for (const std::string& input : controller.inputs) {
+      const auto& signals = compiled_->network.signals;
+      if (std::none_of(signals.begin(), signals.end(), [&](const model::Signal& signal) { return same_name(signal.name, input); }))
+        missing += fmt::format(".save {}\n", input);
+    }
+  if (missing.empty()) return false;
+  append_lines("inputs", (compiled_->names_signals ? "" : ".save all\n") + missing);
+  return true;
+}
+
 std::vector<Message> Compilation::messages() const { return api::messages_of(diagnostics_, sources_); }
 
 analysis::PreparedEngine Compilation::engine(const Options& options) {
-  const auto choice = options.engine == Engine::exact    ? analysis::EngineChoice::exact
-                      : options.engine == Engine::sparse ? analysis::EngineChoice::sparse
-                                                         : analysis::EngineChoice::automatic;
+  const auto choice = api::choice_of(options.engine);
   const double reltol = analysis::relative_tolerance(options.reltol, compiled_->analyses);
+  check_tangents();
   if (const auto note = analysis::fit_diodes(*compiled_, choice, reltol, nullptr)) diagnostics_.note(note->id, note->span, note->text);
   analysis::PreparedEngine engine = analysis::prepare_engine(compiled_->network, choice, reltol, diagnostics_);
   check();

@@ -16,6 +16,10 @@
 
 namespace pwlsim {
 
+namespace api {
+[[nodiscard]] analysis::EngineChoice choice_of(Engine engine);
+}
+
 /// A parameter, or an element outside of subcircuits, and its value in one run of many.
 using GivenValue = std::pair<std::string, double>;
 
@@ -33,6 +37,9 @@ class Compilation {
   Compilation(const Compilation& read, const Options& options, const std::vector<GivenValue>& given);
 
   [[nodiscard]] const circuit::Compiled& compiled() const { return *compiled_; }
+  [[nodiscard]] const netlist::Deck& deck() const { return deck_; }
+  [[nodiscard]] const SourceStore& sources() const { return sources_; }
+  [[nodiscard]] bool has_controllers() const { return !held_.empty(); }
   [[nodiscard]] circuit::Compiled take() { return std::move(*compiled_); }
   [[nodiscard]] std::vector<Message> messages() const;
   [[nodiscard]] std::vector<analysis::Departure> departures() const { return analysis::departures(diagnostics_, sources_); }
@@ -44,6 +51,10 @@ class Compilation {
   void check() const;
   void compile(const Options& options, const Wanted& wanted);
   void read(const Circuit& circuit, const Options& options);
+  void hold_outputs(const std::vector<Controller>& controllers);
+  void check_outputs() const;
+  void check_tangents() const;
+  bool saves_inputs(const std::vector<Controller>& controllers);
   void load(const std::string& path);
   void append(netlist::Deck deck);
   void append_lines(std::string_view name, std::string_view lines);
@@ -53,6 +64,7 @@ class Compilation {
   SourceStore sources_;
   Diagnostics diagnostics_, of_reading_;
   netlist::Deck deck_;
+  std::vector<std::string> held_;  ///< sources that controllers set, in the order of their outputs
   std::optional<circuit::Compiled> compiled_;
 };
 

@@ -86,21 +86,28 @@ void take_answer(const engine::Answer& answer, Result::Data& data) {
 
 }  // namespace
 
-std::shared_ptr<Result::Data> begin_result(Compilation& compilation, const analysis::PreparedEngine& engine) {
+std::shared_ptr<Result::Data> begin_result(const circuit::Compiled& compiled, std::vector<Message> messages, std::string engine) {
   auto data = std::make_shared<Result::Data>();
-  const std::vector<std::string> names = analysis::column_names(compilation.compiled());
+  const std::vector<std::string> names = analysis::column_names(compiled);
   data->signals.assign(names.begin() + 1, names.end());
-  data->messages = compilation.messages();
-  if (engine.warning) data->messages.push_back(message_of(*engine.warning));
-  data->statistics.engine = engine.name;
+  data->messages = std::move(messages);
+  data->statistics.engine = std::move(engine);
   return data;
 }
 
-bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, double longest_window) {
+std::shared_ptr<Result::Data> begin_result(Compilation& compilation, const analysis::PreparedEngine& engine) {
+  auto data = begin_result(compilation.compiled(), compilation.messages(), engine.name);
+  if (engine.warning) data->messages.push_back(message_of(*engine.warning));
+  return data;
+}
+
+bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, engine::Sampler* sampler,
+              double longest_window) {
   Columns columns(data, options);
   EventList events(data);
   analysis::RunControl control{options.rows_at_events, false,   options.progress,
                                options.interrupt,      nullptr, options.events ? &events : nullptr};
+  control.sampler = sampler;
   control.longest_window = longest_window;
   const analysis::TransientRun run = analysis::run_rows(*kept->compiled, kept->simulate, columns, control);
   take_answer(run.answer, data);

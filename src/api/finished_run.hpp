@@ -14,9 +14,13 @@ namespace pwlsim::api {
 /// Signals, messages so far, engine.
 [[nodiscard]] std::shared_ptr<Result::Data> begin_result(Compilation& compilation, const analysis::PreparedEngine& engine);
 
+[[nodiscard]] std::shared_ptr<Result::Data> begin_result(const circuit::Compiled& compiled, std::vector<Message> messages,
+                                                         std::string engine);
+
 /// The run of `kept`; with options.evaluable the result keeps it. False where it failed; `data` has the message then.
-/// `longest_window`: as of analysis::RunControl.
-[[nodiscard]] bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, double longest_window = 0.0);
+/// `sampler` may be null. `longest_window`: as of analysis::RunControl.
+[[nodiscard]] bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, engine::Sampler* sampler,
+                            double longest_window = 0.0);
 
 /// Certificate, counts, end and remarks of an operating point.
 void take_answer_of(const engine::Answer& answer, Result::Data& data);

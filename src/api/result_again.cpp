@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "analysis/html_report.hpp"
 #include "analysis/run_recorder.hpp"
@@ -54,8 +55,11 @@ std::vector<double> Result::at(std::string_view name, const std::vector<double>&
   std::vector<double> ascending;
   for (const std::size_t k : order)
     if (ascending.empty() || times[k] != ascending.back()) ascending.push_back(times[k]);
+  analysis::RunControl control;
+  std::optional<api::Controllers> controllers;
+  if (kept.controllers) control.sampler = &controllers.emplace(api::Controllers::repeating(*kept.controllers));
   const analysis::SampledRun run =
-      analysis::sample(kept.compiled->analyses, kept.compiled->network.signals.size(), kept.simulate, ascending);
+      analysis::sample(kept.compiled->analyses, kept.compiled->network.signals.size(), kept.simulate, ascending, control);
   const std::vector<double>& column = run.columns[number];
   if (column.size() != ascending.size()) throw api::error("E-range", "the run could not be done again up to these times");
   std::vector<double> values(times.size());
@@ -74,6 +78,8 @@ std::string Result::report() const {
   NoRowWriter rows;
   analysis::RunControl control;
   control.jumps = true;
+  std::optional<api::Controllers> controllers;
+  if (kept.controllers) control.sampler = &controllers.emplace(api::Controllers::repeating(*kept.controllers));
   control.recorder = &recorder;
   analysis::TransientRun run = analysis::run_rows(*kept.compiled, kept.simulate, rows, control);
   analysis::RunOutcome outcome;

@@ -5,6 +5,7 @@
 
 #include "analysis/idealisation.hpp"
 #include "analysis/transient.hpp"
+#include "api/controllers.hpp"
 
 namespace pwlsim {
 
@@ -13,6 +14,7 @@ struct KeptRun {
   std::shared_ptr<const circuit::Compiled> compiled;
   analysis::Simulate simulate;
   std::vector<analysis::Departure> departures;
+  std::shared_ptr<const api::Controllers> controllers{};  ///< null: none
 };
 
 struct Result::Data {

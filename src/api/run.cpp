@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "api/compilation.hpp"
+#include "api/controllers.hpp"
 #include "api/element_value.hpp"
 #include "api/finished_run.hpp"
 #include "api/messages.hpp"
@@ -23,6 +25,17 @@ void take_sweep(const circuit::Sweeps& sweeps, std::size_t run, Result::Data& da
 void check_run(std::size_t run, const circuit::Sweeps& sweeps) {
   const std::size_t runs = std::max<std::size_t>(sweeps.runs(), 1);
   if (run >= runs) throw api::error("E-range", fmt::format("there is no run number {}; try 0 to {}", run, runs - 1));
+}
+
+/// Throws a RunError in which the controller's exception is nested.
+[[noreturn]] void end_by_controller(const std::exception_ptr& thrown, const std::shared_ptr<Result::Data>& data) {
+  std::erase_if(data->messages, [](const Message& message) { return message.id == "E-interrupted"; });
+  data->messages.push_back(api::message_of({Severity::error, "E-controller", {}, api::sentence_of(thrown, data->end)}));
+  try {
+    std::rethrow_exception(thrown);
+  } catch (...) {
+    std::throw_with_nested(RunError(Result(data)));
+  }
 }
 
 /// Instances are named "X1.R1"; users write "X1:R1", as in the names of signals.
@@ -43,9 +56,14 @@ Result Circuit::run(const Options& options) const {
   analysis::PreparedEngine engine = compilation.engine(options);
   const auto data = api::begin_result(compilation, engine);
   take_sweep(compilation.compiled().analyses.sweeps, options.run, *data);
-  const auto kept = std::make_shared<const KeptRun>(
-      KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()), std::move(engine.simulate), compilation.departures()});
-  const bool is_done = api::run_into(*data, kept, options);
+  if (!controllers_.empty() && engine.name != "exact")
+    throw api::error("E-controller", "controllers need the exact engine; try engine exact");
+  const auto controllers =
+      controllers_.empty() ? nullptr : std::make_shared<api::Controllers>(controllers_, compilation.compiled().network);
+  const auto kept = std::make_shared<const KeptRun>(KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()),
+                                                            std::move(engine.simulate), compilation.departures(), controllers});
+  const bool is_done = api::run_into(*data, kept, options, controllers.get());
+  if (controllers && controllers->thrown()) end_by_controller(controllers->thrown(), data);
   if (!is_done) throw RunError(Result(data));
   return Result(data);
 }

@@ -54,6 +54,10 @@ Compilation with_cards(const Circuit& circuit, const SteadyStateOptions& what, O
   throw RunError(Result(data));
 }
 
+[[noreturn]] void refuse_controllers() {
+  throw api::error("E-controller", "a circuit with controllers has no steady state and no small signals here; try a long run");
+}
+
 struct FoundOrbit {
   std::shared_ptr<Result::Data> data;
   circuit::Compiled compiled;
@@ -62,6 +66,7 @@ struct FoundOrbit {
 };
 
 FoundOrbit find_orbit(Compilation& compilation, const Options& options) {
+  if (compilation.has_controllers()) refuse_controllers();
   static const std::atomic<int> never = 0;
   const analysis::PreparedEngine engine = compilation.engine(options);
   FoundOrbit found{api::begin_result(compilation, engine), {}, {}, compilation.departures()};
@@ -111,13 +116,14 @@ SteadyState Circuit::steady_state(const SteadyStateOptions& what, const Options&
   const double longest_window = analysis::most_periods_measured * orbit.period;
   const auto kept = std::make_shared<const KeptRun>(
       KeptRun{std::make_shared<const circuit::Compiled>(found.state.compiled), found.state.simulate, std::move(found.departures)});
-  if (!api::run_into(*found.data, kept, options, longest_window)) throw RunError(Result(found.data));
+  if (!api::run_into(*found.data, kept, options, nullptr, longest_window)) throw RunError(Result(found.data));
   return result;
 }
 
 Response Circuit::small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what, const SteadyStateOptions& around,
                                 const Options& options) const {
   const std::string card = card_of(frequencies, what);
+  if (!controllers_.empty()) refuse_controllers();
   if (around.is_empty()) {
     Options alone = options;
     alone.stop = 0.0;

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
+#include "analysis/stepped_sources.hpp"
 #include "api/compilation.hpp"
+#include "api/element_value.hpp"
 #include "api/finished_run.hpp"
 #include "api/messages.hpp"
 
@@ -21,9 +24,33 @@ struct Sweep::Data {
   Compilation compilation;  ///< with the values of the deck
   std::vector<std::string> names;
   circuit::Sweeps stepped;  ///< of `.step`
+  std::optional<analysis::SteppedSources> sources;
 };
 
 namespace {
+
+/// Whether what changes may be sources and nothing else: parameters act wherever they are used.
+bool may_be_sources(const Sweep::Data& data) {
+  const std::vector<circuit::Sweep>& cards = data.compilation.compiled().analyses.sweeps.list;
+  if (!cards.empty())
+    return !data.stepped.list.empty() &&
+           std::none_of(cards.begin(), cards.end(), [](const circuit::Sweep& card) { return card.is_parameter; });
+  const auto is_parameter = [&](const std::string& name) { return api::has_parameter(data.compilation.deck().cards, name); };
+  return std::none_of(data.names.begin(), data.names.end(), is_parameter);
+}
+
+/// Where only constant sources change, the model is kept from run to run.
+void look_for_sources(Sweep::Data& data) {
+  const Compilation& read = data.compilation;
+  if (read.has_controllers()) throw api::error("E-controller", "a circuit with controllers has no sweep; try a loop over Circuit::run");
+  if (!may_be_sources(data)) return;
+  Diagnostics diagnostics;
+  SourceStore sources = read.sources();
+  auto compiled = circuit::compile(read.deck(), sources, diagnostics, {.measure = true, .held = data.names});
+  if (!compiled || diagnostics.has_errors()) return;
+  data.sources = analysis::SteppedSources::make(std::move(*compiled), data.names.size(), api::choice_of(data.options.engine),
+                                                analysis::relative_tolerance(data.options.reltol, read.compiled().analyses));
+}
 
 std::vector<GivenValue> given_values(const std::vector<std::string>& names, const std::vector<double>& values) {
   if (names.size() != values.size())
@@ -38,6 +65,7 @@ std::vector<GivenValue> given_values(const std::vector<std::string>& names, cons
 Sweep::Sweep(const Circuit& circuit, std::vector<std::string> names, const Options& options) {
   auto data = std::make_shared<Data>(circuit, options);
   data->names = std::move(names);
+  look_for_sources(*data);
   data_ = std::move(data);
 }
 
@@ -45,6 +73,7 @@ Sweep::Sweep(const Circuit& circuit, const Options& options) {
   auto data = std::make_shared<Data>(circuit, options);
   data->stepped = data->compilation.compiled().analyses.sweeps;
   for (const circuit::Sweep& each : data->stepped.list) data->names.push_back(each.name);
+  look_for_sources(*data);
   data_ = std::move(data);
 }
 
@@ -65,13 +94,20 @@ Result Sweep::run(const std::vector<double>& given, std::size_t number, const st
   options.run = number;
   options.interrupt = interrupt;
   const std::vector<GivenValue> list = given_values(data_->names, values);
-  Compilation compilation(data_->compilation, options, is_stepped ? std::vector<GivenValue>{} : list);
-  analysis::PreparedEngine engine = compilation.engine(options);
-  const auto result = api::begin_result(compilation, engine);
-  const auto kept = std::make_shared<const KeptRun>(
-      KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()), std::move(engine.simulate), {}});
+  std::shared_ptr<Result::Data> result;
+  std::shared_ptr<const KeptRun> kept;
+  if (data_->sources) {
+    kept = std::make_shared<const KeptRun>(KeptRun{data_->sources->compiled(), data_->sources->simulate(values), {}});
+    result = api::begin_result(*kept->compiled, data_->compilation.messages(), "exact");
+  } else {
+    Compilation compilation(data_->compilation, options, is_stepped ? std::vector<GivenValue>{} : list);
+    analysis::PreparedEngine engine = compilation.engine(options);
+    result = api::begin_result(compilation, engine);
+    kept = std::make_shared<const KeptRun>(
+        KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()), std::move(engine.simulate), {}});
+  }
   for (const GivenValue& each : list) result->stepped.emplace_back(each);
-  if (!api::run_into(*result, kept, options)) throw RunError(Result(result));
+  if (!api::run_into(*result, kept, options, nullptr)) throw RunError(Result(result));
   return Result(result);
 }
 

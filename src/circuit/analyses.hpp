@@ -42,6 +42,7 @@ struct SteadyState {
   SourceSpan element_span;
   int probe = -1;  ///< of that signal
   double level = 0.0;
+  bool level_is_mean = false;  ///< of the signal, in place of `level`
   bool is_falling = false;
   std::optional<double> settling_time;  ///< tstab, s
   int points = 1000;                    ///< rows are a period divided by so many

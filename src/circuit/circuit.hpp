@@ -82,6 +82,7 @@ class Circuit {
   std::vector<std::string> parameter_names;    ///< of the deck itself
   bool written_by_ltspice = false;  ///< by its own cards
   std::string stands_for_ground;    ///< a node that is ground, in a circuit that has none; "" in others
+  bool draws_random = false;        ///< values differ from run to run of .step
   bool has_gaps = false;            ///< some element could not be read: what it connects is not known
 
   /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.

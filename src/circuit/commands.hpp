@@ -34,6 +34,8 @@ void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& r
 void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 /// Behind all measurements: whether there are those that it names.
 void check_sensitivities(Reporter& reporter, const Circuit& circuit);
+/// Behind all elements: the switch or diode of on= and off= of .pss, by its full name.
+void check_trigger(Reporter& reporter, Circuit& circuit);
 /// Behind all elements: the values of its parameters, and numbers that depend on them where nobody follows that.
 void take_parameter_values(Scope& scope, Circuit& circuit);
 

@@ -4,12 +4,27 @@
 
 #include <utility>
 
+#include "base/names.hpp"
 #include "circuit/assemble.hpp"
 #include "circuit/flatten.hpp"
 #include "circuit/parameter_moves.hpp"
 #include "circuit/row_step.hpp"
 
 namespace pwlsim::circuit {
+namespace {
+
+/// Names that are not of a constant source are passed over: the caller finds no source of their channel.
+void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
+  for (std::size_t channel = 0; channel < names.size(); ++channel)
+    for (elements::Instance& instance : circuit.instances) {
+      const model::SourceFunction function = instance.waveform.value_or(model::Dc{});
+      const auto* const constant = std::get_if<model::Dc>(&function);
+      if (constant != nullptr && same_name(instance.name, names[channel]))
+        instance.waveform = model::Held{constant->value, static_cast<int>(channel)};
+    }
+}
+
+}  // namespace
 
 std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
   Reporter reporter(diagnostics, sources);
@@ -24,6 +39,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   }
   Circuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
+  hold_sources(options.held, circuit);
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
@@ -46,6 +62,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   compiled.measured_signals = circuit.measured_signals;
   compiled.drawn_signals = circuit.drawn_signals;
   compiled.hidden = circuit.hidden;
+  compiled.draws_random = circuit.draws_random;
   compiled.names_signals =
       std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
   for (model::Switch& contact : compiled.network.switches)

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/diagnostic.hpp"
 #include "base/source.hpp"
@@ -19,6 +20,8 @@ struct CompileOptions {
   std::size_t run = 0;            ///< of those that .step asks for
   bool keep_circuit = false;      ///< for what works on elements, not on the network
   DrawnNames drawn{};             ///< of a picture; passed over where there are several runs
+  std::vector<std::string>
+      held{};  ///< sources of a constant value that the run is told anew (model::Held): their channels are the places here
 };
 
 /// `network.signals` are the columns of the output after `time`, in order; the last `measured_signals` are drawn or measured only.
@@ -26,11 +29,12 @@ struct Compiled {
   std::string title;
   model::Network network;
   Analyses analyses;
-  std::optional<Circuit> circuit;  ///< where it was to be kept
+  std::optional<Circuit> circuit;                     ///< where it was to be kept
   Measurements measurements{}, orbit_measurements{};  ///< of .tran, of .pss
   std::size_t measured_signals = 0;
   std::size_t drawn_signals = 0;  ///< the first of these, for pictures
-  bool names_signals = false;  ///< the deck says which signals it saves
+  bool draws_random = false;      ///< values differ from run to run of .step
+  bool names_signals = false;     ///< the deck says which signals it saves
   HiddenParts hidden{};
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }

@@ -241,6 +241,7 @@ std::optional<double> Evaluator::of_random(const Expression& expression) {
   }
   std::vector<double> values;
   if (!arguments_of(expression, values)) return std::nullopt;
+  scope_.session_.draws_random = true;
   return finite(function->value(values, scope_.session_.random), expression);
 }
 

@@ -55,8 +55,10 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   Expander(circuit, binder, session).expand(place);
   set_stepped_sources(sweeps, run, reporter, circuit);
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
+  check_trigger(reporter, circuit);
   models.check_unused(top, deck.title_span.file);
   take_parameter_values(top, circuit);
+  circuit.draws_random = session.draws_random;
   result.expanded = true;
   return result;
 }

@@ -85,6 +85,15 @@ class Slots {
     return false;
   }
 
+  /// ": its tangents follow …", where the element has an exponential characteristic.
+  [[nodiscard]] std::string tangent_note() const {
+    std::string note;
+    parts_.each(network_.diodes, [&](int k) {
+      if (is_tangent(k)) note = ": its tangent follows an exponential model";
+    });
+    return note;
+  }
+
   bool waveform_value(std::string_view name, double p, NetworkMoves& moves) const {
     if (!instance_.waveform) return false;
     std::optional<model::SourceFunction> d;
@@ -167,6 +176,7 @@ class Slots {
     });
     bool is_whole = true;
     parts_.each(network_.injections, [&](int) { is_whole = false; });
+    parts_.each(network_.diodes, [&](int k) { is_whole &= !is_tangent(k); });
     return is_whole;
   }
 
@@ -192,9 +202,13 @@ class Slots {
   static double to_off(double on, double off) { return std::isinf(off) ? 0.0 : -on / (off - on) * (on / (off - on)); }
 
   bool contact(Moved item, int index, double p, NetworkMoves& moves) const {
+    if ((item == Moved::diode_resistance || item == Moved::diode_drop) && index >= 0 && is_tangent(index)) return false;
     if (index >= 0 && p != 0.0) moves.push_back({item, index, 0, p, {}});
     return index >= 0;
   }
+
+  /// Of an exponential characteristic, whose current decides where it is taken.
+  [[nodiscard]] bool is_tangent(int diode) const { return network_.diodes[static_cast<std::size_t>(diode)].law.has_value(); }
 
   bool leak(double p, NetworkMoves& moves) const {
     const int k = parts_.find(network_.resistors, "Roff");
@@ -448,7 +462,8 @@ class Follower {
       parameter.value = instance.values.get(name);
       return;
     }
-    unknown(parameter, fmt::format("{} has no value '{}' that can be varied{}", instance.name, name, values_of(instance)));
+    unknown(parameter,
+            fmt::format("{} has no value '{}' that can be varied{}{}", instance.name, name, slots.tangent_note(), values_of(instance)));
   }
 
   void give_up(const std::vector<double>& gradient, std::string_view text, const std::string& element) {

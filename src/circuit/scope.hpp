@@ -23,6 +23,7 @@ struct Session {
   Reporter& reporter;
   std::vector<std::string> evaluating;  ///< names of the parameters under evaluation, outermost first
   Random random;
+  bool draws_random = false;  ///< some expression has asked it
   std::uint64_t function_calls = 0;  ///< of .func functions, in all
   bool functions_exhausted = false;
   /// Parameters of the deck whose derivatives are asked for (keys), and numbers that depend on them and whose reader has not said what becomes of them.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,7 +18,8 @@ using ItemKind = Item::Kind;
 using Trigger = SteadyState::Trigger;
 
 constexpr std::string_view pss_usage =
-    ".pss [period=T | freq=f] [k=N] [on=S1 | off=S1 | when v(a)=b [rise|fall]] [tstab=t] [points=N] [maxiter=N] [maxperiods=N] [tol=x] [uic]";
+    ".pss [period=T | freq=f] [k=N] [on=S1 | off=S1 | when v(a)=b [rise|fall]] [tstab=t] [points=N] [maxiter=N] [maxperiods=N] [tol=x] "
+    "[uic]";
 constexpr double largest_count = 1e9;
 
 /// .pss as pwlsim and as ngspice have it, and .pop.
@@ -37,7 +39,7 @@ class SteadyStateReader {
         state_.use_initial_conditions = true;
       else if (is_word(item, "free"))
         state_.is_free = true;
-      else if (is_word(item, "when"))
+      else if (is_word(item, "when") && positional_ == 0)
         is_when_ = true;
       else if (is_word(item, "rise") || is_word(item, "fall"))
         take_edge(item);
@@ -85,6 +87,7 @@ class SteadyStateReader {
   void take_assignment(const Item& item) {
     const auto is = [&](std::string_view name) { return same_name(item.text, name); };
     if (item.items.size() > 1) return take_crossing(item);
+    if (is_when_ && (is("rise") || is("fall"))) return take_numbered_edge(item);
     if (is("period") || is("max_period")) {
       (is("period") ? state_.period : state_.longest_period) = positive(item, item.text);
     } else if (is("freq")) {
@@ -126,13 +129,41 @@ class SteadyStateReader {
   void take_crossing(const Item& item) {
     if (!is_when_) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
     std::optional<SaveRequest> signal = save_request(item.items[1], reporter_);
-    const std::optional<double> level = number(item.items[0]);
     ok_ &= signal.has_value() && signal->kind != SaveRequest::Kind::all;
-    if (!ok_ || !level) return;
+    if (!ok_) return;
+    const std::string text(reporter_.text(item.items[0].span));
+    double level = 0.0;
+    if (is_voltage(text) && is_plain_voltage(*signal)) {
+      const std::optional<SaveRequest> other = save_request(item.items[0], reporter_);
+      ok_ &= other.has_value();
+      if (!ok_) return;
+      if (!is_plain_voltage(*other))
+        return fail("E-unexpected", item.items[0].span, "WHEN compares the voltages of two nodes, or a signal with a number");
+      signal->second = other->first;
+      signal->second_span = other->first_span;
+      signal->column = fmt::format("v({},{})", signal->first, signal->second);
+    } else {
+      const std::optional<double> given = number(item.items[0]);
+      if (!given) return;
+      level = *given;
+    }
+    watch(std::move(*signal), level);
+  }
+
+  static bool is_voltage(const std::string& text) { return text.size() > 2 && same_name(text.substr(0, 2), "v("); }
+  static bool is_plain_voltage(const SaveRequest& signal) { return signal.kind == SaveRequest::Kind::voltage && signal.second.empty(); }
+
+  void watch(SaveRequest signal, double level) {
     state_.trigger = Trigger::crosses;
-    state_.element = signal->column;
-    state_.level = *level;
-    state_.probe = add_probe(circuit_, std::move(*signal));
+    state_.element = signal.column;
+    state_.level = level;
+    state_.probe = add_probe(circuit_, std::move(signal));
+  }
+
+  /// rise=1, as in .meas: every passage is one.
+  void take_numbered_edge(const Item& item) {
+    state_.is_falling = same_name(item.text, "fall");
+    (void)count(item, item.text, "E-range");
   }
 
   void take_edge(const Item& item) {
@@ -143,7 +174,7 @@ class SteadyStateReader {
   /// ngspice: gfreq tstab oscnode psspoints harms [sciter steadycoeff]
   void take_positional(const Item& item) {
     const int place = positional_++;
-    if (place == 2) return;  // the node that oscillates: the events tell
+    if (place == 2) return take_node(item);
     if (place > 6) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
     const std::optional<double> value = number(item);
     if (!value) return;
@@ -156,6 +187,19 @@ class SteadyStateReader {
     if (place == 3 && *value >= 1.0) state_.points = static_cast<int>(std::min(*value, largest_count));
   }
 
+  /// The node that oscillates: the period begins where it rises through its mean.
+  void take_node(const Item& item) {
+    SaveRequest signal;
+    std::string text(reporter_.text(item.span));
+    if (is_voltage(text) && text.back() == ')') text = text.substr(2, text.size() - 3);
+    signal.first = text;
+    signal.first_span = item.span;
+    signal.column = fmt::format("v({})", text);
+    if (state_.trigger != Trigger::none) return;
+    state_.level_is_mean = true;
+    watch(std::move(signal), 0.0);
+  }
+
   const Card& card_;
   Scope& scope_;
   Reporter& reporter_;
@@ -165,7 +209,33 @@ class SteadyStateReader {
   int positional_ = 0;
 };
 
+/// "X1:S1" and "X1.S1" are one.
+std::string with_dots(std::string name) {
+  std::replace(name.begin(), name.end(), ':', '.');
+  return name;
+}
+
 }  // namespace
+
+void check_trigger(Reporter& reporter, Circuit& circuit) {
+  if (!circuit.analyses.steady_state) return;
+  SteadyState& state = *circuit.analyses.steady_state;
+  if (state.trigger != Trigger::closes && state.trigger != Trigger::opens) return;
+  const std::string wanted = with_dots(state.element);
+  std::vector<std::string> names;
+  for (const elements::Instance& instance : circuit.instances) {
+    const std::string name = with_dots(instance.name);
+    if (same_name(name, wanted)) {
+      state.element = instance.name;
+      return;
+    }
+    // A part of what the element has become.
+    if (name.size() > wanted.size() && name[wanted.size()] == '.' && same_name(name.substr(0, wanted.size()), wanted)) return;
+    if (instance.kind != nullptr) names.push_back(instance.name);
+  }
+  reporter.error("E-unknown-element", state.element_span,
+                 fmt::format("unknown element '{}'{}", state.element, suggestion(state.element, names)));
+}
 
 void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
   const auto& cards = definitions.steady_states;

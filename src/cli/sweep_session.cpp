@@ -17,6 +17,7 @@
 #include "analysis/ordered_rows.hpp"
 #include "analysis/prepared_engine.hpp"
 #include "analysis/quantity.hpp"
+#include "analysis/stepped_sources.hpp"
 #include "analysis/transient.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
@@ -51,6 +52,7 @@ class Sweep {
 
   int run() {
     if (task_.rows != nullptr && !task_.options.split) begin_rows(*task_.rows);
+    look_for_sources();
     {
       Progress progress(task_.options.progress, static_cast<double>(records_.size()));
       run_all(progress);
@@ -124,8 +126,43 @@ class Sweep {
     if (!has_rows && rows_) (void)rows_->finish(run, "");
   }
 
+  /// Where constant sources are stepped and there is nothing but a .tran, the model is the same in all runs. Not for files of their own, which have the
+  /// bits of a deck with these values.
+  void look_for_sources() {
+    const circuit::Analyses& analyses = task_.first.analyses;
+    if (task_.options.split || !analyses.transient || analyses.steady_state || analyses.operating_point || analyses.sensitivities) return;
+    std::vector<std::string> names;
+    for (const circuit::Sweep& sweep : sweeps_.list) {
+      if (sweep.is_parameter) return;
+      names.push_back(sweep.name);
+    }
+    Diagnostics diagnostics;
+    SourceStore sources = task_.sources;
+    auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .held = names});
+    if (!compiled || diagnostics.has_errors()) return;
+    sources_ = analysis::SteppedSources::make(std::move(*compiled), names.size(), task_.options.engine, task_.reltol);
+  }
+
+  bool simulate_sources(std::size_t run, SweptRun& record) {
+    analysis::Simulate simulate = sources_->simulate(sweeps_.point(run));
+    if (task_.options.no_rows) simulate = analysis::without_rows(std::move(simulate));
+    return run_transient(run, *sources_->compiled(), simulate, record);
+  }
+
+  /// False where the rows went elsewhere than into the one file.
+  bool run_transient(std::size_t run, const circuit::Compiled& compiled, const analysis::Simulate& simulate, SweptRun& record) {
+    if (task_.options.split) {
+      write_file(run, compiled, simulate, record);
+    } else {
+      analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
+      take_transient(analysis::run_rows(compiled, simulate, writer, control_of(run, compiled)), record);
+    }
+    return !task_.options.split;
+  }
+
   /// False where the run did not come to rows of the one file.
   bool simulate(std::size_t run, SweptRun& record) {
+    if (sources_) return simulate_sources(run, record);
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
     auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .run = run});
@@ -146,15 +183,10 @@ class Sweep {
     if (task_.options.no_rows) engine.simulate = analysis::without_rows(std::move(engine.simulate));
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
     if (!compiled->analyses.transient) return false;
-    if (task_.options.split) {
-      write_file(run, *compiled, engine.simulate, record);
-    } else {
-      analysis::SteppedRows writer(*rows_, run, columns_.size(), format_of(run));
-      take_transient(analysis::run_rows(*compiled, engine.simulate, writer, control_of(run, *compiled)), record);
-    }
+    const bool has_rows = run_transient(run, *compiled, engine.simulate, record);
     if (deck && record.done) record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal());
     if (record.orbit) finish_orbit(runs_on, record);
-    return !task_.options.split;
+    return has_rows;
   }
 
   /// The run is one period of the orbit, or starts on it where the deck has .tran, too. False where there is none.
@@ -349,6 +381,7 @@ class Sweep {
   const circuit::Sweeps& sweeps_;
   std::size_t threads_;
   std::vector<std::string> columns_;
+  std::optional<analysis::SteppedSources> sources_;
   std::optional<waveform::RawWriter> raw_;     ///< of the head and the number of rows
   std::optional<analysis::OrderedRows> rows_;  ///< of a deck with .tran
   std::atomic<std::size_t> begun_ = 0;

@@ -10,6 +10,8 @@
 
 namespace pwlsim::engine {
 
+class Sampler;
+
 /// Times of the output rows. time(k) for k < rows is exact from the deck's decimal text; the last row is at `stop`.
 struct RowGrid {
   std::function<double(std::uint64_t)> time;
@@ -80,6 +82,7 @@ struct Request {
   EventWatcher* watcher = nullptr;  ///< may be null
   std::size_t unsaved_signals = 0;  ///< this many last signals have no columns in rows: they are probes
   Probes probes;
+  Sampler* sampler = nullptr;                   ///< sets held sources; may be null. The exact engine only
   std::function<void(double)> progress;         ///< called from time to time with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
   /// For tests of the certificate: faults made on purpose, in each part.

@@ -20,7 +20,8 @@ bool Clock::can_drive(const System& system, const Control& control) {
   Vector others = control.value.state;
   const double noise = others.size() > 0 ? tolerance::row_entry * others.cwiseAbs().maxCoeff() : 0.0;
   if (sources.constant() >= 0) others[system.n + sources.constant()] = 0.0;
-  for (const auto& track : sources.tracks()) others[system.n + sources.blocks()[static_cast<std::size_t>(track.block)].first] = 0.0;
+  for (const auto& track : sources.tracks())
+    if (track.channel < 0) others[system.n + sources.blocks()[static_cast<std::size_t>(track.block)].first] = 0.0;
   const auto is_rounding = [noise](const Vector& row) { return row.size() == 0 || row.cwiseAbs().maxCoeff() <= noise; };
   return is_rounding(others) && is_rounding(control.value.input);
 }
@@ -29,7 +30,7 @@ Clock::Clock(const System& system, const Control& control, double tolerance)
     : on_level_(control.on_level), off_level_(control.off_level), tolerance_(tolerance), driven_(control.driven) {
   const Exosystem& sources = *system.exosystem;
   if (sources.constant() >= 0) constant_ = control.value.state[system.n + sources.constant()];
-  for (const auto& [track, block, may_jump] : sources.tracks()) {
+  for (const auto& [track, block, may_jump, channel] : sources.tracks()) {
     const double gain = control.value.state[system.n + sources.blocks()[static_cast<std::size_t>(block)].first];
     if (gain != 0.0) terms_.push_back({{system.exosystem, &track}, gain, may_jump});
   }

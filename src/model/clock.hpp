@@ -32,7 +32,8 @@ class Clock {
     Track::Cursor cursor{};
   };
 
-  /// Whether all that the control reads is piecewise linear sources: no state, no port, and of these sources no derivative.
+  /// Whether all that the control reads is piecewise linear sources: no state, no port, of these sources no derivative, and none
+  /// that is held.
   [[nodiscard]] static bool can_drive(const System& system, const Control& control);
 
   /// A clock for such a control. Breakpoints closer than `tolerance` are one.

@@ -144,6 +144,34 @@ void Exosystem::add(int source, const Exp& f) {
   }
 }
 
+void Exosystem::add(int source, const Held& f) {
+  Block level;
+  level.kind = Block::Kind::level;
+  level.source = source;
+  const int index = add_block(level);
+  Track track;
+  track.initial = f.value;
+  tracks_.push_back({std::move(track), index, true, f.channel});
+  coefficients_.push_back({source, blocks_[static_cast<std::size_t>(index)].first, 1.0});
+}
+
+Exosystem Exosystem::with_held(std::span<const double> values) const {
+  Exosystem other = *this;
+  for (TrackBlock& block : other.tracks_)
+    if (block.channel >= 0) block.track.initial = values[static_cast<std::size_t>(block.channel)];
+  return other;
+}
+
+void Exosystem::hold(Phase& phase, int channel, double value, double time) const {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track::Cursor& cursor = phase.cursors[i];
+    if (tracks_[i].channel != channel || (cursor.value == value && cursor.next == forever)) continue;
+    phase.held[i] = value;
+    cursor.next = time;
+    phase.next = std::min(phase.next, time);
+  }
+}
+
 void Exosystem::add_track(int source, Track track, bool may_jump) {
   Block block;
   block.source = source;
@@ -173,7 +201,10 @@ void Exosystem::fill_matrices(int sources) {
 
 Exosystem::Phase Exosystem::start(double time) const {
   Phase phase;
-  for (const auto& t : tracks_) phase.cursors.push_back(t.track.before(time));
+  for (const auto& t : tracks_) {
+    phase.cursors.push_back(t.track.before(time));
+    phase.held.push_back(t.track.initial);
+  }
   phase.stage.assign(blocks_.size(), 1);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
@@ -197,6 +228,12 @@ bool Exosystem::advance(Phase& phase, double time, double tolerance) const {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     auto& cursor = phase.cursors[i];
     if (cursor.next > time + tolerance) continue;
+    if (tracks_[i].channel >= 0) {
+      jumped |= cursor.value != phase.held[i];
+      cursor.value = phase.held[i];
+      cursor.next = forever;
+      continue;
+    }
     jumped |= tracks_[i].track.pass(cursor, time, tolerance) && tracks_[i].may_jump;
   }
   while (!phase.pending.empty() && phase.pending.front().first <= time + tolerance) {

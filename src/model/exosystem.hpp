@@ -5,6 +5,7 @@
 /// Blocks of ζ: the constant 1; sin/cos pairs (shared by all undelayed sources of one frequency); levels (piecewise constant);
 /// ramps (value and slope, the slope divided by its largest magnitude); decays e^{−t/τ}. A breakpoint sets its block anew.
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -102,21 +103,27 @@ class Exosystem {
   struct TrackBlock {
     Track track;
     int block;
-    bool may_jump;  ///< false where a decay makes up for the track's jump
+    bool may_jump;     ///< false where a decay makes up for the track's jump
+    int channel = -1;  ///< of a held source: its track is a constant that `hold` changes; −1: none
   };
   [[nodiscard]] const std::vector<TrackBlock>& tracks() const { return tracks_; }
+  /// The same where held sources begin with these values, by channel.
+  [[nodiscard]] Exosystem with_held(std::span<const double> values) const;
 
   /// Where every piecewise source stands.
   struct Phase {
     std::vector<Track::Cursor> cursors;           ///< one a track
     std::vector<std::pair<double, int>> pending;  ///< (time, block) of starts and ends of oscillations and decays to come, ascending
     std::vector<signed char> stage;               ///< a block: 0 not started, 1 alive, 2 ended
+    std::vector<double> held;                     ///< a track: what a held source changes to at its cursor's `next`
     double next = forever;                        ///< time of the next breakpoint
   };
   /// Left limit at `time`.
   [[nodiscard]] Phase start(double time = 0.0) const;
   /// Takes every breakpoint up to time + tolerance; true if some source value jumped there.
   bool advance(Phase& phase, double time, double tolerance) const;
+  /// The held sources of this channel change to `value` at `time`, which is a breakpoint then where it is another value.
+  void hold(Phase& phase, int channel, double value, double time) const;
   /// ζ at `time` within the segments where the phase stands.
   void evaluate(const Phase& phase, double time, double* zeta) const;
   /// The same of oscillations and decays alone, at time + late, where `late` is what rounding took off the time.
@@ -134,6 +141,7 @@ class Exosystem {
   void add(int source, const Pulse& f);
   void add(int source, const Pwl& f);
   void add(int source, const Exp& f);
+  void add(int source, const Held& f);
   void add_track(int source, Track track, bool may_jump);
   void use_constant(int source, double value);
   void fill_matrices(int sources);

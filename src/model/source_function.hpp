@@ -50,6 +50,13 @@ struct Exp {
   bool operator==(const Exp&) const = default;
 };
 
-using SourceFunction = std::variant<Dc, Sin, Pulse, Pwl, Exp>;
+/// `value` until the run is told another (engine::Sampler), then that; `channel` is its name there.
+struct Held {
+  double value = 0.0;
+  int channel = 0;
+  bool operator==(const Held&) const = default;
+};
+
+using SourceFunction = std::variant<Dc, Sin, Pulse, Pwl, Exp, Held>;
 
 }  // namespace pwlsim::model

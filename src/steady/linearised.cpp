@@ -11,9 +11,7 @@ using engine::Change;
 using model::Mode;
 using model::System;
 
-Vector outputs_of(const Mode& mode, const std::vector<double>& y) {
-  return mode.outputs * Eigen::Map<const Vector>(y.data(), mode.ny);
-}
+Vector outputs_of(const Mode& mode, const std::vector<double>& y) { return mode.outputs * Eigen::Map<const Vector>(y.data(), mode.ny); }
 
 /// How a control that sources alone decide stands just before an instant.
 struct ClockValue {
@@ -77,7 +75,7 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
   for (std::size_t i = 0; i < trace.steps.size(); ++i) {
     const TraceStep& step = trace.steps[i];
     if (i > 0) {
-      take_step(step, step.changes);
+      take_step(step, trace.steps[i - 1].on, step.changes);
       take_clocks(trace.steps[i - 1].on, step.on, instants_.back());
       continue;
     }
@@ -90,13 +88,13 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
           change.y_before = segment.y1;
           change.cause = Cause::time;
         }
-    take_step(step, changes);
+    take_step(step, is_driven ? trace.steps.back().on : step.on, changes);
     if (is_driven) take_clocks(trace.steps.back().on, step.on, instants_.back());
   }
   for (const TraceSegment& s : trace.tail) tail_.push_back({s.island, s.mode, s.begin, s.length});
 }
 
-void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<Change>& changes) {
+void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {
   LinearInstant& instant = instants_.emplace_back();
   instant.time = step.time;
   instant.on_w.assign(inputs_, 0.0);
@@ -105,7 +103,7 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<Change>
   for (const Change& change : changes) {
     const System& system = stacking_.system(change.island);
     const int n = stacking_.count(change.island);
-    if (change.cause == Cause::guard && instant.island < 0) take_guard(change, instant);
+    if (change.cause == Cause::guard && instant.island < 0 && passes_guard(system, change, on_before, step.on)) take_guard(change, instant);
     LinearChange& linear = instant.changes.emplace_back();
     linear.island = change.island;
     linear.by_way_of = change.by_way_of;
@@ -122,7 +120,6 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<Change>
 
 void LinearisedOrbit::take_guard(const Change& change, LinearInstant& instant) {
   const Mode& mode = *change.before;
-  if (change.before == change.after) return;
   const auto row = mode.guards.row(change.guard);
   const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
   if (fall == 0.0) return;

@@ -67,7 +67,7 @@ class LinearisedOrbit {
   [[nodiscard]] const InputColumns& columns(std::size_t island, std::size_t input) const { return columns_[island][input]; }
 
  private:
-  void take_step(const TraceStep& step, const std::vector<engine::Change>& changes);
+  void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
   void take_guard(const engine::Change& change, LinearInstant& instant);
   void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
 

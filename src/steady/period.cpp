@@ -37,6 +37,7 @@ std::optional<Fraction> fraction_of(double ratio) {
 /// s; 0: constant, negative: moves and does not repeat.
 struct PeriodOf {
   double operator()(const Dc&) const { return 0.0; }
+  double operator()(const Held&) const { return 0.0; }
   double operator()(const Sin& f) const {
     if (f.amplitude == 0.0 || (f.frequency == 0.0 && f.damping == 0.0)) return 0.0;
     return f.damping == 0.0 && f.cycles == forever ? 1.0 / f.frequency : -1.0;
@@ -57,6 +58,7 @@ struct PeriodOf {
 /// The function as it would be had it always been periodic, or its last value.
 struct Settled {
   SourceFunction operator()(const Dc& f) const { return f; }
+  SourceFunction operator()(const Held& f) const { return f; }
   SourceFunction operator()(const Sin& f) const {
     if (PeriodOf{}(f) <= 0.0) return Dc{f.offset + (f.damping > 0.0 && f.cycles == forever ? 0.0 : f.amplitude * std::sin(f.phase))};
     Sin settled = f;

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/names.hpp"
+#include "steady/subharmonic.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -95,6 +96,10 @@ class Finder {
       Orbit orbit = find_orbit(march_, at, task);
       orbit.periods_simulated += recurrences;
       orbit.section = section->name;
+      if (task.multiple > 1 && orbit.verdict == Verdict::found) {
+        task.period = orbit.period;
+        orbit.has_shorter_period = repeats_sooner(march_, orbit, task);
+      }
       return orbit;
     }
     orbit_.verdict = Verdict::no_event;

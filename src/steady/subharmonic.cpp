@@ -6,23 +6,10 @@
 namespace pwlsim::steady {
 namespace {
 
-constexpr double same_state = 1e-8;         ///< of the largest state
-constexpr int periods_of_long_run = 50;     ///< times k
-constexpr double push = 1e-2;               ///< of the largest state
-constexpr int periods_after_push = 20;      ///< times k
-
-/// Whether the orbit closes after a divisor of its periods.
-bool repeats_sooner(engine::March& march, const Orbit& orbit, const OrbitTask& task) {
-  const Stacking stacking(march.model());
-  for (int part = 1; part <= task.multiple / 2; ++part) {
-    if (task.multiple % part != 0) continue;
-    engine::RunState state = orbit.begin;
-    const engine::Answer answer = march.advance(state, task.period * part / task.multiple, nullptr);
-    if (answer.outcome != engine::Outcome::completed) continue;
-    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return true;
-  }
-  return false;
-}
+constexpr double same_state = 1e-8;      ///< of the largest state
+constexpr int periods_of_long_run = 50;  ///< times k
+constexpr double push = 1e-2;            ///< of the largest state
+constexpr int periods_after_push = 20;   ///< times k
 
 /// The orbit moved along its most unstable direction.
 engine::RunState beside(const engine::March& march, const Orbit& orbit) {
@@ -38,6 +25,18 @@ engine::RunState beside(const engine::March& march, const Orbit& orbit) {
 }
 
 }  // namespace
+
+bool repeats_sooner(engine::March& march, const Orbit& orbit, const OrbitTask& task) {
+  const Stacking stacking(march.model());
+  for (int part = 1; part <= task.multiple / 2; ++part) {
+    if (task.multiple % part != 0) continue;
+    engine::RunState state = orbit.begin;
+    const engine::Answer answer = march.advance(state, task.period * part / task.multiple, nullptr);
+    if (answer.outcome != engine::Outcome::completed) continue;
+    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return true;
+  }
+  return false;
+}
 
 Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task) {
   Orbit orbit = find_orbit(march, start, task);

@@ -53,6 +53,7 @@ class Walk {
     const Eigen::RowVectorXd shift = time_shift(step);
     result_.end_time = shift;
     for (const engine::Change& change : step.changes) pass(change, own_shift(change, shift));
+    on_ = &step.on;
   }
 
   void take_flow(std::size_t island, const Mode& mode, const std::vector<double>& y) {
@@ -70,7 +71,9 @@ class Walk {
   /// δt of the instant: that of the first guard that is passed, where no source or clock fixes it.
   Eigen::RowVectorXd time_shift(const TraceStep& step) {
     for (const engine::Change& change : step.changes)
-      if (change.cause == engine::Cause::guard) return shift_of(change, step.time);
+      if (change.cause == engine::Cause::guard &&
+          passes_guard(stacking_.system(change.island), change, on_ != nullptr ? *on_ : step.on, step.on))
+        return shift_of(change, step.time);
     for (const engine::Change& change : step.changes) {
       if (change.cause == engine::Cause::accumulation) kink(fmt::format("events accumulate at t = {} s", step.time));
       if (change.cause == engine::Cause::undecided && change.before != change.after)
@@ -88,7 +91,7 @@ class Walk {
     const auto row = mode.guards.row(change.guard);
     const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny);
     const double fall = row.dot(rate);
-    if (change.before == change.after || mode.n1 == 0) return Eigen::RowVectorXd::Zero(stacking_.size());
+    if (mode.n1 == 0) return Eigen::RowVectorXd::Zero(stacking_.size());
     if (std::abs(fall) <= touching * mode.guard_norm[change.guard] * rate.norm()) {
       kink(fmt::format("a guard is touched, not passed, at t = {} s", time));
       return Eigen::RowVectorXd::Zero(stacking_.size());
@@ -117,6 +120,7 @@ class Walk {
   const Stacking& stacking_;
   Propagators propagators_;
   Variation result_;
+  const std::vector<char>* on_ = nullptr;  ///< switches left of the instant
 };
 
 }  // namespace
@@ -140,6 +144,14 @@ std::vector<Vector> Stacking::apart(const Vector& x) const {
   std::vector<Vector> xi;
   for (std::size_t i = 0; i < islands(); ++i) xi.emplace_back(x.segment(first(i), count(i)));
   return xi;
+}
+
+bool passes_guard(const System& system, const engine::Change& change, const std::vector<char>& on_before,
+                  const std::vector<char>& on_after) {
+  if (change.before != change.after) return true;
+  if (change.guard < system.diodes) return false;
+  const auto driven = static_cast<std::size_t>(system.controls[static_cast<std::size_t>(change.guard - system.diodes) / 2].driven);
+  return on_before[driven] != on_after[driven];
 }
 
 Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {

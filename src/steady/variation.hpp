@@ -37,16 +37,20 @@ class Stacking {
 };
 
 struct Variation {
-  Matrix x;                   ///< ∂(state at the end)/∂(state at the start), the time of the end being fixed
+  Matrix x;                     ///< ∂(state at the end)/∂(state at the start), the time of the end being fixed
   Eigen::RowVectorXd end_time;  ///< ∂(time of the last instant)/∂(start)
-  Vector flow;                ///< ξ′ right of the end
-  std::string kink;           ///< why there is no derivative; "" where there is one
+  Vector flow;                  ///< ξ′ right of the end
+  std::string kink;             ///< why there is no derivative; "" where there is one
   /// ∂(state at the last instant)/∂(start): of the map from event to event.
   [[nodiscard]] Matrix return_map() const { return x + flow * end_time; }
 };
 
 /// (ξ, ζ)′ where the mode is at y.
 [[nodiscard]] Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
+
+/// Whether the guard of a change is passed rather than touched: the mode changes, or, where the switch lies in another island, the switch.
+[[nodiscard]] bool passes_guard(const model::System& system, const engine::Change& change, const std::vector<char>& on_before,
+                                const std::vector<char>& on_after);
 
 [[nodiscard]] Variation variation(const Stacking& stacking, const Trace& trace);
 

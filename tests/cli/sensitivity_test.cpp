@@ -241,3 +241,29 @@ TEST_CASE("a table, a file, and messages that say what to write", "[unit]") {
   CHECK_THAT(error_of(".sens v(out)"), Contains("E-sens-no-measurement") && Contains(".meas"));
   CHECK_THAT(error_of(".sens objfunc={v(out)} param=R1"), Contains("E-sens-no-measurement") && Contains(".meas"));
 }
+
+TEST_CASE("a switch in another part of the circuit moves with the threshold that it passes", "[unit]") {
+  // v(b) swings between a/(1 + a) and 1/(1 + a), a = e^{-T/2RC}: the switch is closed for T/2 + RC ln((1 - Vt)/Vt).
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "parts\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\nV2 x 0 10\nS1 x y b 0 SX\n"
+                                       "R2 y 0 9\n.model SX SW(Ron=1 Vt=0.4 Vh=0)\n.pss\n.meas pss mean AVG v(y)\n.meas pss rms RMS v(y)\n"
+                                       ".sens param=R1,S1:Vt,V2,R2\n.end\n");
+  const double T = 1e-3, tau = 1e-3, Vt = 0.4, on = 9.0, share = 0.5 + tau / T * std::log((1.0 - Vt) / Vt);
+  const double to_threshold = -tau / T / (Vt * (1.0 - Vt));
+  CHECK(derivative(result, "mean", "R1") == Approx(on * 1e-6 / T * std::log((1.0 - Vt) / Vt)).epsilon(wanted));
+  CHECK(derivative(result, "mean", "S1:Vt") == Approx(on * to_threshold).epsilon(wanted));
+  CHECK(derivative(result, "mean", "V2") == Approx(0.9 * share).epsilon(wanted));
+  CHECK(derivative(result, "mean", "R2") == Approx(10.0 / 100.0 * share).epsilon(wanted));
+  CHECK(derivative(result, "rms", "S1:Vt") == Approx(on * 0.5 / std::sqrt(share) * to_threshold).epsilon(wanted));
+}
+
+TEST_CASE("values of a tangent, which follows an exponential model, are refused by name", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "exponential\nV1 a 0 SIN(0 10 50)\nD1 a b DX\nR1 b 0 100\n.model DX D(IS=1e-14 RS=10m)\n.tran 10u 20m\n"
+                ".meas tran v AVG v(b)\n.sens param=D1:Ron\n.end\n");
+  const Finished refused = run_in(scratch, {"deck.net"});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Contains("E-sens-unknown-parameter") && Contains("D1") && Contains("exponential"));
+}

@@ -45,9 +45,10 @@ std::string deane_hamill(const std::string& vin, const std::string& card) {
 TEST_CASE("an RC circuit under a square wave: orbit and multiplier are exponentials", "[unit]") {
   // From v₀ towards 1 V for T/2, then towards 0: v₀ = (1 − a)a/(1 − a²), a = e^{−T/2RC}; the multiplier is a².
   const Scratch scratch;
-  const Json result = steady_state_of(scratch,
-                                      "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss\n"
-                                      ".meas pss mean AVG v(b)\n.meas pss t PERIOD\n.meas pss three INTEG v(b) FROM=0.25m TO=3.25m\n.end\n");
+  const Json result =
+      steady_state_of(scratch,
+                      "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss\n"
+                      ".meas pss mean AVG v(b)\n.meas pss t PERIOD\n.meas pss three INTEG v(b) FROM=0.25m TO=3.25m\n.end\n");
   const Json& pss = result["pss"];
   const double a = std::exp(-0.5);
   CHECK(pss["kind"].string == "driven");
@@ -98,7 +99,8 @@ TEST_CASE("a self-timed circuit gives its period: the 555", "[unit]") {
   // ln 2·(R1 + 2 R2)·C
   const Scratch scratch;
   const std::string timer = "timer\nVcc vcc 0 9\nR1 vcc d 1k\nR2 d c 10k\nC1 c 0 100n\nS1 d 0 c 0 SX\n.model SX SW(Vt=4.5 Vh=1.5 Ron=0)\n";
-  for (const char* card : {".pss", ".pss on=S1", ".pss off=S1", ".pss when v(c)=4 rise", ".pss 700 0 c 1000 10", ".pop trig_gate=S1 trig_cond=0_to_1 max_period=2m"}) {
+  for (const char* card : {".pss", ".pss on=S1", ".pss off=S1", ".pss when v(c)=4 rise", ".pss 700 0 c 1000 10",
+                           ".pop trig_gate=S1 trig_cond=0_to_1 max_period=2m"}) {
     INFO(card);
     const Json result = steady_state_of(scratch, timer + card + "\n.meas pss t PERIOD\n.end\n");
     CHECK(result["pss"]["kind"].string == "autonomous");
@@ -109,8 +111,9 @@ TEST_CASE("a self-timed circuit gives its period: the 555", "[unit]") {
 
 TEST_CASE("a trigger that never comes is told, also where other events go on for ever", "[unit]") {
   const Scratch scratch;
-  scratch.write("never.net", "timer\nVcc vcc 0 9\nR1 vcc d 1k\nR2 d c 10k\nC1 c 0 100n\nS1 d 0 c 0 SX\nS2 x 0 c 0 SY\nR3 x 0 1\n"
-                             ".model SX SW(Vt=4.5 Vh=1.5 Ron=0)\n.model SY SW(Vt=30 Vh=1)\n.pss on=S2\n.end\n");
+  scratch.write("never.net",
+                "timer\nVcc vcc 0 9\nR1 vcc d 1k\nR2 d c 10k\nC1 c 0 100n\nS1 d 0 c 0 SX\nS2 x 0 c 0 SY\nR3 x 0 1\n"
+                ".model SX SW(Vt=4.5 Vh=1.5 Ron=0)\n.model SY SW(Vt=30 Vh=1)\n.pss on=S2\n.end\n");
   const Finished finished = run_in(scratch, {"never.net"});
   CHECK(finished.status == 1);
   CHECK_THAT(finished.err, Contains("error[E-pss-no-trigger]") && Contains("on=S2"));
@@ -120,9 +123,10 @@ TEST_CASE("a relay around an RLC circuit: the second half of the orbit is minus 
   // x = (i, v): x(h) = x_s + e^{Ah}(x₀ − x_s) with x_s = (0, −1 V) right of the closing of S1; by symmetry x(h) = −x₀, the period is 2h, and v(0) = 0.1 V.
   // e^{Ah} = e^{−σh}(cos ωh·I + sin ωh/ω·(A + σI)), σ = R/2L, ω² = 1/LC − σ².
   const Scratch scratch;
-  const Json result = steady_state_of(scratch,
-                                      "relay\nVp p 0 1\nS1 p q c 0 SX\nRq q 0 1k\nB1 a 0 V=1-2*V(q)\nR1 a b 10\nL1 b c 1m\nC1 c 0 10u ic=0.2\n"
-                                      ".model SX SW(Vt=0 Vh=0.1 Ron=0)\n.pss on=S1 uic\n.end\n");
+  const Json result =
+      steady_state_of(scratch,
+                      "relay\nVp p 0 1\nS1 p q c 0 SX\nRq q 0 1k\nB1 a 0 V=1-2*V(q)\nR1 a b 10\nL1 b c 1m\nC1 c 0 10u ic=0.2\n"
+                      ".model SX SW(Vt=0 Vh=0.1 Ron=0)\n.pss on=S1 uic\n.end\n");
   const Json& pss = result["pss"];
   const double l = 1e-3, c = 10e-6, sigma = 10.0 / (2.0 * l), omega = std::sqrt(1.0 / (l * c) - sigma * sigma);
   const double h = 0.5 * pss["period"].number, i0 = state(pss, "i(L1)"), v0 = state(pss, "v(C1)");
@@ -193,7 +197,9 @@ TEST_CASE("rows hold one period; beside .tran they have a file of their own, and
 TEST_CASE("a sweep of orbits: measurements as a table, multipliers in --json", "[unit]") {
   // The RC circuit of above: the mean is 0.5 V, the multiplier e^{−T/RC}.
   const Scratch scratch;
-  const std::string deck = "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b {r}\nC1 b 0 1u\n.step param r 1k 2k 1k\n.pss\n.meas pss mean AVG v(b)\n.end\n";
+  const std::string deck =
+      "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b {r}\nC1 b 0 1u\n.step param r 1k 2k 1k\n.pss\n.meas pss mean AVG "
+      "v(b)\n.end\n";
   const Json result = steady_state_of(scratch, deck);
   REQUIRE(result["runs"].array.size() == 2);
   for (const double r : {1.0, 2.0}) {
@@ -202,7 +208,7 @@ TEST_CASE("a sweep of orbits: measurements as a table, multipliers in --json", "
     CHECK(run["pss"]["multipliers"][0]["re"].number == Approx(std::exp(-1.0 / r)).epsilon(1e-12));
   }
   const Finished table = run_in(scratch, {"deck.net"});
-  CHECK(table.out.starts_with("r,mean\n1000,0.49999999") );
+  CHECK(table.out.starts_with("r,mean\n1000,0.49999999"));
 }
 
 TEST_CASE("the shipped decks of steady states are what the tutorial says", "[unit]") {
@@ -217,4 +223,72 @@ TEST_CASE("the shipped decks of steady states are what the tutorial says", "[uni
   // Peak-current control with ideal elements and no slope: λ ≈ −D/(1 − D) for a stiff output; D = v/12 here.
   const double d = measured(peak, "vout") / 12.0;
   CHECK(peak["pss"]["multipliers"][0]["re"].number == Approx(-d / (1.0 - d)).epsilon(0.05));
+}
+
+namespace {
+
+// Charged through R1 + R2 towards 5 V, discharged through R1 while S1 is closed, between 1 V and 3 V: T = RC-times of logarithms.
+const std::string relay = "relay\nV1 vcc 0 5\nR1 o a 1k\nC1 a 0 100n\nS1 o 0 a 0 SM\nR2 vcc o 2k\n.model SM SW(Ron=0 Vt=2 Vh=1)\n";
+const double relay_period = 3e3 * 1e-7 * std::log(4.0 / 2.0) + 1e3 * 1e-7 * std::log(3.0);
+
+}  // namespace
+
+TEST_CASE("a self-timed period may begin where a signal crosses a level, or another signal", "[unit]") {
+  const Scratch scratch;
+  const auto orbit_of = [&](const std::string& card) { return steady_state_of(scratch, relay + card + "\n.end\n")["pss"]; };
+  for (const std::string card :
+       {".pss when v(a)=2 rise", ".pss when v(a)=2 rise=1", ".pss when v(a,x)=0\nV2 x 0 2", ".pss when v(a)=v(x)\nV2 x 0 2"}) {
+    INFO(card);
+    const Json pss = orbit_of(card);
+    CHECK(pss["period"].number == Approx(relay_period).epsilon(1e-12));
+    CHECK(pss["unique"].truth == true);
+    CHECK(pss["stability"].string == "stable");
+    CHECK(state(pss, "v(C1)") == Approx(2.0).epsilon(1e-12));
+  }
+  const Json falls = orbit_of(".pss when v(a)=1.5 fall");
+  CHECK(state(falls, "v(C1)") == Approx(1.5).epsilon(1e-12));
+  REQUIRE(falls["modes"].array.size() == 3);
+  CHECK(falls["modes"][0]["closed"].array.size() == 1);
+}
+
+TEST_CASE("ngspice's .pss begins where its node rises through the mean", "[unit]") {
+  const Scratch scratch;
+  const Json pss = steady_state_of(scratch, relay + ".pss 3k 1m a 1024 10 50 1e-3 uic\n.end\n")["pss"];
+  CHECK(pss["period"].number == Approx(relay_period).epsilon(1e-12));
+  // The mean of an exponential between l and h towards e is e − (h − l)·τ/t, of the one that rises and of the one that falls.
+  const double rise = 3e-4 * std::log(2.0), fall = 1e-4 * std::log(3.0);
+  const double mean = (5.0 * rise - 2.0 * 3e-4 + 2.0 * 1e-4) / (rise + fall);
+  CHECK(state(pss, "v(C1)") == Approx(mean).epsilon(1e-3));  // 4096 rows of 16 guessed periods
+  scratch.write("deck.net", relay + ".pss 3k 1m zz 1024 10\n.end\n");
+  const Finished refused = run_in(scratch, {"deck.net"});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Contains("E-unknown-node") && Contains("zz"));
+}
+
+TEST_CASE("the event that begins a self-timed period belongs to it once", "[unit]") {
+  const Scratch scratch;
+  const Json pss = steady_state_of(scratch, relay + ".pss on=S1\n.end\n")["pss"];
+  REQUIRE(pss["modes"].array.size() == 2);
+  CHECK(pss["modes"][0]["time"].number == 0.0);
+  CHECK(pss["modes"][0]["event"].string == "S1 closes");
+  CHECK(pss["modes"][1]["event"].string == "S1 opens");
+  CHECK(pss["modes"][1]["time"].number == Approx(1e-4 * std::log(3.0)).epsilon(1e-12));
+}
+
+TEST_CASE("a self-timed orbit of k=2 that repeats sooner is told", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", relay + ".pss on=S1 k=2\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("N-pss-shorter-period"));
+}
+
+TEST_CASE("an unknown switch of on= is named, in driven circuits too", "[unit]") {
+  const Scratch scratch;
+  for (const std::string& deck : {relay, std::string("rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n")}) {
+    scratch.write("deck.net", deck + ".pss on=S7\n.end\n");
+    const Finished refused = run_in(scratch, {"deck.net"});
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.err, Contains("E-unknown-element") && Contains("S7"));
+  }
 }

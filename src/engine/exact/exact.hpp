@@ -2,6 +2,7 @@
 /// Entry points of the exact engine (matrix exponential, guaranteed events).
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "base/diagnostic.hpp"
@@ -15,6 +16,9 @@ class ExactModel;
 
 /// Errors of structure (floating part, source loop, cutset, improper ports) go to `diagnostics`; then the result is null.
 [[nodiscard]] std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnostics& diagnostics);
+
+/// The same model where held sources begin with these values, by channel: all that follows from the circuit's other parts is taken over.
+[[nodiscard]] std::shared_ptr<const ExactModel> with_held_values(const ExactModel& model, std::span<const double> values);
 
 /// Runs from 0 to request.stop and hands every row to `sink`.
 [[nodiscard]] Answer run(const ExactModel& model, const Request& request, RowSink& sink);

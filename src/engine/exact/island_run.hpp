@@ -64,6 +64,8 @@ class IslandRun {
   void set_tolerance(double tolerance);
   /// Takes the breakpoints at `time`; true if a source value jumped.
   bool take_breakpoints(double time);
+  /// Held sources of this channel change at `time`.
+  void hold(int channel, double value, double time) { system_.exosystem->hold(phase_, channel, value, time); }
   /// ζ at `time` from the sources themselves.
   void evaluate_sources(double time) { system_.exosystem->evaluate(phase_, time, x.data() + system_.n); }
   /// Selects the mode that follows at x; `set` is the wanted active set.

@@ -37,4 +37,15 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
   return result;
 }
 
+std::shared_ptr<const ExactModel> with_held_values(const ExactModel& model, std::span<const double> values) {
+  auto other = std::make_shared<ExactModel>(model);
+  for (IslandModel& island : other->islands) {
+    for (model::Source& source : island.island.network.sources)
+      if (auto* const held = std::get_if<model::Held>(&source.function)) held->value = values[static_cast<std::size_t>(held->channel)];
+    model::System& system = island.extraction.system;
+    if (system.exosystem) system.exosystem = std::make_shared<const model::Exosystem>(system.exosystem->with_held(values));
+  }
+  return other;
+}
+
 }  // namespace pwlsim::engine

@@ -49,6 +49,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   opened_.assign(islands_.size(), Opened::no);
   all_passive_ = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) { return island.system().passive; });
   row_before_.resize(rows_.width());
+  sampled_.resize(request.sampler != nullptr ? rows_.width() : 0);
   for (auto& island : islands_) {
     island.set_tolerance(tolerance_);
     island.start_sources(watching.begin);
@@ -161,6 +162,7 @@ RunState Transient::state() const {
 
 /// States as given, switches where the start has them, then the instant itself.
 bool Transient::begin(const Start& start) {
+  if (request_.sampler != nullptr) request_.sampler->begin();
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   pieces_.before_start(start.signals);
@@ -196,8 +198,10 @@ bool Transient::begin(const Start& start) {
 /// beside it, that is on what is saved.
 double Transient::next_instant() {
   double horizon = request_.stop;
+  if (request_.sampler != nullptr) horizon = std::min(horizon, request_.sampler->next());
+  const double limit = horizon;
   for (Group& group : groups_) {
-    double own = request_.stop;
+    double own = limit;
     for (const std::size_t other : group.steered_by) own = std::min(own, groups_[other].horizon);
     for (const model::Clock* clock : group.clocks) own = std::min(own, clock->next().time);
     for (const IslandRun* island : group.islands) own = std::min(own, island->next_break());
@@ -240,7 +244,21 @@ void Transient::open_event_islands(double time, Instant& instant) {
   }
 }
 
+/// The signals are those just before what happens at `time`.
+bool Transient::ask_sampler(double time) {
+  row(time, sampled_.data());
+  settings_.clear();
+  if (!request_.sampler->sample(time, std::span(sampled_).subspan(1), settings_)) {
+    fail(interrupted(now_));
+    return false;
+  }
+  for (const Sampler::Setting& setting : settings_)
+    for (IslandRun* island : running_) island->hold(setting.channel, setting.value, time);
+  return true;
+}
+
 bool Transient::handle(double time) {
+  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
   Instant instant;
   instant.time = time;
   for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;

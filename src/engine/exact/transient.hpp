@@ -17,6 +17,7 @@
 #include "engine/exact/start.hpp"
 #include "engine/remarks.hpp"
 #include "engine/row_feed.hpp"
+#include "engine/sampler.hpp"
 #include "model/clock.hpp"
 
 namespace pwlsim::engine {
@@ -64,6 +65,7 @@ class Transient : private RowSource {
   void stop_short();
   double next_instant();
   bool handle(double time);
+  bool ask_sampler(double time);
   bool settle(Instant& instant, bool at_start);
   bool select_open(const std::vector<IslandRun*>& islands, Instant& instant);
   void take_clocks(Instant& instant);
@@ -132,7 +134,8 @@ class Transient : private RowSource {
   double tolerance_ = 0.0;  ///< instants closer than this are one
   double now_ = 0.0;
   RowFeed rows_;
-  std::vector<double> row_before_;
+  std::vector<double> row_before_, sampled_;
+  std::vector<Sampler::Setting> settings_;
   Crowd crowd_, idle_crowd_;
   std::uint64_t instants_ = 0;
 };

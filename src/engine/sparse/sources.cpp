@@ -39,6 +39,7 @@ double Sources::shortest_period() const {
 double largest_value(const model::SourceFunction& function) {
   struct Bound {
     double operator()(const model::Dc& f) const { return std::abs(f.value); }
+    double operator()(const model::Held& f) const { return std::abs(f.value); }
     double operator()(const model::Sin& f) const { return std::abs(f.offset) + std::abs(f.amplitude); }
     double operator()(const model::Pulse& f) const { return std::max(std::abs(f.initial), std::abs(f.pulsed)); }
     double operator()(const model::Pwl& f) const {
