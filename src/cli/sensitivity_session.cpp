@@ -16,8 +16,6 @@ int run_sensitivities(const circuit::Compiled& compiled, bool is_exact, const Se
   outcome.sensitivities =
       analysis::deck_derivatives(compiled, outcome.steady_state ? &*outcome.steady_state : nullptr, is_exact, caught_signal());
   report_derivatives(outcome.sensitivities, messages);
-  if (compiled.analyses.sensitivities->method == circuit::Sensitivities::Method::adjoint)
-    messages.report({Severity::note, "N-sens-forward", {}, "method=adjoint is not there yet: the derivatives are computed forward, which gives the same numbers"});
   int status = 0;
   if (output.is_printed) status = print(analysis::derivative_text(outcome.sensitivities, output.digits), messages, output.stream);
   if (output.file == nullptr || status != 0) return status;

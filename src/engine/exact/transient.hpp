@@ -68,6 +68,7 @@ class Transient {
   bool begin(const Start& start);
   void march();
   void stop_short();
+  void close_others();
   double next_instant();
   bool handle(double time);
   bool settle(Instant& instant, bool at_start);
