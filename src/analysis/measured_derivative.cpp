@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "linalg/legendre.hpp"
 #include "measure/piece_view.hpp"
@@ -18,6 +20,7 @@ using Kind = Measurement::Kind;
 
 constexpr double same_time = 1e-11;  ///< of the run: a place that near to an instant is at it
 constexpr double flat = 1e-12;       ///< of values on both sides of an instant: they are one
+constexpr double same_shift = 1e-9;  ///< of two shifts: they are one
 constexpr double same_side = 1e-7;   ///< of the derivatives to both sides: they are one
 
 class PieceKeeper : public engine::PieceSink {
@@ -70,92 +73,117 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
   return run;
 }
 
-MeasuredDerivatives::MeasuredDerivatives(const MeasuredPass& run, const steady::Sensitivity& sensitivity, const steady::Followed& followed,
-                                         std::size_t parameter, int number, double start_moves, double stop_moves)
-    : run_(run),
-      sensitivity_(sensitivity),
-      followed_(followed),
-      parameter_(parameter),
-      number_(number),
-      start_moves_(start_moves),
-      stop_moves_(stop_moves),
-      known_(run.measurements->list.size()),
-      results_(run.measurements->list.size(), 0.0),
-      signals_(run.measurements->probe_signals) {}
+namespace {
 
-/// Both sides, told apart where they differ by more than rounding.
-TwoSided MeasuredDerivatives::two_sided(double left, double right, std::string kink) {
-  TwoSided result = TwoSided::of(right);
-  if (std::abs(left - right) <= same_side * (std::abs(left) + std::abs(right))) return result;
-  result.left = left;
-  result.kink = std::move(kink);
-  return result;
+constexpr const char* only_fixed_derivatives = "DERIV has a derivative here only of sums of signals at a fixed time";
+
+MeasuredFunctional failed_functional(std::string why) {
+  MeasuredFunctional functional;
+  functional.failure = std::move(why);
+  return functional;
 }
 
-TwoSided MeasuredDerivatives::of(std::size_t measurement) {
+/// The sixteen polynomials that are 1 at one of the points and 0 at the others, at x.
+linalg::LegendreValues cardinals(double x) {
+  const auto& rule = linalg::gauss_legendre();
+  const auto polynomials = [](double at) {
+    linalg::LegendreValues p{};
+    p[0] = 1.0;
+    p[1] = at;
+    for (std::size_t k = 1; k + 1 < p.size(); ++k) {
+      const auto order = static_cast<double>(k);
+      p[k + 1] = ((2.0 * order + 1.0) * at * p[k] - order * p[k - 1]) / (order + 1.0);
+    }
+    return p;
+  };
+  static const std::array<linalg::LegendreValues, linalg::legendre_points> at_points = [&] {
+    std::array<linalg::LegendreValues, linalg::legendre_points> table{};
+    for (std::size_t j = 0; j < table.size(); ++j) table[j] = polynomials(rule.point[j]);
+    return table;
+  }();
+  const linalg::LegendreValues here = polynomials(x);
+  linalg::LegendreValues values{};
+  for (std::size_t j = 0; j < values.size(); ++j)
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[j] += 0.5 * (2.0 * static_cast<double>(k) + 1.0) * rule.weight[j] * at_points[j][k] * here[k];
+  return values;
+}
+
+}  // namespace
+
+void MeasuredSum::add(double weight, const MeasuredSum& other) {
+  if (weight == 0.0) return;
+  run.add(weight, other.run);
+  start_moves += weight * other.start_moves;
+  stop_moves += weight * other.stop_moves;
+  if (numbers.size() < other.numbers.size()) numbers.resize(other.numbers.size(), 0.0);
+  for (std::size_t k = 0; k < other.numbers.size(); ++k) numbers[k] += weight * other.numbers[k];
+}
+
+bool MeasuredSum::is_empty() const {
+  return run.is_empty() && start_moves == 0.0 && stop_moves == 0.0 &&
+         std::all_of(numbers.begin(), numbers.end(), [](double n) { return n == 0.0; });
+}
+
+void MeasuredFunctional::add(double weight, const MeasuredFunctional& other) {
+  sum.add(weight, other.sum);
+  for (const Kink& kink : other.kinks) kinks.push_back({kink.q, weight * kink.weight, kink.sign, kink.why});
+  obstacles.insert(obstacles.end(), other.obstacles.begin(), other.obstacles.end());
+  if (failure.empty()) failure = other.failure;
+}
+
+MeasuredFunctionals::MeasuredFunctionals(const MeasuredPass& run, const steady::Sensitivity& sensitivity)
+    : run_(run), sensitivity_(sensitivity), known_(run.measurements->list.size()), signals_(run.measurements->probe_signals) {}
+
+const MeasuredFunctional& MeasuredFunctionals::of(std::size_t measurement) {
   if (known_[measurement]) return *known_[measurement];
-  TwoSided result;
-  if (!run_.failures[measurement].empty()) result.failure = "the measurement failed: " + run_.failures[measurement];
-  for (const int other : circuit::results_read(run_.measurements->list[measurement])) {
-    const TwoSided needed = of(static_cast<std::size_t>(other));
-    if (result.failure.empty()) result.failure = needed.failure;
-    if (result.kink.empty()) result.kink = needed.kink;
-    results_[static_cast<std::size_t>(other)] = needed.right;
-  }
-  if (!result.failure.empty()) {
-    known_[measurement] = result;
-    return result;
-  }
-  const std::string kink = result.kink;
-  failure_.clear();
-  result = compute(measurement);
-  if (result.failure.empty()) result.failure = failure_;
-  if (result.failure.empty() && !(std::isfinite(result.left) && std::isfinite(result.right)))
-    result.failure = "the derivative is not a finite number";
-  if (!kink.empty() && result.failure.empty()) {
-    // On the other side the results that it reads move otherwise.
-    for (const int other : circuit::results_read(run_.measurements->list[measurement]))
-      results_[static_cast<std::size_t>(other)] = known_[static_cast<std::size_t>(other)]->left;
-    result.left = compute(measurement).left;
-    result.kink = kink;
-  }
-  results_[measurement] = result.right;
-  known_[measurement] = result;
-  return result;
+  std::string failure;
+  if (!run_.failures[measurement].empty()) failure = "the measurement failed: " + run_.failures[measurement];
+  for (const int other : circuit::results_read(run_.measurements->list[measurement]))
+    if (const MeasuredFunctional& needed = of(static_cast<std::size_t>(other)); failure.empty()) failure = needed.failure;
+  known_[measurement] = failure.empty() ? compute(measurement) : failed_functional(failure);
+  return *known_[measurement];
 }
 
-double MeasuredDerivatives::of_results(const GradientValue& gradient) {
-  double sum = 0.0;
+/// What other results and numbers of cards add to the derivative of an expression.
+void MeasuredFunctionals::add_results(double weight, const GradientValue& gradient, MeasuredFunctional& sum) {
   for (std::size_t k = 0; k < gradient.results.size(); ++k)
-    if (gradient.results[k] != 0.0) sum += gradient.results[k] * results_[k];
-  if (number_ >= 0 && static_cast<std::size_t>(number_) < gradient.numbers.size())
-    sum += gradient.numbers[static_cast<std::size_t>(number_)];
-  return sum;
+    if (gradient.results[k] != 0.0) sum.add(weight * gradient.results[k], of(k));
+  MeasuredSum own;
+  own.numbers = gradient.numbers;
+  sum.sum.add(weight, own);
 }
 
-double MeasuredDerivatives::of_constant(const circuit::MeasuredExpression& expression) {
-  return of_results(ExpressionGradient(expression).at({}, run_.values, 0.0));
+MeasuredFunctional MeasuredFunctionals::of_constant(const circuit::MeasuredExpression& expression) {
+  MeasuredFunctional functional;
+  add_results(1.0, ExpressionGradient(expression).at({}, run_.values, 0.0), functional);
+  return functional;
 }
 
-MeasuredDerivatives::Jet MeasuredDerivatives::jet_of(const circuit::MeasuredExpression& expression, double time, Side side) {
+MeasuredFunctionals::Jet MeasuredFunctionals::jet_of(const circuit::MeasuredExpression& expression, double time, Side side) {
   const ExpressionGradient gradient(expression);
   std::vector<int> signals;
   for (const int probe : gradient.probes()) signals.push_back(signals_[static_cast<std::size_t>(probe)]);
-  const std::vector<steady::SignalJet> jets = sensitivity_.signals_at(followed_, parameter_, signals, time, side);
+  const std::vector<steady::SignalJet> jets = sensitivity_.signals_at(signals, time, side);
   std::vector<double> values;
   for (const steady::SignalJet& jet : jets) values.push_back(jet.value);
   const GradientValue at = gradient.at(values, run_.values, time);
-  Jet jet{at.value, at.time, of_results(at), 0.0, at.has_kink};
+  Jet jet;
+  jet.value = at.value;
+  jet.rate = at.time;
+  steady::Functional::Point point{time, side, std::vector<double>(signals_.size(), 0.0), {}};
   for (std::size_t k = 0; k < jets.size(); ++k) {
     jet.rate += at.signals[k] * jets[k].rate;
-    jet.moved += at.signals[k] * jets[k].moved;
-    jet.moved_rate += at.signals[k] * jets[k].moved_rate;
+    point.moved[static_cast<std::size_t>(gradient.probes()[k])] += at.signals[k];
   }
+  jet.moved.sum.run.points.push_back(point);
+  add_results(1.0, at, jet.moved);
+  jet.moved_rate.run.points.push_back({time, side, {}, std::move(point.moved)});
   return jet;
 }
 
 /// The instant at that time, where there is one.
-std::optional<std::size_t> MeasuredDerivatives::instant_at(double time) const {
+std::optional<std::size_t> MeasuredFunctionals::instant_at(double time) const {
   const auto& instants = sensitivity_.orbit().instants();
   const double near = same_time * std::max(run_.stop, time);
   const auto found =
@@ -164,21 +192,31 @@ std::optional<std::size_t> MeasuredDerivatives::instant_at(double time) const {
   return static_cast<std::size_t>(found - instants.begin());
 }
 
-double MeasuredDerivatives::from_moves(const Measurement& measurement) {
-  double moves = measurement.from ? of_constant(*measurement.from) : start_moves_;
-  if (measurement.when && measurement.when->delay) moves = of_constant(*measurement.when->delay);
+MeasuredFunctional MeasuredFunctionals::from_moves(const Measurement& measurement) {
+  if (measurement.when && measurement.when->delay) return of_constant(*measurement.when->delay);
+  if (measurement.from) return of_constant(*measurement.from);
+  MeasuredFunctional moves;
+  moves.sum.start_moves = 1.0;
   return moves;
 }
 
-double MeasuredDerivatives::to_moves(const Measurement& measurement) { return measurement.to ? of_constant(*measurement.to) : stop_moves_; }
+MeasuredFunctional MeasuredFunctionals::to_moves(const Measurement& measurement) {
+  if (measurement.to) return of_constant(*measurement.to);
+  MeasuredFunctional moves;
+  moves.sum.stop_moves = 1.0;
+  return moves;
+}
 
-TwoSided MeasuredDerivatives::compute(std::size_t number) {
+MeasuredFunctional MeasuredFunctionals::compute(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
   switch (measurement.kind) {
     case Kind::parameter:
-      return TwoSided::of(of_constant(measurement.expression));
-    case Kind::period:
-      return TwoSided::of(stop_moves_);
+      return of_constant(measurement.expression);
+    case Kind::period: {
+      MeasuredFunctional period;
+      period.sum.stop_moves = 1.0;
+      return period;
+    }
     case Kind::value:
     case Kind::derivative:
     case Kind::time:
@@ -188,192 +226,300 @@ TwoSided MeasuredDerivatives::compute(std::size_t number) {
   }
 }
 
-TwoSided MeasuredDerivatives::of_place(std::size_t number) {
+namespace {
+
+MeasuredSum shift_of_instant(std::size_t instant) {
+  MeasuredSum sum;
+  sum.run.shifts[instant] = 1.0;
+  return sum;
+}
+
+}  // namespace
+
+MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
   const measure::Place& place = run_.places[number];
-  const double moves = measurement.at ? of_constant(*measurement.at) : crossing_moves(*measurement.when, place.at);
-  if (measurement.kind == Kind::time) return TwoSided::of(moves);
+  MeasuredFunctional moves = measurement.at ? of_constant(*measurement.at) : crossing_moves(*measurement.when, place.at);
+  if (measurement.kind == Kind::time || !moves.failure.empty()) return moves;
   const Side side = place.at - place.piece_from <= place.piece_to - place.at ? Side::right : Side::left;
-  const Jet jet = jet_of(measurement.expression, place.at, side);
-  if (measurement.kind == Kind::value) {
-    TwoSided result = TwoSided::of(jet.moved + jet.rate * moves);
-    // The instant moves across a fixed time.
-    const auto instant = measurement.at && moves == 0.0 ? instant_at(place.at) : std::nullopt;
-    if (!instant || followed_.shifts[*instant] == 0.0) return result;
-    const Jet left = jet_of(measurement.expression, place.at, Side::left), right = jet_of(measurement.expression, place.at, Side::right);
-    if (std::abs(left.value - right.value) > flat * (std::abs(left.value) + std::abs(right.value)))
-      return TwoSided::failed("the value jumps at that very time");
-    const bool is_later = followed_.shifts[*instant] > 0.0;
-    return two_sided(is_later ? right.moved : left.moved, is_later ? left.moved : right.moved,
-                     fmt::format("an event lies at t = {} s", place.at));
+  Jet jet = jet_of(measurement.expression, place.at, side);
+  if (measurement.kind == Kind::derivative) {
+    if (!measure::Program(measurement.expression).is_linear()) return failed_functional(only_fixed_derivatives);
+    MeasuredFunctional result;
+    result.sum = std::move(jet.moved_rate);
+    if (!moves.sum.is_empty()) result.obstacles.push_back({std::move(moves.sum), {}, only_fixed_derivatives});
+    return result;
   }
-  if (moves != 0.0 || !measure::Program(measurement.expression).is_linear())
-    return TwoSided::failed("DERIV has a derivative here only of sums of signals at a fixed time");
-  return TwoSided::of(jet.moved_rate);
+  const auto instant = measurement.at ? instant_at(place.at) : std::nullopt;
+  if (!instant) {
+    jet.moved.add(jet.rate, moves);
+    return std::move(jet.moved);
+  }
+  // The instant and the time move apart: what lies at the time is what was on the side that the instant leaves behind.
+  Jet left = jet_of(measurement.expression, place.at, Side::left), right = jet_of(measurement.expression, place.at, Side::right);
+  const bool jumps = std::abs(left.value - right.value) > flat * (std::abs(left.value) + std::abs(right.value));
+  MeasuredFunctional result = std::move(jumps && side == Side::left ? left.moved : right.moved);
+  result.add(jumps && side == Side::left ? left.rate : right.rate, moves);
+  MeasuredSum apart = shift_of_instant(*instant);
+  apart.add(-1.0, moves.sum);
+  if (jumps)
+    result.obstacles.push_back({shift_of_instant(*instant), std::move(moves.sum), "the value jumps at that very time"});
+  else
+    result.kinks.push_back({std::move(apart), right.rate - left.rate, 1, fmt::format("an event lies at t = {} s", place.at)});
+  return result;
 }
 
 /// dt/dp of a passage.
-double MeasuredDerivatives::crossing_moves(const circuit::Crossing& crossing, double time) {
+MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& crossing, double time) {
   circuit::MeasuredExpression difference = crossing.left;
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
   difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
   const auto instant = instant_at(time);
-  const Jet left = jet_of(difference, time, instant ? Side::left : Side::right);
+  Jet left = jet_of(difference, time, instant ? Side::left : Side::right);
   if (instant) {
     const Jet right = jet_of(difference, time, Side::right);
     const double size = std::abs(left.value) + std::abs(right.value);
     constexpr double jumps = 1e-9;
     const double scale =
         std::max(std::abs(jet_of(crossing.left, time, Side::left).value), std::abs(jet_of(crossing.right, time, Side::left).value));
-    if (left.value * right.value <= 0.0 && size > jumps * scale) return followed_.shifts[*instant];
+    if (left.value * right.value <= 0.0 && size > jumps * scale) {
+      MeasuredFunctional moves;
+      moves.sum = shift_of_instant(*instant);
+      return moves;
+    }
   }
-  if (left.rate == 0.0) {
-    fail("what crosses there has no slope");
-    return 0.0;
-  }
-  return -left.moved / left.rate;
+  if (left.rate == 0.0) return failed_functional("what crosses there has no slope");
+  MeasuredFunctional moves;
+  moves.add(-1.0 / left.rate, left.moved);
+  return moves;
 }
 
-TwoSided MeasuredDerivatives::of_window(std::size_t number) {
+MeasuredFunctional MeasuredFunctionals::of_window(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
   const measure::Place& place = run_.places[number];
-  const double stop = run_.stop;
-  if (place.to > stop * (1.0 + same_time)) return TwoSided::failed("its window reaches beyond the period");
-  if (measurement.kind == Kind::maximum) return TwoSided::of(of_extreme(measurement, place.largest_at, true, place));
-  if (measurement.kind == Kind::minimum) return TwoSided::of(of_extreme(measurement, place.least_at, false, place));
-  if (measurement.kind == Kind::peak_to_peak)
-    return TwoSided::of(of_extreme(measurement, place.largest_at, true, place) - of_extreme(measurement, place.least_at, false, place));
+  if (place.to > run_.stop * (1.0 + same_time)) return failed_functional("its window reaches beyond the period");
+  MeasuredFunctional result;
+  const bool is_range = measurement.kind == Kind::peak_to_peak;
+  if (measurement.kind == Kind::maximum || is_range) add_extreme(1.0, measurement, place.largest_at, true, place, result);
+  if (measurement.kind == Kind::minimum) add_extreme(1.0, measurement, place.least_at, false, place, result);
+  if (is_range) add_extreme(-1.0, measurement, place.least_at, false, place, result);
+  if (measurement.kind == Kind::maximum || measurement.kind == Kind::minimum || is_range) return result;
   if (measurement.kind == Kind::time_of_maximum) return of_extreme_time(measurement, place.largest_at, place);
   if (measurement.kind == Kind::time_of_minimum) return of_extreme_time(measurement, place.least_at, place);
-  if (run_.has_impulse[number] != 0) return TwoSided::failed("an impulse lies in its window");
+  if (run_.has_impulse[number] != 0) return failed_functional("an impulse lies in its window");
   const bool squares = measurement.kind == Kind::rms;
-  const double length = place.to - place.from, moved_length = to_moves(measurement) - from_moves(measurement);
-  const double sum = integral(measurement, place, squares);
-  const double value = run_.values[number];
-  const double sides[2] = {sum + at_instants(measurement, place, squares, -1), sum + at_instants(measurement, place, squares, 1)};
-  double finished[2];
-  for (int k = 0; k < 2; ++k)
-    finished[k] = measurement.kind == Kind::integral  ? sides[k]
-                  : measurement.kind == Kind::average ? (sides[k] - value * moved_length) / length
-                                                      : (sides[k] - value * value * moved_length) / (2.0 * value * length);
-  return two_sided(finished[0], finished[1], "an event lies at an end of its window");
-}
-
-const std::vector<std::vector<double>>& MeasuredDerivatives::moved_points(std::size_t number) {
-  const auto known = points_.find(number);
-  if (known != points_.end()) return known->second;
-  const KeptPiece& piece = run_.pieces[number];
-  return points_[number] = sensitivity_.moved_at(followed_, parameter_, signals_, 0.5 * (piece.from + piece.to), piece.begin, piece.length);
-}
-
-/// ∫ of the derivative of the expression, or of half that of its square's, over what a piece stands for.
-double MeasuredDerivatives::inside(const ExpressionGradient& gradient, const KeptPiece& kept, std::size_t number, double from, double to,
-                                   bool squares) {
-  const auto& points = moved_points(number);
-  const std::size_t n = linalg::legendre_points;
-  std::vector<linalg::LegendreSeries> values, moved;
-  for (const int probe : gradient.probes()) {
-    const auto p = static_cast<std::size_t>(probe);
-    values.emplace_back(kept.values.data() + p * n);
-    linalg::LegendreValues own{};
-    for (std::size_t i = 0; i < n; ++i) own[i] = points[i][p];
-    moved.emplace_back(own.data());
+  const double length = place.to - place.from, value = run_.values[number];
+  const double scale = measurement.kind == Kind::integral ? 1.0 : squares ? 1.0 / (2.0 * value * length) : 1.0 / length;
+  add_integral(measurement, place, squares, scale, result);
+  add_instants(measurement, place, squares, scale, result);
+  if (measurement.kind != Kind::integral) {
+    const double on_length = -(squares ? value * value : value) * scale;
+    result.add(on_length, to_moves(measurement));
+    result.add(-on_length, from_moves(measurement));
   }
+  return result;
+}
+
+/// What each point of a part of a piece takes of the points of the piece; most pieces have the parts of others.
+const MeasuredFunctionals::Shares& MeasuredFunctionals::shares_on(double from, double to, double rounding) {
+  const auto same = [&](const Shares& known) { return std::abs(from - known.from) <= rounding && std::abs(to - known.to) <= rounding; };
+  const auto known = std::find_if(shares_.begin(), shares_.end(), same);
+  if (known != shares_.end()) return *known;
+  Shares& shares = shares_[next_shares_++ % shares_.size()];
+  shares.from = from;
+  shares.to = to;
   const auto& rule = linalg::gauss_legendre();
-  double sum = 0.0;
-  std::vector<double> signals(values.size());
+  for (std::size_t i = 0; i < shares.points.size(); ++i)
+    shares.points[i] = cardinals(2.0 * (from + 0.5 * (rule.point[i] + 1.0) * (to - from)) - 1.0);
+  return shares;
+}
+
+/// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
+void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, std::size_t number, double from, double to, bool squares,
+                                     double scale, MeasuredFunctional& sum) {
+  const KeptPiece& kept = run_.pieces[number];
+  const std::size_t n = linalg::legendre_points, width = signals_.size();
+  steady::Functional::Interval& interval = sum.sum.run.intervals[number];
+  if (interval.weights.empty()) interval = {0.5 * (kept.from + kept.to), kept.begin, kept.length, std::vector<double>(n * width, 0.0)};
+  constexpr double whole = 1e-14, of_time = 1e-15;
+  const double near = whole + of_time * std::abs(to) / kept.length;
+  const double begins = (from - kept.begin) / kept.length, ends = (to - kept.begin) / kept.length;
+  const bool is_whole = std::abs(begins) <= near && std::abs(ends - 1.0) <= near;
+  std::vector<linalg::LegendreSeries> values;
+  if (!is_whole)
+    for (const int probe : gradient.probes()) values.emplace_back(kept.values.data() + static_cast<std::size_t>(probe) * n);
+  const auto& rule = linalg::gauss_legendre();
+  const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
+  std::vector<double> signals(gradient.probes().size());
   for (std::size_t i = 0; i < n; ++i) {
     const double time = from + 0.5 * (rule.point[i] + 1.0) * (to - from);
-    const double x = 2.0 * (time - kept.begin) / kept.length - 1.0;
-    for (std::size_t k = 0; k < values.size(); ++k) signals[k] = values[k](x);
+    const double x = is_whole ? rule.point[i] : 2.0 * (time - kept.begin) / kept.length - 1.0;
+    for (std::size_t k = 0; k < signals.size(); ++k)
+      signals[k] = is_whole ? kept.values[static_cast<std::size_t>(gradient.probes()[k]) * n + i] : values[k](x);
     const GradientValue at = gradient.at(signals, run_.values, time);
-    double change = of_results(at);
-    for (std::size_t k = 0; k < values.size(); ++k) change += at.signals[k] * moved[k](x);
-    sum += rule.weight[i] * (squares ? 2.0 * at.value * change : change);
+    const double weight = 0.5 * (to - from) * rule.weight[i] * scale * (squares ? 2.0 * at.value : 1.0);
+    add_numbers(weight, at);
+    const auto take = [&](std::size_t point, double share) {
+      for (std::size_t k = 0; k < signals.size(); ++k)
+        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * at.signals[k];
+    };
+    if (is_whole) {
+      take(i, weight);
+      continue;
+    }
+    for (std::size_t j = 0; j < n; ++j) take(j, weight * shares->points[i][j]);
   }
-  return 0.5 * (to - from) * sum;
 }
 
-double MeasuredDerivatives::integral(const Measurement& measurement, const measure::Place& place, bool squares) {
+void MeasuredFunctionals::add_numbers(double weight, const GradientValue& at) {
+  const auto add = [&](std::vector<double>& sum, const std::vector<double>& list) {
+    if (sum.size() < list.size()) sum.resize(list.size(), 0.0);
+    for (std::size_t k = 0; k < list.size(); ++k) sum[k] += weight * list[k];
+  };
+  add(read_.results, at.results);
+  add(read_.numbers, at.numbers);
+}
+
+void MeasuredFunctionals::add_integral(const Measurement& measurement, const measure::Place& place, bool squares, double scale,
+                                       MeasuredFunctional& sum) {
   const ExpressionGradient gradient(measurement.expression);
   const measure::Program program(measurement.expression);
   measure::PieceView view(signals_.size());
-  long double sum = 0.0L;
-  double scale = 0.0;
+  double size = 0.0;
+  read_ = {};
   for (std::size_t k = 0; k < run_.pieces.size(); ++k) {
     const KeptPiece& kept = run_.pieces[k];
     const double from = std::max(kept.from, place.from), to = std::min(kept.to, place.to);
     if (!(from < to)) continue;
     if (program.is_polynomial()) {
-      sum += inside(gradient, kept, k, from, to, squares);
+      add_inside(gradient, k, from, to, squares, scale, sum);
       continue;
     }
     view.set(piece_of(kept));
-    const bool resolved = view.resolve(program, run_.values, from, to, scale, [&](const measure::Part& part) {
-      for (const double value : part.values) scale = std::max(scale, std::abs(value));
-      sum += inside(gradient, kept, k, part.from, part.to, squares);
+    const bool resolved = view.resolve(program, run_.values, from, to, size, [&](const measure::Part& part) {
+      for (const double value : part.values) size = std::max(size, std::abs(value));
+      add_inside(gradient, k, part.from, part.to, squares, scale, sum);
     });
-    if (!resolved) fail("the expression moves too fast to be followed");
+    if (!resolved) sum.failure = "the expression moves too fast to be followed";
   }
+  const GradientValue read = std::exchange(read_, {});
+  add_results(1.0, read, sum);
   const auto of_end = [&](double time, Side side) {
     const double value = jet_of(measurement.expression, time, side).value;
     return squares ? value * value : value;
   };
-  if (const double moves = to_moves(measurement); moves != 0.0) sum += of_end(place.to, Side::left) * moves;
-  if (const double moves = from_moves(measurement); moves != 0.0) sum -= of_end(place.from, Side::right) * moves;
-  return static_cast<double>(sum);
+  if (const MeasuredFunctional moves = to_moves(measurement); !moves.sum.is_empty()) sum.add(scale * of_end(place.to, Side::left), moves);
+  if (const MeasuredFunctional moves = from_moves(measurement); !moves.sum.is_empty())
+    sum.add(-scale * of_end(place.from, Side::right), moves);
 }
 
-/// (y⁻ − y⁺)·t_p of what jumps within the window. `side`: −1 towards smaller, 1 towards larger values of the parameter, which tells on which side of
-/// an end of the window an instant at that end comes to lie.
-double MeasuredDerivatives::at_instants(const Measurement& measurement, const measure::Place& place, bool squares, int side) {
+/// (y⁻ − y⁺)·t_p of what jumps within the window. An instant at an end of it counts on the side of the parameter on which it comes to lie inside.
+void MeasuredFunctionals::add_instants(const Measurement& measurement, const measure::Place& place, bool squares, double scale,
+                                       MeasuredFunctional& sum) {
   const auto& instants = sensitivity_.orbit().instants();
   const double near = same_time * run_.stop;
-  double sum = 0.0;
   for (std::size_t k = 0; k < instants.size(); ++k) {
-    const double time = instants[k].time, shift = followed_.shifts[k];
-    if (shift == 0.0 || time < place.from - near || time > place.to + near) continue;
+    const double time = instants[k].time;
+    if (time < place.from - near || time > place.to + near) continue;
     const bool is_wrap = time <= near, at_from = std::abs(time - place.from) <= near, at_to = std::abs(time - place.to) <= near;
     if (is_wrap && !sensitivity_.is_settled()) {
-      fail("an edge at t = 0 moves");
+      sum.obstacles.push_back({shift_of_instant(k), {}, "an edge at t = 0 moves"});
       continue;
     }
+    const double left = jet_of(measurement.expression, is_wrap ? run_.stop : time, Side::left).value,
+                 right = jet_of(measurement.expression, time, Side::right).value;
+    const double weight = scale * (squares ? left * left - right * right : left - right);
+    if (std::abs(left - right) <= flat * (std::abs(left) + std::abs(right))) continue;
+    MeasuredSum moved = shift_of_instant(k);
     // The begin of the period is its end, too.
-    const bool is_whole = is_wrap && place.to >= run_.stop - near;
-    const double moved = is_whole ? shift : at_from ? shift - from_moves(measurement) : at_to ? shift - to_moves(measurement) : shift;
-    if (at_from && !is_whole && moved * side < 0.0) continue;
-    if (at_to && moved * side > 0.0) continue;
-    const Jet left = jet_of(measurement.expression, is_wrap ? run_.stop : time, Side::left),
-              right = jet_of(measurement.expression, time, Side::right);
-    sum += (squares ? left.value * left.value - right.value * right.value : left.value - right.value) * moved;
+    if ((is_wrap && place.to >= run_.stop - near) || !(at_from || at_to)) {
+      sum.sum.add(weight, moved);
+      continue;
+    }
+    moved.add(-1.0, (at_from ? from_moves(measurement) : to_moves(measurement)).sum);
+    sum.kinks.push_back({std::move(moved), weight, at_from ? 1 : -1, "an event lies at an end of its window"});
   }
-  return sum;
 }
 
 /// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter.
-double MeasuredDerivatives::of_extreme(const Measurement& measurement, double time, bool is_largest, const measure::Place& place) {
+void MeasuredFunctionals::add_extreme(double weight, const Measurement& measurement, double time, bool is_largest,
+                                      const measure::Place& place, MeasuredFunctional& sum) {
   const double near = same_time * run_.stop;
   const auto instant = instant_at(time);
   const bool at_begin = time <= place.from + near, at_end = time >= place.to - near;
   if (at_begin || at_end) {
-    const Side side = at_begin ? Side::right : Side::left;
-    const Jet jet = jet_of(measurement.expression, time, side);
-    double moves = at_begin ? from_moves(measurement) : to_moves(measurement);
-    if (instant && moves == 0.0 && time <= near) moves = followed_.shifts[*instant];
-    return jet.moved + jet.rate * moves;
+    const Jet jet = jet_of(measurement.expression, time, at_begin ? Side::right : Side::left);
+    sum.add(weight, jet.moved);
+    sum.add(weight * jet.rate, at_begin ? from_moves(measurement) : to_moves(measurement));
+    const bool has_begin = measurement.from || (measurement.when && measurement.when->delay);
+    if (instant && at_begin && !has_begin && time <= near) sum.sum.add(weight * jet.rate, shift_of_instant(*instant));
+    return;
   }
-  if (!instant) return jet_of(measurement.expression, time, Side::right).moved;
+  if (!instant) return sum.add(weight, jet_of(measurement.expression, time, Side::right).moved);
   const Jet left = jet_of(measurement.expression, time, Side::left), right = jet_of(measurement.expression, time, Side::right);
   const Jet& taken = (left.value >= right.value) == is_largest ? left : right;
-  return taken.moved + taken.rate * followed_.shifts[*instant];
+  sum.add(weight, taken.moved);
+  sum.sum.add(weight * taken.rate, shift_of_instant(*instant));
 }
 
-TwoSided MeasuredDerivatives::of_extreme_time(const Measurement& measurement, double time, const measure::Place& place) {
+MeasuredFunctional MeasuredFunctionals::of_extreme_time(const Measurement& measurement, double time, const measure::Place& place) {
   const double near = same_time * run_.stop;
-  if (time <= place.from + near) return TwoSided::of(from_moves(measurement));
-  if (time >= place.to - near) return TwoSided::of(to_moves(measurement));
-  if (const auto instant = instant_at(time)) return TwoSided::of(followed_.shifts[*instant]);
-  return TwoSided::failed("the time of an extreme between events has no derivative here");
+  if (time <= place.from + near) return from_moves(measurement);
+  if (time >= place.to - near) return to_moves(measurement);
+  const auto instant = instant_at(time);
+  if (!instant) return failed_functional("the time of an extreme between events has no derivative here");
+  MeasuredFunctional moves;
+  moves.sum = shift_of_instant(*instant);
+  return moves;
+}
+
+double read_direct(const MeasuredSum& sum, const DirectMoves& direct) {
+  double value = sum.start_moves * direct.start_moves + sum.stop_moves * direct.stop_moves;
+  if (direct.number >= 0 && static_cast<std::size_t>(direct.number) < sum.numbers.size())
+    value += sum.numbers[static_cast<std::size_t>(direct.number)];
+  return value;
+}
+
+double ForwardReader::read(const MeasuredSum& sum) { return read(sum.run) + read_direct(sum, direct_); }
+
+double ForwardReader::read(const steady::Functional& functional) {
+  const std::vector<int>& signals = run_.measurements->probe_signals;
+  long double sum = 0.0L;
+  for (const auto& [instant, weight] : functional.shifts) sum += weight * followed_.shifts[instant];
+  for (const steady::Functional::Point& point : functional.points) {
+    const std::vector<steady::MovedJet> jets = sensitivity_.moved_signals_at(followed_, parameter_, signals, point.time, point.side);
+    for (std::size_t k = 0; k < point.moved.size(); ++k) sum += point.moved[k] * jets[k].moved;
+    for (std::size_t k = 0; k < point.rates.size(); ++k) sum += point.rates[k] * jets[k].moved_rate;
+  }
+  for (const auto& [number, interval] : functional.intervals) {
+    auto& points = points_[number];
+    if (points.empty()) points = sensitivity_.moved_at(followed_, parameter_, signals, interval.inside, interval.begin, interval.length);
+    const std::size_t width = signals.size();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t k = 0; k < width; ++k) sum += interval.weights[i * width + k] * points[i][k];
+  }
+  return static_cast<double>(sum);
+}
+
+TwoSided two_sided(const MeasuredFunctional& functional, const std::function<double(const MeasuredSum&)>& read) {
+  if (!functional.failure.empty()) return TwoSided::failed(functional.failure);
+  for (const MeasuredFunctional::Obstacle& obstacle : functional.obstacles) {
+    const double moves = read(obstacle.moves), against = obstacle.against.is_empty() ? 0.0 : read(obstacle.against);
+    if (std::abs(moves - against) > same_shift * (std::abs(moves) + std::abs(against))) return TwoSided::failed(obstacle.why);
+  }
+  double left = read(functional.sum), right = left;
+  std::string why;
+  for (const MeasuredFunctional::Kink& kink : functional.kinks) {
+    const double q = read(kink.q);
+    (q * kink.sign > 0.0 ? right : left) += kink.weight * q;
+    if (q != 0.0 && why.empty()) why = kink.why;
+  }
+  if (!(std::isfinite(left) && std::isfinite(right))) return TwoSided::failed("the derivative is not a finite number");
+  TwoSided result = TwoSided::of(right);
+  if (std::abs(left - right) <= same_side * (std::abs(left) + std::abs(right))) return result;
+  result.left = left;
+  result.kink = std::move(why);
+  return result;
 }
 
 }  // namespace pwlsim::analysis

@@ -1,6 +1,8 @@
 #pragma once
-/// Derivatives of measured values, from those of the signals that they read.
+/// Derivatives of measured values, as what they read of the derivatives of signals: once for all parameters.
 
+#include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,8 +10,10 @@
 
 #include "analysis/transient.hpp"
 #include "circuit/measurement.hpp"
+#include "linalg/legendre.hpp"
 #include "measure/expression_gradient.hpp"
 #include "measure/measuring.hpp"
+#include "steady/functional.hpp"
 #include "steady/sensitivity.hpp"
 
 namespace pwlsim::analysis {
@@ -44,57 +48,119 @@ struct MeasuredPass {
 [[nodiscard]] MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request,
                                        double start, double stop, double longest_window);
 
-/// Of one parameter.
-class MeasuredDerivatives {
- public:
-  /// `number`: of the parameter in gradients, −1: none. `start_moves`, `stop_moves`: derivatives of the run's begin and end, s.
-  MeasuredDerivatives(const MeasuredPass& run, const steady::Sensitivity& sensitivity, const steady::Followed& followed,
-                      std::size_t parameter, int number, double start_moves, double stop_moves);
+/// A sum of what is read of the run's derivative, of the derivatives of numbers that cards hold, and of the run's begin and end.
+struct MeasuredSum {
+  steady::Functional run;
+  double start_moves = 0.0, stop_moves = 0.0;
+  std::vector<double> numbers;  ///< of each `.param` that is varied
 
-  [[nodiscard]] TwoSided of(std::size_t measurement);
+  void add(double weight, const MeasuredSum& other);
+  [[nodiscard]] bool is_empty() const;
+};
+
+/// The derivative of one measurement.
+struct MeasuredFunctional {
+  MeasuredSum sum;
+  /// weight·q counts where q·sign is positive on the side of smaller (−) or larger values of the parameter.
+  struct Kink {
+    MeasuredSum q;
+    double weight = 0.0;
+    int sign = 1;
+    std::string why;
+  };
+  std::vector<Kink> kinks;
+  /// There is no derivative to a parameter that moves `moves` and `against` differently.
+  struct Obstacle {
+    MeasuredSum moves, against;
+    std::string why;
+  };
+  std::vector<Obstacle> obstacles;
+  std::string failure;  ///< why there is none to any parameter; "" where there is
+
+  void add(double weight, const MeasuredFunctional& other);
+};
+
+/// How one parameter moves what does not belong to the run.
+struct DirectMoves {
+  int number = -1;                             ///< of a `.param`; −1: it is none
+  double start_moves = 0.0, stop_moves = 0.0;  ///< of the run's begin and end, s
+};
+
+class MeasuredFunctionals {
+ public:
+  MeasuredFunctionals(const MeasuredPass& run, const steady::Sensitivity& sensitivity);
+
+  /// Valid as long as this.
+  [[nodiscard]] const MeasuredFunctional& of(std::size_t measurement);
 
  private:
   using Kind = circuit::Measurement::Kind;
   using Side = steady::Side;
-  /// An expression at one time: its value, and its derivatives to time and, at a fixed time, to the parameter.
+  /// An expression at one time: its value and rate, and what its derivative at that fixed time reads.
   struct Jet {
-    double value = 0.0, rate = 0.0, moved = 0.0, moved_rate = 0.0;
-    bool has_kink = false;
+    double value = 0.0, rate = 0.0;
+    MeasuredFunctional moved;
+    MeasuredSum moved_rate;
   };
 
-  [[nodiscard]] static TwoSided two_sided(double left, double right, std::string kink);
-  TwoSided compute(std::size_t measurement);
-  [[nodiscard]] double of_constant(const circuit::MeasuredExpression& expression);
-  [[nodiscard]] double of_results(const measure::GradientValue& gradient);
+  [[nodiscard]] MeasuredFunctional compute(std::size_t measurement);
+  [[nodiscard]] MeasuredFunctional of_constant(const circuit::MeasuredExpression& expression);
+  void add_results(double weight, const measure::GradientValue& gradient, MeasuredFunctional& sum);
+  struct Shares {
+    double from = 0.0, to = 0.0;
+    std::array<linalg::LegendreValues, linalg::legendre_points> points{};
+  };
+  [[nodiscard]] const Shares& shares_on(double from, double to, double rounding);
+  void add_numbers(double weight, const measure::GradientValue& at);
   [[nodiscard]] Jet jet_of(const circuit::MeasuredExpression& expression, double time, Side side);
   [[nodiscard]] std::optional<std::size_t> instant_at(double time) const;
-  [[nodiscard]] TwoSided of_window(std::size_t measurement);
-  [[nodiscard]] double integral(const circuit::Measurement& measurement, const measure::Place& place, bool squares);
-  [[nodiscard]] double inside(const measure::ExpressionGradient& gradient, const KeptPiece& piece, std::size_t number, double from,
-                              double to, bool squares);
-  [[nodiscard]] double at_instants(const circuit::Measurement& measurement, const measure::Place& place, bool squares, int side);
-  [[nodiscard]] double of_extreme(const circuit::Measurement& measurement, double time, bool is_largest, const measure::Place& place);
-  [[nodiscard]] TwoSided of_extreme_time(const circuit::Measurement& measurement, double time, const measure::Place& place);
-  [[nodiscard]] TwoSided of_place(std::size_t measurement);
-  [[nodiscard]] double crossing_moves(const circuit::Crossing& crossing, double time);
-  [[nodiscard]] double from_moves(const circuit::Measurement& measurement);
-  [[nodiscard]] double to_moves(const circuit::Measurement& measurement);
-  void fail(std::string why) {
-    if (failure_.empty()) failure_ = std::move(why);
-  }
-  [[nodiscard]] const std::vector<std::vector<double>>& moved_points(std::size_t piece);
+  [[nodiscard]] MeasuredFunctional of_window(std::size_t measurement);
+  void add_integral(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
+                    MeasuredFunctional& sum);
+  void add_inside(const measure::ExpressionGradient& gradient, std::size_t piece, double from, double to, bool squares, double scale,
+                  MeasuredFunctional& sum);
+  void add_instants(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
+                    MeasuredFunctional& sum);
+  void add_extreme(double weight, const circuit::Measurement& measurement, double time, bool is_largest, const measure::Place& place,
+                   MeasuredFunctional& sum);
+  [[nodiscard]] MeasuredFunctional of_extreme_time(const circuit::Measurement& measurement, double time, const measure::Place& place);
+  [[nodiscard]] MeasuredFunctional of_place(std::size_t measurement);
+  [[nodiscard]] MeasuredFunctional crossing_moves(const circuit::Crossing& crossing, double time);
+  [[nodiscard]] MeasuredFunctional from_moves(const circuit::Measurement& measurement);
+  [[nodiscard]] MeasuredFunctional to_moves(const circuit::Measurement& measurement);
+
+  const MeasuredPass& run_;
+  const steady::Sensitivity& sensitivity_;
+  std::vector<std::optional<MeasuredFunctional>> known_;
+  std::vector<int> signals_;  ///< of all probes
+  std::array<Shares, 8> shares_;
+  std::size_t next_shares_ = 0;
+  measure::GradientValue read_;  ///< of an integral: results and numbers, added up
+};
+
+/// Reads sums along one parameter that has been followed forward.
+class ForwardReader {
+ public:
+  ForwardReader(const MeasuredPass& run, const steady::Sensitivity& sensitivity, const steady::Followed& followed, std::size_t parameter,
+                DirectMoves direct)
+      : run_(run), sensitivity_(sensitivity), followed_(followed), parameter_(parameter), direct_(direct) {}
+
+  [[nodiscard]] double read(const MeasuredSum& sum);
+
+ private:
+  [[nodiscard]] double read(const steady::Functional& functional);
 
   const MeasuredPass& run_;
   const steady::Sensitivity& sensitivity_;
   const steady::Followed& followed_;
   std::size_t parameter_;
-  int number_;
-  double start_moves_, stop_moves_;
-  std::vector<std::optional<TwoSided>> known_;
-  std::vector<double> results_;                                     ///< derivatives so far
-  std::string failure_;                                             ///< of the measurement at hand
-  std::vector<int> signals_;                                        ///< of all probes
+  DirectMoves direct_;
   std::map<std::size_t, std::vector<std::vector<double>>> points_;  ///< of a piece: derivatives of the probes at its points
 };
+
+/// The derivative by what `read` makes of each of its sums.
+[[nodiscard]] TwoSided two_sided(const MeasuredFunctional& functional, const std::function<double(const MeasuredSum&)>& read);
+/// What does not belong to the run.
+[[nodiscard]] double read_direct(const MeasuredSum& sum, const DirectMoves& direct);
 
 }  // namespace pwlsim::analysis

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
+#include <memory>
 
-#include "analysis/measured_derivative.hpp"
+#include "analysis/derivative_columns.hpp"
 #include "analysis/sensitivity_inputs.hpp"
 #include "base/names.hpp"
 #include "steady/start_derivative.hpp"
@@ -35,7 +37,7 @@ struct OrbitMove {
   std::string failure;
 };
 
-class OrbitMoves {
+class OrbitMoves : public RunMotion {
  public:
   OrbitMoves(const Compiled& compiled, const SteadyState& state, const Sensitivity& sensitivity, const LinearisedOrbit& linear)
       : compiled_(compiled), state_(state), sensitivity_(sensitivity), variation_(steady::variation(linear.stacking(), state.orbit.trace)) {
@@ -50,11 +52,10 @@ class OrbitMoves {
 
   OrbitMove of(std::size_t parameter) {
     OrbitMove move;
+    move.failure = failure(parameter);
+    if (!move.failure.empty()) return move;
+    if (is_driven()) move.period = period_share(parameter) * state_.orbit.period;
     const Eigen::Index n = variation_.flow.size();
-    if (!variation_.kink.empty()) return failed("the orbit has no derivative: " + variation_.kink);
-    if (!state_.orbit.free_directions.empty() || is_singular_)
-      return failed("the orbit is one of a family, or not the only one nearby (multiplier 1)");
-    if (is_driven() && !of_period(parameter, move)) return move;
     const Followed own = sensitivity_.follow(parameter, Vector::Zero(n));
     if (!own.failure.empty()) return failed(own.failure);
     const double end_shift = is_driven() ? move.period : own.shifts.back();
@@ -64,29 +65,59 @@ class OrbitMoves {
     return move;
   }
 
+  std::string failure(std::size_t parameter) override {
+    if (!variation_.kink.empty()) return "the orbit has no derivative: " + variation_.kink;
+    if (!state_.orbit.free_directions.empty() || is_singular_)
+      return "the orbit is one of a family, or not the only one nearby (multiplier 1)";
+    return is_driven() ? period_failure(parameter) : "";
+  }
+
+  Forward forward(std::size_t parameter) override {
+    const OrbitMove move = of(parameter);
+    if (!move.failure.empty()) return {{}, {}, move.failure};
+    return {sensitivity_.follow(parameter, move.start), {number_of(parameter), 0.0, move.period}, ""};
+  }
+
+  /// What reads the start reads, through (I − Φ)⁻¹, the end of a run from a start that does not move.
+  std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
+    const Eigen::Index n = variation_.flow.size();
+    steady::Functional functional = sum.run;
+    Vector start = adjoint.to_start(functional, Vector());
+    if (!is_driven()) start += sum.stop_moves * variation_.end_time.transpose();
+    const Vector end = n > 0 ? Vector(lu_.transpose().solve(start)) : start;
+    const double on_end_shift = end.dot(variation_.flow) + sum.stop_moves;
+    if (!is_driven()) functional.shifts[sensitivity_.orbit().instants().size() - 1] += on_end_shift;
+    std::vector<double> values = adjoint.read(functional, end).values;
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      if (is_driven() && period_failure(p).empty()) values[p] += on_end_shift * period_share(p) * state_.orbit.period;
+      values[p] += read_direct(sum, {number_of(p), 0.0, 0.0});
+    }
+    return values;
+  }
+
  private:
   static OrbitMove failed(std::string why) { return {{}, 0.0, std::move(why)}; }
 
-  /// All periodic sources must stretch alike.
-  bool of_period(std::size_t parameter, OrbitMove& move) const {
-    constexpr double same = 1e-12;
-    const auto& waves = state_.parameters->parameters[parameter].waves;
+  [[nodiscard]] int number_of(std::size_t parameter) const { return compiled_.analyses.sensitivities->parameters[parameter].number; }
+
+  /// How the period of one source moves, as a share of it.
+  [[nodiscard]] double share_of(std::size_t parameter, const steady::PeriodicSource& source) const {
     double share = 0.0;
-    std::string first;
-    for (const steady::PeriodicSource& source : state_.common.sources) {
-      double own = 0.0;
-      for (const steady::Wave& wave : waves)
-        if (wave.source >= 0 && same_name(compiled_.network.sources[static_cast<std::size_t>(wave.source)].label.name, source.name))
-          own += steady::period_share(wave);
-      if (!first.empty() && std::abs(own - share) > same * (std::abs(own) + std::abs(share))) {
-        move.failure = fmt::format("the periods of {} and {} move apart", first, source.name);
-        return false;
-      }
-      first = source.name;
-      share = own;
-    }
-    move.period = share * state_.orbit.period;
-    return true;
+    for (const steady::Wave& wave : state_.parameters->parameters[parameter].waves)
+      if (wave.source >= 0 && same_name(compiled_.network.sources[static_cast<std::size_t>(wave.source)].label.name, source.name))
+        share += steady::period_share(wave);
+    return share;
+  }
+  [[nodiscard]] double period_share(std::size_t parameter) const { return share_of(parameter, state_.common.sources.front()); }
+
+  /// All periodic sources must stretch alike.
+  [[nodiscard]] std::string period_failure(std::size_t parameter) const {
+    constexpr double same = 1e-12;
+    const double share = period_share(parameter);
+    for (const steady::PeriodicSource& source : state_.common.sources)
+      if (const double own = share_of(parameter, source); std::abs(own - share) > same * (std::abs(own) + std::abs(share)))
+        return fmt::format("the periods of {} and {} move apart", state_.common.sources.front().name, source.name);
+    return "";
   }
 
   const Compiled& compiled_;
@@ -128,25 +159,17 @@ bool are_wanted(const Sensitivities& card, const circuit::Measurements& measurem
                      [&](const circuit::Measurement& each) { return each.shown && card.wants(each.name); });
 }
 
-std::vector<TwoSided> failed_column(const circuit::Measurements& measurements, const std::string& why) {
-  return std::vector<TwoSided>(measurements.list.size(), TwoSided::failed(why));
-}
-
-std::vector<TwoSided> column_of(const MeasuredPass& run, MeasuredDerivatives derivatives, const Sensitivities& card) {
-  std::vector<TwoSided> column;
-  for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
-    const circuit::Measurement& measurement = run.measurements->list[k];
-    column.push_back(measurement.shown && card.wants(measurement.name) ? derivatives.of(k) : TwoSided());
-  }
-  return column;
+std::vector<std::vector<TwoSided>> failed_columns(const Sensitivities& card, const circuit::Measurements& measurements,
+                                                  const std::string& why) {
+  return {card.parameters.size(), std::vector<TwoSided>(measurements.list.size(), TwoSided::failed(why))};
 }
 
 }  // namespace
 
 DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Measurements& measurements, const std::string& failure) {
   const Sensitivities& card = *compiled.analyses.sensitivities;
-  const std::vector<std::vector<TwoSided>> columns(card.parameters.size(), failed_column(measurements, failure));
-  return table_of(card, measurements, std::vector<double>(measurements.list.size(), std::numeric_limits<double>::quiet_NaN()), columns);
+  const std::vector<double> values(measurements.list.size(), std::numeric_limits<double>::quiet_NaN());
+  return table_of(card, measurements, values, failed_columns(card, measurements, failure));
 }
 
 DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt) {
@@ -163,23 +186,24 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   const MeasuredPass run =
       measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period);
   OrbitMoves moves(compiled, state, sensitivity, linear);
-  std::vector<std::vector<TwoSided>> columns;
-  for (std::size_t p = 0; p < card.parameters.size(); ++p) {
-    const OrbitMove move = moves.of(p);
-    const Followed followed = move.failure.empty() ? sensitivity.follow(p, move.start) : Followed{};
-    const std::string& failure = move.failure.empty() ? followed.failure : move.failure;
-    columns.push_back(
-        failure.empty()
-            ? column_of(run, MeasuredDerivatives(run, sensitivity, followed, p, card.parameters[p].number, 0.0, move.period), card)
-            : failed_column(measurements, failure));
-  }
-  return table_of(card, measurements, run.values, columns);
+  return table_of(card, measurements, run.values, derivative_columns(card, run, sensitivity, moves));
 }
 
 namespace {
 
+/// The orbit that a run starts on.
+struct OnOrbit {
+  OnOrbit(const Compiled& compiled, const SteadyState& state)
+      : linear(*state.model, state.orbit.trace, state.orbit.period, !state.common.sources.empty(), state.parameters->names),
+        along(*state.model, state.orbit.trace, linear, *state.parameters, true),
+        moves(compiled, state, along, linear) {}
+  LinearisedOrbit linear;
+  Sensitivity along;
+  OrbitMoves moves;
+};
+
 /// A run of `.tran`, with the parameters as inputs.
-class RunDerivatives {
+class RunDerivatives : public RunMotion {
  public:
   RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt)
       : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt) {}
@@ -206,9 +230,26 @@ class RunDerivatives {
     const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
     request.unsaved_signals = network.signals.size();
     const MeasuredPass measured = measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0);
-    std::vector<std::vector<TwoSided>> columns;
-    for (std::size_t p = 0; p < card_.parameters.size(); ++p) columns.push_back(column(p, linear, sensitivity, measured));
-    return table_of(card_, measurements, measured.values, columns);
+    linear_ = &linear;
+    sensitivity_ = &sensitivity;
+    return table_of(card_, measurements, measured.values, derivative_columns(card_, measured, sensitivity, *this));
+  }
+
+  std::string failure(std::size_t p) override { return start_of(p).failure; }
+
+  Forward forward(std::size_t p) override {
+    const steady::StartDerivative& start = start_of(p);
+    if (!start.failure.empty()) return {{}, {}, start.failure};
+    return {sensitivity_->follow(p, start.xi), direct_of(p), ""};
+  }
+
+  std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
+    steady::Adjoint::Read read = adjoint.read(sum.run, Vector());
+    for (std::size_t p = 0; p < read.values.size(); ++p) {
+      const steady::StartDerivative& start = start_of(p);
+      if (start.failure.empty()) read.values[p] += read.start.dot(start.xi) + read_direct(sum, direct_of(p));
+    }
+    return std::move(read.values);
   }
 
  private:
@@ -225,32 +266,30 @@ class RunDerivatives {
     return failure_.empty();
   }
 
-  std::vector<TwoSided> column(std::size_t p, const LinearisedOrbit& linear, const Sensitivity& sensitivity, const MeasuredPass& measured) {
-    const steady::StartDerivative start = start_of(p, linear);
-    const Followed followed = start.failure.empty() ? sensitivity.follow(p, start.xi) : Followed{};
-    const std::string& failure = start.failure.empty() ? followed.failure : start.failure;
-    if (!failure.empty()) return failed_column(compiled_.measurements, failure);
+  [[nodiscard]] DirectMoves direct_of(std::size_t p) const {
     const circuit::Transient& transient = *compiled_.analyses.transient;
-    const auto number = card_.parameters[p].number;
+    const int number = card_.parameters[p].number;
     const auto moves = [&](const circuit::TimeValue& time) {
       return number >= 0 && static_cast<std::size_t>(number) < time.gradient.size() ? time.gradient[static_cast<std::size_t>(number)] : 0.0;
     };
-    return column_of(measured,
-                     MeasuredDerivatives(measured, sensitivity, followed, p, number, moves(transient.start), moves(transient.stop)), card_);
+    return {number, moves(transient.start), moves(transient.stop)};
   }
 
-  steady::StartDerivative start_of(std::size_t p, const LinearisedOrbit& linear) {
+  const steady::StartDerivative& start_of(std::size_t p) {
+    const auto known = starts_.find(p);
+    return known != starts_.end() ? known->second : starts_[p] = find_start_of(p);
+  }
+
+  steady::StartDerivative find_start_of(std::size_t p) {
     const steady::ParameterInputs& own = inputs_.parameters[p];
     if (!own.failure.empty()) return {{}, own.failure};
     if (orbit_ == nullptr)
-      return compiled_.analyses.transient->use_initial_conditions ? steady::of_initial_values(*model_, linear.stacking(), own)
-                                                                  : steady::of_operating_point(*model_, linear, start_, own);
-    const bool is_driven = !orbit_->common.sources.empty();
-    const LinearisedOrbit orbit(*orbit_->model, orbit_->orbit.trace, orbit_->orbit.period, is_driven, orbit_->parameters->names);
-    const Sensitivity along(*orbit_->model, orbit_->orbit.trace, orbit, *orbit_->parameters, true);
-    const OrbitMove move = OrbitMoves(compiled_, *orbit_, along, orbit).of(p);
+      return compiled_.analyses.transient->use_initial_conditions ? steady::of_initial_values(*model_, linear_->stacking(), own)
+                                                                  : steady::of_operating_point(*model_, *linear_, start_, own);
+    if (!on_orbit_) on_orbit_ = std::make_unique<OnOrbit>(compiled_, *orbit_);
+    const OrbitMove move = on_orbit_->moves.of(p);
     if (!move.failure.empty()) return {{}, move.failure};
-    return {carried(move.start, orbit.stacking(), linear.stacking()), ""};
+    return {carried(move.start, on_orbit_->linear.stacking(), linear_->stacking()), ""};
   }
 
   /// From the orbit's model to that of the run, island by island.
@@ -273,6 +312,10 @@ class RunDerivatives {
   engine::RunState begin_;
   steady::Trace trace_;
   std::string failure_;
+  const LinearisedOrbit* linear_ = nullptr;
+  const Sensitivity* sensitivity_ = nullptr;
+  std::map<std::size_t, steady::StartDerivative> starts_;
+  std::unique_ptr<OnOrbit> on_orbit_;  ///< where the run starts
 };
 
 std::string number_text(double value, int digits) { return digits == 0 ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits); }

@@ -27,7 +27,8 @@ using Trigger = circuit::SteadyState::Trigger;
 using steady::Orbit;
 using steady::Verdict;
 
-constexpr const char* watch_name = "when";
+constexpr const char* watch_part = "when";  // no part of the circuit, and not told of
+constexpr const char* watch_name = "when.level";
 
 /// A switch that closes where the signal rises above the level, across a resistor of its own; nothing else reads it.
 void add_watch(model::Network& network, const model::LinearForm& signal, double level) {
@@ -44,20 +45,23 @@ void add_watch(model::Network& network, const model::LinearForm& signal, double 
   network.signals.push_back({watch_name, {{model::Term::Kind::node_voltage, node, 1.0}}});
 }
 
-/// Adds up one signal of all rows.
+/// The mean of one signal over all rows, weighed by 1 − cos(2πt/length): what is cut off of a period does not count.
 class SignalMean : public engine::RowSink {
  public:
-  SignalMean(std::size_t signal, std::size_t signals) : signal_(signal), width_(signals + 1) {}
+  SignalMean(std::size_t signal, std::size_t signals, double length) : signal_(signal), width_(signals + 1), length_(length) {}
   bool write(std::span<const double> values, std::size_t count) override {
-    for (std::size_t k = 0; k < count; ++k) sum_ += values[k * width_ + 1 + signal_];
-    rows_ += count;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double weight = 1.0 - std::cos(2.0 * std::numbers::pi * values[k * width_] / length_);
+      sum_ += weight * values[k * width_ + 1 + signal_];
+      weights_ += weight;
+    }
     return true;
   }
-  [[nodiscard]] double mean() const { return rows_ > 0 ? sum_ / static_cast<double>(rows_) : 0.0; }
+  [[nodiscard]] double mean() const { return weights_ > 0.0 ? sum_ / weights_ : 0.0; }
 
  private:
-  std::size_t signal_, width_, rows_ = 0;
-  double sum_ = 0.0;
+  std::size_t signal_, width_;
+  double length_, sum_ = 0.0, weights_ = 0.0;
 };
 
 /// Those that something saved depends on.
@@ -144,7 +148,7 @@ class Finder {
     request.use_initial_conditions = true;
     request.interrupt = &interrupt_;
     request.grid = {[length](std::uint64_t k) { return length * static_cast<double>(k) / points; }, points};
-    SignalMean mean(signal, network.signals.size());
+    SignalMean mean(signal, network.signals.size(), length);
     (void)march.run(from, request, mean);
     return mean.mean();
   }
@@ -207,6 +211,9 @@ class Finder {
       task.section = std::move(*section);
     }
     state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
+    if (card_.trigger == Trigger::crosses)
+      state_.orbit.section = fmt::format("{} {} through {}", card_.element, card_.is_falling ? "falls" : "rises",
+                                         card_.level_is_mean ? std::string("its mean") : fmt::format("{}", card_.level));
     if (!card_.level_is_mean || state_.orbit.verdict != Verdict::no_event) return;
     task.section.reset();  // what oscillates does not pass its mean
     state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
@@ -304,7 +311,9 @@ class Finder {
   void describe() {
     const Orbit& orbit = state_.orbit;
     state_.model = model_;
-    state_.modes = orbit_modes(*model_, compiled_.hidden, orbit.trace, orbit.period);
+    circuit::HiddenParts hidden = compiled_.hidden;
+    if (card_.trigger == Trigger::crosses) hidden.names.insert(watch_part);
+    state_.modes = orbit_modes(*model_, hidden, orbit.trace, orbit.period);
     state_.states = states_after_start(*model_, orbit.trace);
     Compiled& own = state_.compiled;
     own.measurements = compiled_.orbit_measurements;

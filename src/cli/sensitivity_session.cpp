@@ -25,11 +25,6 @@ class SensitivitySession : public AnalysisSession {
     const analysis::SteadyState* orbit = outcome.steady_state ? &*outcome.steady_state : nullptr;
     outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.name == "exact", caught_signal());
     report_derivatives(outcome.sensitivities, run.messages);
-    if (run.analyses().sensitivities->method == circuit::Sensitivities::Method::adjoint)
-      run.messages.report({Severity::note,
-                           "N-sens-forward",
-                           {},
-                           "method=adjoint is not there yet: the derivatives are computed forward, which gives the same numbers"});
     int status = 0;
     if (!run.options.json)
       status = print(analysis::derivative_text(outcome.sensitivities, digits_for(run.table_stream())), run.messages, run.table_stream());

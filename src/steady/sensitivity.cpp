@@ -36,6 +36,16 @@ Eigen::RowVectorXd in_mode(const Mode& mode, int n, const Eigen::RowVectorXd& ro
 Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, const LinearisedOrbit& orbit, const SensitivityInputs& inputs,
                          bool is_settled)
     : model_(model), trace_(trace), orbit_(orbit), inputs_(inputs), is_settled_(is_settled), of_island_(model.islands.size()) {
+  for (std::size_t island = 0; island < model.islands.size(); ++island) {
+    const System& system = orbit.stacking().system(island);
+    std::vector<char> is_input(static_cast<std::size_t>(system.size() - system.n), 0);
+    for (std::size_t k = 0; k < orbit.inputs(); ++k)
+      if (const InputColumns& column = orbit.columns(island, k); column.value >= 0)
+        is_input[static_cast<std::size_t>(column.value)] = is_input[static_cast<std::size_t>(column.slope)] = 1;
+    auto& kept = kept_.emplace_back();
+    for (std::size_t k = 0; k < is_input.size(); ++k)
+      if (is_input[k] == 0) kept.push_back(static_cast<Eigen::Index>(k));
+  }
   for (const TraceStep& step : trace.steps) {
     first_.push_back(segments_.size());
     for (const TraceSegment& segment : step.segments) add(segment);
@@ -58,6 +68,11 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
     }
     for (std::size_t k = 0; k < values.names().size(); ++k) rows[values.names()[k]] = values.rows().row(static_cast<Eigen::Index>(k));
   }
+  for (std::size_t p = 0; p < inputs.parameters.size(); ++p) {
+    const auto& waves = inputs.parameters[p].waves;
+    sound_.push_back(check(p).empty() ? 1 : 0);
+    if (sound_[p] != 0) all_.waves.insert(all_.waves.end(), waves.begin(), waves.end());
+  }
 }
 
 namespace {
@@ -66,6 +81,18 @@ namespace {
 bool is_static(const System& system) { return system.n == 0 && system.ports == 0; }
 
 }  // namespace
+
+Vector Sensitivity::seen(std::size_t island, const Mode& mode, const double* y) const {
+  const auto& kept = kept_[island];
+  Vector own(mode.n1 + static_cast<Eigen::Index>(kept.size()));
+  own.head(mode.n1) = Eigen::Map<const Vector>(y, mode.n1);
+  for (std::size_t k = 0; k < kept.size(); ++k) own[mode.n1 + static_cast<Eigen::Index>(k)] = y[mode.n1 + kept[k]];
+  return own;
+}
+
+Eigen::RowVectorXd Sensitivity::seen_row(std::size_t island, const Mode& mode, const Eigen::RowVectorXd& row) const {
+  return seen(island, mode, row.data()).transpose();
+}
 
 void Sensitivity::add(const TraceSegment& segment) {
   if (!is_static(orbit_.stacking().system(segment.island))) of_island_[segment.island].push_back(segments_.size());
@@ -118,16 +145,16 @@ std::string Sensitivity::check(std::size_t parameter) const {
 
 Eigen::RowVectorXd Sensitivity::drive_row(const Drive& drive, std::size_t island, const Mode& mode) const {
   const System& system = orbit_.stacking().system(island);
-  if (drive.signal < 0) return drive.weight * in_mode(mode, system.n, stores_[island].at(drive.store));
+  if (drive.signal < 0) return seen_row(island, mode, drive.weight * in_mode(mode, system.n, stores_[island].at(drive.store)));
   Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(mode.ny);
   for (std::size_t k = 0; k < system.output_signal.size(); ++k)
     if (system.output_signal[k] == drive.signal) row += drive.weight * mode.outputs.row(static_cast<Eigen::Index>(k));
-  return row;
+  return seen_row(island, mode, row);
 }
 
 void Sensitivity::add_drives(std::size_t parameter, std::size_t island, const Mode& mode, Flow& flow) const {
-  const ParameterInputs& own = inputs_.parameters[parameter];
-  const auto reads = [&](int input) { return orbit_.columns(island, static_cast<std::size_t>(input)).value >= 0; };
+  const ParameterInputs& own = this->own(parameter);
+  const auto reads = [&](int input) { return is_read(input, island); };
   std::vector<int> first;
   for (std::size_t k = 0; k < own.waves.size(); ++k) {
     if (!reads(own.waves[k].input)) continue;
@@ -135,9 +162,14 @@ void Sensitivity::add_drives(std::size_t parameter, std::size_t island, const Mo
     first.push_back(flow.nz);
     flow.nz += wave_size(own.waves[k]);
   }
-  const Eigen::Index width = mode.ny + flow.nz;
+  const auto& kept = kept_[island];
+  flow.ny = mode.n1 + static_cast<int>(kept.size());
+  const Eigen::Index width = flow.ny + flow.nz;
   flow.source = Matrix::Zero(width, width);
-  flow.source.topLeftCorner(mode.ny, mode.ny) = mode.flow.a();
+  for (Eigen::Index k = 0; k < flow.ny; ++k) {
+    const Eigen::Index column = k < mode.n1 ? k : mode.n1 + kept[static_cast<std::size_t>(k - mode.n1)];
+    flow.source.col(k).head(flow.ny) = seen(island, mode, mode.flow.a().col(column).eval().data());
+  }
   flow.rows.resize(orbit_.inputs());
   const auto row_of = [&](int input) -> Eigen::RowVectorXd& {
     Eigen::RowVectorXd& row = flow.rows[static_cast<std::size_t>(input)];
@@ -146,12 +178,12 @@ void Sensitivity::add_drives(std::size_t parameter, std::size_t island, const Mo
   };
   for (std::size_t k = 0; k < flow.waves.size(); ++k) {
     const Wave& wave = own.waves[flow.waves[k]];
-    const int at = mode.ny + first[k], size = wave_size(wave);
+    const int at = flow.ny + first[k], size = wave_size(wave);
     flow.source.block(at, at, size, size) = wave_generator(wave);
     row_of(wave.input).segment(at, size) += wave_row(wave);
   }
   for (const Drive& drive : own.drives)
-    if (reads(drive.input)) row_of(drive.input).head(mode.ny) += drive_row(drive, island, mode);
+    if (reads(drive.input)) row_of(drive.input).head(flow.ny) += drive_row(drive, island, mode);
 }
 
 const Sensitivity::Flow& Sensitivity::flow_of(std::size_t parameter, std::size_t island, const Mode& mode) const {
@@ -159,7 +191,7 @@ const Sensitivity::Flow& Sensitivity::flow_of(std::size_t parameter, std::size_t
   if (known != flows_.end()) return known->second;
   Flow& flow = flows_[{parameter, &mode}];
   add_drives(parameter, island, mode, flow);
-  const Eigen::Index width = mode.ny + flow.nz, n1 = mode.n1;
+  const Eigen::Index width = flow.ny + flow.nz, n1 = mode.n1;
   Matrix drive = Matrix::Zero(n1, width);
   flow.outputs = Matrix::Zero(mode.outputs.rows(), width);
   for (std::size_t k = 0; k < flow.rows.size(); ++k) {
@@ -178,14 +210,23 @@ const Sensitivity::Flow& Sensitivity::flow_of(std::size_t parameter, std::size_t
   block.bottomRightCorner(n1, n1) = mode.flow.a().topLeftCorner(n1, n1);
   const double bound = size > 0.0 ? 2.0 * rate : rate;
   flow.block = std::make_unique<linalg::Exponential>(std::move(block), bound > 0.0 ? bound : 1e-30);
+  if (parameter == inputs_.parameters.size()) flow.signals = std::make_unique<linalg::Exponential>(flow.source, rate > 0.0 ? rate : 1e-30);
   return flow;
+}
+
+int Sensitivity::first_of_waves(std::size_t parameter, std::size_t island) const {
+  int first = 0;
+  for (std::size_t p = 0; p < parameter; ++p)
+    for (const Wave& wave : inputs_.parameters[p].waves)
+      if (sound_[p] != 0 && is_read(wave.input, island)) first += wave_size(wave);
+  return first;
 }
 
 Vector Sensitivity::waves_at(const Flow& flow, std::size_t parameter, double time, double inside) const {
   Vector z(flow.nz);
   int first = 0;
   for (const std::size_t k : flow.waves) {
-    const Wave& wave = inputs_.parameters[parameter].waves[k];
+    const Wave& wave = own(parameter).waves[k];
     z.segment(first, wave_size(wave)) = wave_state(wave, time, inside, is_settled_);
     first += wave_size(wave);
   }
@@ -196,9 +237,9 @@ Vector Sensitivity::waves_at(const Flow& flow, std::size_t parameter, double tim
 Vector Sensitivity::begin_of(std::size_t parameter, const Segment& segment, const Vector& xi) const {
   const Mode& mode = *segment.mode;
   const Flow& flow = flow_of(parameter, segment.island, mode);
-  Vector state(mode.ny + flow.nz + mode.n1);
-  state.head(mode.ny) = vector_of(*segment.y0);
-  state.segment(mode.ny, flow.nz) = waves_at(flow, parameter, segment.begin, segment.inside());
+  Vector state(flow.ny + flow.nz + mode.n1);
+  state.head(flow.ny) = seen(segment.island, mode, segment.y0->data());
+  state.segment(flow.ny, flow.nz) = waves_at(flow, parameter, segment.begin, segment.inside());
   state.tail(mode.n1) = (mode.constrained ? Vector(mode.basis.transpose() * xi) : xi) / flow.scale;
   return state;
 }
@@ -232,7 +273,7 @@ void Sensitivity::pass_segment(std::size_t parameter, std::size_t number, Vector
   const Vector end = at(flow, segment, followed.begins[number], segment.length);
   const Vector c = end.tail(mode.n1) * flow.scale;
   if (mode.constrained)
-    block = mode.basis * c + inputs_of(flow, segment.island, mode.lift, 0, end.head(mode.ny + flow.nz));
+    block = mode.basis * c + inputs_of(flow, segment.island, mode.lift, 0, end.head(flow.ny + flow.nz));
   else
     block = c;
 }
@@ -263,6 +304,19 @@ void Sensitivity::check_others(std::size_t parameter, const LinearInstant& insta
   }
 }
 
+/// Of an instant that a clock decides, or nothing that moves.
+double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& instant) const {
+  double shift = 0.0;
+  const double time = instant.time > 0.0 ? instant.time : length_;
+  for (const Wave& wave : inputs_.parameters[parameter].waves) {
+    const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
+    if (on_w == 0.0) continue;
+    const double left = time - same_time * (length_ + time);
+    shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
+  }
+  return shift;
+}
+
 double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const {
   const LinearInstant& instant = orbit_.instants()[number];
   const ParameterInputs& own = inputs_.parameters[parameter];
@@ -273,24 +327,16 @@ double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Ve
   double shift = 0.0;
   for (const LevelMove& level : own.levels)
     if (level.number == instant.level_switch) shift += (instant.is_off_level ? level.off : level.on) / instant.level_rate;
-  if (instant.island < 0) {  // a clock, or nothing that moves
-    const double time = instant.time > 0.0 ? instant.time : length_;
-    for (const Wave& wave : own.waves) {
-      const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
-      if (on_w == 0.0) continue;
-      const double left = time - same_time * (length_ + time);
-      shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
-    }
-    return shift;
-  }
+  if (instant.island < 0) return shift + clock_shift_of(parameter, instant);
   const auto island = static_cast<std::size_t>(instant.island);
   const Stacking& stacking = orbit_.stacking();
   shift += instant.on_state * xi.segment(stacking.first(island), stacking.count(island));
   for (const Change& change : trace_.steps[number].changes) {
     if (change.island != island || change.before == nullptr) continue;
     const Flow& flow = flow_of(parameter, island, *change.before);
-    Vector yz(change.before->ny + flow.nz);
-    yz << vector_of(change.y_before), waves_at(flow, parameter, instant.time, instant.time - same_time * (length_ + instant.time));
+    Vector yz(flow.ny + flow.nz);
+    yz << seen(island, *change.before, change.y_before.data()),
+        waves_at(flow, parameter, instant.time, instant.time - same_time * (length_ + instant.time));
     const Vector rate = flow.source * yz;
     for (std::size_t k = 0; k < flow.rows.size(); ++k)
       if (flow.rows[k].size() > 0) shift += instant.on_w[k] * flow.rows[k].dot(yz) + instant.on_slope[k] * flow.rows[k].dot(rate);
@@ -299,42 +345,58 @@ double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Ve
   return shift;
 }
 
+/// y in each mode that a change goes by way of, where it is constrained. Where one is entered for no time, its sources are those of the mode after.
+std::vector<Vector> Sensitivity::states_by_way(const Change& change) const {
+  const System& system = orbit_.stacking().system(change.island);
+  std::vector<Vector> states(change.by_way_of.size());
+  Vector x(system.size());
+  model::from_mode(system, *change.after, change.y_after.data(), x.data());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const Mode& mode = *change.by_way_of[k];
+    if (!mode.constrained) continue;
+    states[k].resize(mode.ny);
+    if (&mode == change.after)
+      states[k] = vector_of(change.y_after);
+    else
+      model::to_mode(system, mode, x.data(), states[k].data());
+  }
+  return states;
+}
+
 void Sensitivity::pass_change(std::size_t parameter, const Change& change, const LinearChange& linear, double time, double shift,
                               Vector& xi) const {
   const Stacking& stacking = orbit_.stacking();
   const int n = stacking.count(change.island);
   if (n == 0) return;
-  const System& system = stacking.system(change.island);
   auto block = xi.segment(stacking.first(change.island), n);
-  Vector x(system.size());
-  model::from_mode(system, *change.after, change.y_after.data(), x.data());
-  for (const Mode* mode : change.by_way_of) {
-    if (!mode->constrained) continue;
-    // Where a mode is entered for no time, its sources are those of the mode after.
-    const Flow& flow = flow_of(parameter, change.island, *mode);
-    Vector yz(mode->ny + flow.nz);
-    Vector y(mode->ny);
-    if (mode == change.after)
-      y = vector_of(change.y_after);
-    else
-      model::to_mode(system, *mode, x.data(), y.data());
-    yz << y, waves_at(flow, parameter, time, time + same_time * (length_ + time));
-    block = mode->projector.topLeftCorner(n, n) * Vector(block) + inputs_of(flow, change.island, mode->projector, n, yz).head(n);
+  const std::vector<Vector> states = states_by_way(change);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const Mode& mode = *change.by_way_of[k];
+    if (!mode.constrained) continue;
+    const Flow& flow = flow_of(parameter, change.island, mode);
+    Vector yz(flow.ny + flow.nz);
+    yz << seen(change.island, mode, states[k].data()), waves_at(flow, parameter, time, time + same_time * (length_ + time));
+    block = mode.projector.topLeftCorner(n, n) * Vector(block) + inputs_of(flow, change.island, mode.projector, n, yz).head(n);
   }
   if (linear.d.size() > 0) block += linear.d * shift;
+}
+
+void Sensitivity::check_changes(std::size_t number, Followed& followed) const {
+  const double time = orbit_.instants()[number].time;
+  for (const Change& change : trace_.steps[number].changes) {
+    if (change.cause == engine::Cause::accumulation) followed.failure = fmt::format("events accumulate at t = {} s", time);
+    if (change.cause == engine::Cause::undecided && change.before != change.after && followed.failure.empty())
+      followed.failure = fmt::format("the event at t = {} s could not be told from others", time);
+  }
 }
 
 void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const {
   const LinearInstant& instant = orbit_.instants()[number];
   const double shift = shift_of(parameter, number, xi, followed);
   followed.shifts[number] = shift;
+  check_changes(number, followed);
   const auto& changes = trace_.steps[number].changes;
-  for (std::size_t k = 0; k < changes.size(); ++k) {
-    if (changes[k].cause == engine::Cause::accumulation) followed.failure = fmt::format("events accumulate at t = {} s", instant.time);
-    if (changes[k].cause == engine::Cause::undecided && changes[k].before != changes[k].after && followed.failure.empty())
-      followed.failure = fmt::format("the event at t = {} s could not be told from others", instant.time);
-    pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
-  }
+  for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
 }
 
 Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
@@ -369,9 +431,9 @@ const Sensitivity::Segment* Sensitivity::segment_at(std::size_t island, double t
   return &segments_[*found];
 }
 
-std::vector<SignalJet> Sensitivity::signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                               double time, Side side) const {
-  std::vector<SignalJet> jets(signals.size());
+std::vector<MovedJet> Sensitivity::moved_signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                                                    double time, Side side) const {
+  std::vector<MovedJet> jets(signals.size());
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
     const System& system = orbit_.stacking().system(island);
     const Segment* segment = nullptr;
@@ -381,7 +443,8 @@ std::vector<SignalJet> Sensitivity::signals_at(const Followed& followed, std::si
         if (system.output_signal[k] != signals[j]) continue;
         const Segment* const here = segment != nullptr ? segment : segment_at(island, time, side);
         if (here == nullptr) continue;
-        const Flow& flow = flow_of(parameter, island, *here->mode);
+        const Mode& mode = *here->mode;
+        const Flow& flow = flow_of(parameter, island, mode);
         if (segment == nullptr) {
           segment = here;
           state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())],
@@ -389,14 +452,37 @@ std::vector<SignalJet> Sensitivity::signals_at(const Followed& followed, std::si
           rate = flow.block->a() * state;
         }
         const auto row = static_cast<Eigen::Index>(k);
-        const Mode& mode = *segment->mode;
-        const Eigen::Index width = mode.ny + flow.nz;
-        jets[j].value += mode.outputs.row(row).dot(state.head(mode.ny));
-        jets[j].rate += mode.outputs.row(row).dot(rate.head(mode.ny));
-        jets[j].moved +=
-            mode.outputs.row(row).head(mode.n1).dot(state.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(state.head(width));
-        jets[j].moved_rate +=
-            mode.outputs.row(row).head(mode.n1).dot(rate.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(rate.head(width));
+        const Eigen::Index width = flow.ny + flow.nz;
+        const auto moved = [&](const Vector& v) {
+          return mode.outputs.row(row).head(mode.n1).dot(v.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(v.head(width));
+        };
+        jets[j].moved += moved(state);
+        jets[j].moved_rate += moved(rate);
+      }
+  }
+  return jets;
+}
+
+std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, double time, Side side) const {
+  std::vector<SignalJet> jets(signals.size());
+  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
+    const System& system = orbit_.stacking().system(island);
+    const Segment* segment = nullptr;
+    Vector y, rate;
+    for (std::size_t k = 0; k < system.output_signal.size(); ++k)
+      for (std::size_t j = 0; j < signals.size(); ++j) {
+        if (system.output_signal[k] != signals[j]) continue;
+        if (segment == nullptr) {
+          segment = segment_at(island, time, side);
+          if (segment == nullptr) continue;
+          y = vector_of(*segment->y0);
+          Vector work(2 * y.size());
+          const double since = std::clamp(time - segment->begin, 0.0, segment->length);
+          if (since > 0.0) segment->mode->flow.apply(since, y.data(), work.data());
+          rate = segment->mode->flow.a() * y;
+        }
+        jets[j].value += segment->mode->outputs.row(static_cast<Eigen::Index>(k)).dot(y);
+        jets[j].rate += segment->mode->outputs.row(static_cast<Eigen::Index>(k)).dot(rate);
       }
   }
   return jets;
@@ -417,7 +503,7 @@ std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed,
     if (segment == nullptr) continue;
     const Mode& mode = *segment->mode;
     const Flow& flow = flow_of(parameter, island, mode);
-    const Eigen::Index width = mode.ny + flow.nz;
+    const Eigen::Index width = flow.ny + flow.nz;
     Matrix rows(static_cast<Eigen::Index>(shares.size()), width + mode.n1);
     for (std::size_t k = 0; k < shares.size(); ++k)
       rows.row(static_cast<Eigen::Index>(k)) << flow.outputs.row(shares[k].first),

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "steady/functional.hpp"
 #include "steady/linearised.hpp"
 #include "steady/parameter_inputs.hpp"
 #include "steady/wave.hpp"
@@ -27,12 +28,13 @@ struct Followed {
   std::string failure;         ///< why there is none; "" where there is one
 };
 
-/// Which side of an instant.
-enum class Side { left, right };
-
-/// A signal at one time: itself and its derivatives to time and to a parameter, the time being fixed.
+/// A signal at one time and its derivative to time.
 struct SignalJet {
-  double value = 0.0, rate = 0.0, moved = 0.0, moved_rate = 0.0;
+  double value = 0.0, rate = 0.0;
+};
+/// The derivative of a signal to a parameter at a fixed time, and that one's to time.
+struct MovedJet {
+  double moved = 0.0, moved_rate = 0.0;
 };
 
 class Sensitivity {
@@ -44,8 +46,10 @@ class Sensitivity {
   /// From the derivative `start` of the stacked ξ left of t = 0.
   [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start) const;
   /// Signals of the model at a time of the run; of the time of an instant on that side.
-  [[nodiscard]] std::vector<SignalJet> signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                                  double time, Side side) const;
+  [[nodiscard]] std::vector<SignalJet> signals_at(const std::vector<int>& signals, double time, Side side) const;
+  /// Their derivatives to a parameter.
+  [[nodiscard]] std::vector<MovedJet> moved_signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                                                       double time, Side side) const;
   /// Derivatives of the signals at the points of Gauss and Legendre on [begin, begin + length], in the segment that `inside` lies in, whose motion may go
   /// on behind its end: values[point][signal]. To be asked for the same signals each time.
   [[nodiscard]] std::vector<std::vector<double>> moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
@@ -54,6 +58,7 @@ class Sensitivity {
   [[nodiscard]] bool is_settled() const { return is_settled_; }
 
  private:
+  friend class Adjoint;
   struct Segment {
     std::size_t island = 0;
     const model::Mode* mode = nullptr;
@@ -64,13 +69,14 @@ class Sensitivity {
   };
   /// What a parameter does to one mode: (y, z, c_p)' = block·(y, z, c_p).
   struct Flow {
-    std::vector<std::size_t> waves;  ///< of the parameter, in this island
-    int nz = 0;
+    std::vector<std::size_t> waves;        ///< of the parameter, in this island
+    int ny = 0, nz = 0;                    ///< y without the inputs, which are zero along the run
     Matrix source;                         ///< (y, z)′
     std::vector<Eigen::RowVectorXd> rows;  ///< w of each input = row·(y, z); empty: zero
     Matrix outputs;                        ///< of the island: what (y, z) adds to C c_p
     std::unique_ptr<linalg::Exponential> block;
-    double scale = 1.0;  ///< of c_p within the block
+    std::unique_ptr<linalg::Exponential> signals;  ///< of (y, z); with the waves of all parameters only
+    double scale = 1.0;                            ///< of c_p within the block
     /// Of a stretch that recurs: the signals at its points, from the state at its begin.
     struct Points {
       int uses = 0;
@@ -80,8 +86,20 @@ class Sensitivity {
   };
 
   void add(const TraceSegment& segment);
+  /// y without the inputs.
+  [[nodiscard]] Vector seen(std::size_t island, const model::Mode& mode, const double* y) const;
+  [[nodiscard]] Eigen::RowVectorXd seen_row(std::size_t island, const model::Mode& mode, const Eigen::RowVectorXd& row) const;
   void add_static_parts();
   [[nodiscard]] std::string check(std::size_t parameter) const;
+  /// The number behind the last one: the waves of all parameters together.
+  [[nodiscard]] const ParameterInputs& own(std::size_t parameter) const {
+    return parameter < inputs_.parameters.size() ? inputs_.parameters[parameter] : all_;
+  }
+  /// Where the waves of a parameter begin among those of all that the island reads.
+  [[nodiscard]] int first_of_waves(std::size_t parameter, std::size_t island) const;
+  [[nodiscard]] bool is_read(int input, std::size_t island) const {
+    return orbit_.columns(island, static_cast<std::size_t>(input)).value >= 0;
+  }
   [[nodiscard]] const Flow& flow_of(std::size_t parameter, std::size_t island, const model::Mode& mode) const;
   void add_drives(std::size_t parameter, std::size_t island, const model::Mode& mode, Flow& flow) const;
   [[nodiscard]] Eigen::RowVectorXd drive_row(const Drive& drive, std::size_t island, const model::Mode& mode) const;
@@ -93,6 +111,9 @@ class Sensitivity {
   void pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
   [[nodiscard]] double shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const;
   [[nodiscard]] std::optional<double> edge_shift_of(std::size_t parameter, double time, Followed& followed) const;
+  [[nodiscard]] double clock_shift_of(std::size_t parameter, const LinearInstant& instant) const;
+  void check_changes(std::size_t number, Followed& followed) const;
+  [[nodiscard]] std::vector<Vector> states_by_way(const engine::Change& change) const;
   void check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const;
   void pass_change(std::size_t parameter, const engine::Change& change, const LinearChange& linear, double time, double shift,
                    Vector& xi) const;
@@ -103,6 +124,9 @@ class Sensitivity {
   const LinearisedOrbit& orbit_;
   const SensitivityInputs& inputs_;
   bool is_settled_;
+  std::vector<std::vector<Eigen::Index>> kept_;  ///< of each island: sources that are no inputs
+  ParameterInputs all_;                          ///< waves alone
+  std::vector<char> sound_;                      ///< parameters that can be followed
   double length_ = 0.0;
   std::vector<Segment> segments_;
   std::size_t static_first_ = 0;                     ///< segments of parts that hold nothing but sources, which runs do not bring along

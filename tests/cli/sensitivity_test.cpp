@@ -267,3 +267,172 @@ TEST_CASE("values of a tangent, which follows an exponential model, are refused 
   CHECK(refused.status == 2);
   CHECK_THAT(refused.err, Contains("E-sens-unknown-parameter") && Contains("D1") && Contains("exponential"));
 }
+
+namespace {
+
+/// Transients and steady states through guards, edges, jumps of the state, with periods that move.
+const std::string both_ways[] = {
+    // buck
+    "buck ccm\n"
+    ".param fs=100k D=0.4\n"
+    "V1 in 0 24\n"
+    "S1 in a g 0 SX\n"
+    "D1 0 a DX\n"
+    "L1 a out 47u\n"
+    "C1 out e 22u\n"
+    "Re e 0 20m\n"
+    "R1 out 0 2\n"
+    "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n"
+    ".model SX SW(Ron=10m Vt=0.5 Vh=0)\n"
+    ".model DX D(Ron=5m Vfwd=0.5)\n"
+    ".pss\n"
+    ".meas pss v AVG v(out)\n"
+    ".meas pss vr RMS v(out)\n"
+    ".meas pss pp PP v(out)\n"
+    ".meas pss mx MAX i(L1)\n"
+    ".meas pss pin AVG v(in)*i(V1)\n"
+    ".meas pss pout AVG v(out)*i(R1)\n"
+    ".meas pss eff PARAM='-pout/pin'\n"
+    ".meas pss w INTEG v(out)*i(L1)*v(out) FROM=1u TO=7u\n"
+    ".meas pss at FIND v(out) AT={0.25/fs}\n"
+    ".meas pss cr WHEN i(L1)=4.5 RISE=1\n"
+    ".meas pss ab AVG abs(i(C1))\n"
+    ".sens param=fs,D,L1,C1,Re,R1,V1,S1:Ron,D1:Ron,D1:Vfwd,Vg:V2\n"
+    ".end\n",
+    // rectifier
+    "rectifier\n"
+    "V1 a 0 SIN(0 10 50)\n"
+    "L1 a b 1m\n"
+    "D1 b c DX\n"
+    "C1 c 0 470u\n"
+    "R1 c 0 50\n"
+    ".model DX D(Ron=0.1 Vfwd=0.7)\n"
+    ".pss\n"
+    ".meas pss v AVG v(c)\n"
+    ".meas pss pp PP v(c)\n"
+    ".meas pss pk MAX i(L1)\n"
+    ".meas pss pf RMS i(L1)\n"
+    ".meas pss t0 WHEN i(L1)=0.5 RISE=1\n"
+    ".sens param=L1,C1,R1,V1:Vamp,V1:Freq,V1:Voff,D1:Ron,D1:Vfwd\n"
+    ".end\n",
+    // inrush of a rectifier
+    "tran rectifier\n"
+    "V1 a 0 SIN(0 10 50)\n"
+    "L1 a b 1m\n"
+    "D1 b c DX\n"
+    "C1 c 0 470u\n"
+    "R1 c 0 50\n"
+    ".model DX D(Ron=0.1 Vfwd=0.7)\n"
+    ".tran 10u 60m\n"
+    ".meas tran v AVG v(c) FROM=10m TO=55m\n"
+    ".meas tran e INTEG v(c)*i(D1)\n"
+    ".meas tran pk MAX i(L1)\n"
+    ".meas tran pf RMS i(L1)\n"
+    ".meas tran end FIND v(c) AT=60m\n"
+    ".meas tran d DERIV v(c) AT=33m\n"
+    ".meas tran t0 WHEN i(L1)=0.5 RISE=2\n"
+    ".sens param=L1,C1,R1,V1:Vamp,V1:Freq,V1:Voff,D1:Ron,D1:Vfwd\n"
+    ".end\n",
+    // relay
+    "relay\n"
+    ".param R=1k C=100n Vt=2 Vh=1 Vcc=5\n"
+    "V1 vcc 0 {Vcc}\n"
+    "R1 o a {R}\n"
+    "C1 a 0 {C}\n"
+    "S1 o 0 a 0 SM\n"
+    "R2 vcc o 2k\n"
+    "L5 vcc q 1m\n"
+    "R5 q 0 1k\n"
+    ".model SM SW(Ron=1 Vt={Vt} Vh={Vh})\n"
+    ".pss on=S1\n"
+    ".meas pss t PERIOD\n"
+    ".meas pss m AVG v(a)\n"
+    ".meas pss r RMS v(o)\n"
+    ".meas pss p AVG v(vcc)*i(V1)\n"
+    ".meas pss on TRIG v(a) VAL=2 RISE=1 TARG v(a) VAL=2 FALL=1\n"
+    ".sens param=R,C,Vt,Vh,Vcc,R2,S1:Vt,S1:Ron\n"
+    ".end\n",
+    // transformer
+    "transformer\n"
+    "V1 a 0 SIN(0 100 1k)\n"
+    "R1 a b 1\n"
+    "L1 b 0 10m\n"
+    "L2 c 0 40m\n"
+    "K1 L1 L2 0.95\n"
+    "D1 c d DX\n"
+    "C1 d 0 10u\n"
+    "R2 d 0 200\n"
+    ".model DX D\n"
+    ".tran 1u 5m uic\n"
+    ".meas tran v AVG v(d)\n"
+    ".meas tran pk MAX v(d)\n"
+    ".meas tran i RMS i(L2)\n"
+    ".meas tran en FIND v(d) AT=4.5m\n"
+    ".sens param=R1,L1,L2,K1,C1,R2,V1:Vamp,V1:Freq\n"
+    ".end\n",
+    // charge pump
+    "charge pump\n"
+    ".param f=100k C=1u\n"
+    "V1 in 0 5\n"
+    "V2 g 0 PULSE(0 1 0 0 0 {0.5/f} {1/f})\n"
+    "V3 h 0 PULSE(1 0 0 0 0 {0.5/f} {1/f})\n"
+    "S1 in a g 0 SX\n"
+    "C1 a b {C}\n"
+    "S2 b 0 g 0 SX\n"
+    "S3 in b h 0 SX\n"
+    "S4 a out h 0 SX\n"
+    "C2 out 0 4u\n"
+    "R1 out 0 100\n"
+    ".model SX SW(Ron=0 Vt=0.5)\n"
+    ".pss\n"
+    ".meas pss v AVG v(out)\n"
+    ".meas pss r PP v(out)\n"
+    ".meas pss rr RMS v(out)\n"
+    ".sens param=f,C,V1,C2,R1\n"
+    ".end\n",
+    // run from an orbit
+    "from orbit\n"
+    ".param fs=100k D=0.4\n"
+    "V1 in 0 24\n"
+    "S1 in a g 0 SX\n"
+    "D1 0 a DX\n"
+    "L1 a out 47u\n"
+    "C1 out 0 22u\n"
+    "R1 out 0 2\n"
+    "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n"
+    ".model SX SW(Ron=10m Vt=0.5 Vh=0)\n"
+    ".model DX D\n"
+    ".pss\n"
+    ".tran 1u 30u\n"
+    ".meas pss v AVG v(out)\n"
+    ".meas tran vt AVG v(out)\n"
+    ".meas tran vx MAX i(L1)\n"
+    ".sens param=D,L1,C1,R1,V1\n"
+    ".end\n",
+};
+
+}  // namespace
+
+TEST_CASE("backwards from the measurement and forward along the parameter the derivatives are the same", "[unit]") {
+  constexpr double same = 1e-10;       // of the derivative
+  constexpr double cancelled = 1e-14;  // of the measurement against the parameter, where a derivative is a small difference
+  const Scratch scratch;
+  for (const std::string& deck : both_ways) {
+    const auto with_method = [&](const std::string& method) {
+      std::string text = deck;
+      text.insert(text.find('\n', text.find(".sens ")), " method=" + method);
+      return sensitivities_of(scratch, text)["sensitivities"].array;
+    };
+    const auto forward = with_method("forward"), backward = with_method("adjoint");
+    REQUIRE(forward.size() == backward.size());
+    REQUIRE(!forward.empty());
+    for (std::size_t k = 0; k < forward.size(); ++k) {
+      INFO(deck.substr(0, deck.find('\n')) << ": " << forward[k]["measurement"].string << " to " << forward[k]["parameter"].string);
+      CHECK(forward[k]["failure"].string == backward[k]["failure"].string);
+      const double d = forward[k]["derivative"].number, normalised = forward[k]["normalised"].number;
+      const double size = normalised != 0.0 ? std::abs(d / normalised) : 0.0;
+      CHECK(std::abs(backward[k]["derivative"].number - d) <= same * std::abs(d) + cancelled * size + 1e-300);
+      CHECK(std::abs(backward[k]["left"].number - forward[k]["left"].number) <= same * std::abs(d) + cancelled * size + 1e-300);
+    }
+  }
+}

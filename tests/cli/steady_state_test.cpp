@@ -292,3 +292,16 @@ TEST_CASE("an unknown switch of on= is named, in driven circuits too", "[unit]")
     CHECK_THAT(refused.err, Contains("E-unknown-element") && Contains("S7"));
   }
 }
+
+TEST_CASE("parts beside a self-timed one settle, with multipliers of their own", "[unit]") {
+  // i(L5) = 5 V/1 kΩ; its deviation falls by e^{−T R5/L5} in a period.
+  const Scratch scratch;
+  const Json pss = steady_state_of(scratch, relay + "L5 vcc q 0.2\nR5 q 0 1k\n.pss on=S1\n.end\n")["pss"];
+  CHECK(pss["unique"].truth == true);
+  CHECK(pss["period"].number == Approx(relay_period).epsilon(1e-12));
+  CHECK(state(pss, "i(L5)") == Approx(5e-3).epsilon(1e-12));
+  bool is_there = false;
+  for (const Json& m : pss["multipliers"].array)
+    is_there |= !m["trivial"].truth && std::abs(m["re"].number - std::exp(-relay_period * 1e3 / 0.2)) < 1e-12;
+  CHECK(is_there);
+}

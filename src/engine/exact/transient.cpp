@@ -136,6 +136,18 @@ void Transient::march() {
     if (is_slow_ && !take(rows_.flush_in_time())) break;
     if (++instants_ % instants_between_checks == 0 && request_.progress) request_.progress(time);
   }
+  if (is_ended_by_observer_) close_others();
+}
+
+/// The other parts, where an event of one ends the run, are taken to that time.
+void Transient::close_others() {
+  for (IslandRun* island : running_) {
+    if (island->is_open() || !(island->segment().anchor < now_)) continue;
+    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
+    island->open(now_, 0.0);
+    feed_.ended(number_of(*island), *island, now_);
+    if (!holds(*island)) return;
+  }
 }
 
 /// The state just before `stop`, where what happens belongs to the next run.

@@ -63,6 +63,7 @@ class Transient : private RowSource {
   bool begin(const Start& start);
   void march();
   void stop_short();
+  void close_others();
   double next_instant();
   bool handle(double time);
   bool ask_sampler(double time);

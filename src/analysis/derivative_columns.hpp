@@ -1,0 +1,33 @@
+#pragma once
+/// Derivatives of all measurements of one run to all parameters, forward along each parameter or backwards from each measurement.
+
+#include <string>
+#include <vector>
+
+#include "analysis/measured_derivative.hpp"
+#include "circuit/analyses.hpp"
+#include "steady/adjoint.hpp"
+
+namespace pwlsim::analysis {
+
+/// How parameters move the start and the end of a run.
+class RunMotion {
+ public:
+  struct Forward {
+    steady::Followed followed;
+    DirectMoves direct;
+    std::string failure;
+  };
+  virtual ~RunMotion() = default;
+  /// Why there are no derivatives to the parameter; "" where there are.
+  [[nodiscard]] virtual std::string failure(std::size_t parameter) = 0;
+  [[nodiscard]] virtual Forward forward(std::size_t parameter) = 0;
+  /// The sum for each parameter; those that fail do not matter.
+  [[nodiscard]] virtual std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) = 0;
+};
+
+/// For each parameter those of all measurements.
+[[nodiscard]] std::vector<std::vector<TwoSided>> derivative_columns(const circuit::Sensitivities& card, const MeasuredPass& run,
+                                                                    const steady::Sensitivity& sensitivity, RunMotion& motion);
+
+}  // namespace pwlsim::analysis

@@ -1,0 +1,363 @@
+#include "steady/adjoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/legendre.hpp"
+
+namespace pwlsim::steady {
+namespace {
+
+using engine::Change;
+using model::Mode;
+
+constexpr double same_length = 1e-12;     ///< of a length: intervals whose products are added up
+constexpr std::size_t most_lengths = 48;  ///< of one mode, before their sums are settled
+constexpr double same_time = 1e-12;       ///< of the run and of a time, as in steady/sensitivity.cpp
+
+/// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}.
+Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h) {
+  constexpr double reach = 0.5;
+  constexpr int terms = 18;
+  const double norm = std::max(linalg::norm_bound(a), linalg::norm_bound(y)) * h;
+  const int doublings = norm > reach ? static_cast<int>(std::ceil(std::log2(norm / reach))) : 0;
+  const double step = std::ldexp(h, -doublings);
+  const Matrix at = a.transpose(), yt = y.transpose();
+  // Powers of the block matrix (A′ K; 0 Y′).
+  Matrix right = k * step, term = right, sum = right;
+  for (int j = 2; j <= terms; ++j) {
+    right = right * yt * (step / j);
+    term = at * term * (step / j) + right;
+    sum += term;
+  }
+  if (doublings == 0) return sum;
+  const auto less_identity = [&](const Matrix& m) {
+    Matrix power = m * step, x = power;
+    for (int j = 2; j <= terms; ++j) {
+      power = m * power * (step / j);
+      x += power;
+    }
+    return x;
+  };
+  Matrix ea = less_identity(at), ey = less_identity(yt);
+  for (int d = 0; d < doublings; ++d) {
+    sum = Matrix(2.0 * sum + ea * sum + sum * ey);
+    ea = Matrix(2.0 * ea + ea * ea);
+    ey = Matrix(2.0 * ey + ey * ey);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Adjoint::Adjoint(const Sensitivity& sensitivity, std::vector<int> signals) : along_(sensitivity), signals_(std::move(signals)) {
+  const std::size_t count = along_.inputs_.parameters.size();
+  failures_.resize(count);
+  forward_only_.assign(count, 0);
+  for (std::size_t p = 0; p < count; ++p) examine(p);
+}
+
+void Adjoint::examine(std::size_t parameter) {
+  Followed scratch;
+  scratch.failure = along_.check(parameter);
+  const ParameterInputs& own = along_.inputs_.parameters[parameter];
+  forward_only_[parameter] = !own.waves.empty() && !own.levels.empty();
+  for (std::size_t i = 0; i < along_.orbit_.instants().size() && scratch.failure.empty(); ++i) {
+    const LinearInstant& instant = along_.orbit_.instants()[i];
+    along_.check_changes(i, scratch);
+    if (own.waves.empty() || !scratch.failure.empty()) continue;
+    const auto edge = along_.edge_shift_of(parameter, instant.time, scratch);
+    if (!edge) continue;
+    if (*edge != 0.0) along_.check_others(parameter, instant, scratch);
+    if (instant.island >= 0) forward_only_[parameter] = 1;
+  }
+  failures_[parameter] = scratch.failure;
+}
+
+const Sensitivity::Flow& Adjoint::flow(std::size_t island, const Mode& mode) const {
+  return along_.flow_of(along_.inputs_.parameters.size(), island, mode);
+}
+
+Adjoint::Sums& Adjoint::sums_of(Pass& pass, std::size_t island, const Mode& mode) const {
+  Sums& sums = pass.sums[{island, &mode}];
+  if (sums.moment.size() > 0 || sums.value.size() > 0) return sums;
+  const Eigen::Index width = flow(island, mode).source.rows(), n = along_.orbit_.stacking().count(island);
+  sums.moment = Matrix::Zero(mode.n1, width);
+  sums.outputs = Matrix::Zero(mode.outputs.rows(), width);
+  sums.jump = sums.lift = Matrix::Zero(n, width);
+  sums.value = sums.slope = Matrix::Zero(static_cast<Eigen::Index>(along_.orbit_.inputs()), width);
+  return sums;
+}
+
+/// (y, z) at the begin of a segment.
+Vector Adjoint::begin_of(const Sensitivity::Segment& segment) const {
+  const Sensitivity::Flow& own = flow(segment.island, *segment.mode);
+  Vector yz(own.ny + own.nz);
+  yz << along_.seen(segment.island, *segment.mode, segment.y0->data()),
+      along_.waves_at(own, along_.inputs_.parameters.size(), segment.begin, segment.inside());
+  return yz;
+}
+
+Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double since) const {
+  if (!(since > 0.0)) return yz;
+  const linalg::Exponential& block = *flow(segment.island, *segment.mode).signals;
+  Vector work(2 * yz.size());
+  block.apply(since, yz.data(), work.data());
+  return yz;
+}
+
+std::vector<std::pair<Eigen::Index, std::size_t>> Adjoint::outputs_of(std::size_t island) const {
+  std::vector<std::pair<Eigen::Index, std::size_t>> list;
+  const auto& own = along_.orbit_.stacking().system(island).output_signal;
+  for (std::size_t k = 0; k < own.size(); ++k)
+    for (std::size_t j = 0; j < signals_.size(); ++j)
+      if (own[k] == signals_[j]) list.emplace_back(static_cast<Eigen::Index>(k), j);
+  return list;
+}
+
+/// Back over an interval that begins with (y, z).
+void Adjoint::travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass) const {
+  const Mode& mode = *segment.mode;
+  if (mode.n1 == 0 || !(length > 0.0)) return;
+  if (pass.collects) {
+    Sums& sums = sums_of(pass, segment.island, mode);
+    const auto same = [&](const Lengths& known) { return std::abs(known.length - length) <= same_length * length; };
+    auto known = std::find_if(sums.lengths.begin(), sums.lengths.end(), same);
+    if (known == sums.lengths.end()) {
+      if (sums.lengths.size() == most_lengths) settle(segment.island, mode, sums);
+      sums.lengths.push_back({length, Matrix::Zero(mode.n1, yz.size())});
+      known = sums.lengths.end() - 1;
+    }
+    known->sum.noalias() += lambda * yz.transpose();
+  }
+  auto back = backward_.find(&mode);
+  if (back == backward_.end())
+    back = backward_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1).transpose(), mode.flow.rate())).first;
+  Vector work(2 * lambda.size());
+  back->second.apply(length, lambda.data(), work.data());
+}
+
+void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums) const {
+  const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
+  for (const Lengths& each : sums.lengths) sums.moment += moment_of(a, flow(island, mode).source, each.sum, each.length);
+  sums.lengths.clear();
+}
+
+void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& injections) const {
+  for (const Functional::Point& point : functional.points)
+    for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
+      const auto outputs = outputs_of(island);
+      const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, point.time, point.side);
+      if (segment == nullptr) continue;
+      const Mode& mode = *segment->mode;
+      const double since = std::clamp(point.time - segment->begin, 0.0, segment->length);
+      const Vector yz = later(*segment, begin_of(*segment), since), rate = flow(island, mode).source * yz;
+      const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
+      Vector weight = Vector::Zero(mode.n1), of_rate = Vector::Zero(mode.n1);
+      Sums& sums = sums_of(pass, island, mode);
+      for (const auto& [row, signal] : outputs) {
+        const double moved = point.moved.empty() ? 0.0 : point.moved[signal], rates = point.rates.empty() ? 0.0 : point.rates[signal];
+        weight += moved * mode.outputs.row(row).head(mode.n1).transpose();
+        of_rate += rates * mode.outputs.row(row).head(mode.n1).transpose();
+        sums.outputs.row(row) += moved * yz.transpose() + rates * rate.transpose();
+      }
+      sums.moment += of_rate * yz.transpose();
+      injections[static_cast<std::size_t>(segment - along_.segments_.data())].push_back({since, weight + a.transpose() * of_rate});
+    }
+}
+
+void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const {
+  const auto& rule = linalg::gauss_legendre();
+  constexpr std::size_t points = linalg::legendre_points;
+  for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
+    const auto outputs = outputs_of(island);
+    const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, interval.inside, Side::right);
+    if (segment == nullptr) continue;
+    const Mode& mode = *segment->mode;
+    const double since = std::max(interval.begin - segment->begin, 0.0);
+    Sums& sums = sums_of(pass, island, mode);
+    std::vector<Vector> yz{later(*segment, begin_of(*segment), since)};  // at the begin, then at each point
+    std::vector<double> length;
+    double before = 0.0;
+    for (std::size_t i = 0; i < points; ++i) {
+      const double at = 0.5 * (rule.point[i] + 1.0) * interval.length;
+      length.push_back(at - before);
+      yz.push_back(later(*segment, yz.back(), length.back()));
+      before = at;
+    }
+    Vector lambda = Vector::Zero(mode.n1);
+    for (std::size_t i = points; i-- > 0;) {
+      for (const auto& [row, signal] : outputs) {
+        const double weight = interval.weights[i * signals_.size() + signal];
+        if (weight == 0.0) continue;
+        lambda += weight * mode.outputs.row(row).head(mode.n1).transpose();
+        sums.outputs.row(row) += weight * yz[i + 1].transpose();
+      }
+      travel(*segment, length[i], yz[i], lambda, pass);
+    }
+    injections[static_cast<std::size_t>(segment - along_.segments_.data())].push_back({since, lambda});
+  }
+}
+
+void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pass) const {
+  const Sensitivity::Segment& segment = along_.segments_[number];
+  const Mode& mode = *segment.mode;
+  const Stacking& stacking = along_.orbit_.stacking();
+  if (stacking.count(segment.island) == 0) return;
+  auto block = pass.lambda.segment(stacking.first(segment.island), stacking.count(segment.island));
+  const Vector begin = begin_of(segment);
+  if (mode.constrained && pass.collects)
+    sums_of(pass, segment.island, mode).lift.noalias() += block * later(segment, begin, segment.length).transpose();
+  Vector lambda = mode.constrained ? Vector(mode.basis.transpose() * block) : Vector(block);
+  double end = segment.length;
+  if (const auto own = injections.find(number); own != injections.end()) {
+    std::vector<Injection>& list = own->second;
+    std::stable_sort(list.begin(), list.end(), [](const Injection& a, const Injection& b) { return a.since > b.since; });
+    for (const Injection& injection : list) {
+      if (injection.since < end) travel(segment, end - injection.since, later(segment, begin, injection.since), lambda, pass);
+      end = std::min(end, injection.since);
+      lambda += injection.weight;
+    }
+  }
+  travel(segment, end, begin, lambda, pass);
+  if (mode.constrained)
+    block = mode.basis * lambda;
+  else
+    block = lambda;
+}
+
+void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pass& pass) const {
+  const LinearInstant& instant = along_.orbit_.instants()[number];
+  const Stacking& stacking = along_.orbit_.stacking();
+  const std::size_t all = along_.inputs_.parameters.size();
+  const double time = instant.time, left = time - same_time * (along_.length_ + time), right = time + same_time * (along_.length_ + time);
+  const auto read = functional.shifts.find(number);
+  double sigma = read != functional.shifts.end() ? read->second : 0.0;
+  const auto& changes = along_.trace_.steps[number].changes;
+  for (std::size_t k = changes.size(); k-- > 0;) {
+    const Change& change = changes[k];
+    const int n = stacking.count(change.island);
+    if (n == 0) continue;
+    auto block = pass.lambda.segment(stacking.first(change.island), n);
+    if (instant.changes[k].d.size() > 0) sigma += instant.changes[k].d.dot(block);
+    const std::vector<Vector> ways = along_.states_by_way(change);
+    for (std::size_t w = change.by_way_of.size(); w-- > 0;) {
+      const Mode& mode = *change.by_way_of[w];
+      if (!mode.constrained) continue;
+      if (pass.collects) {
+        const Sensitivity::Flow& own = flow(change.island, mode);
+        Vector yz(own.ny + own.nz);
+        yz << along_.seen(change.island, mode, ways[w].data()), along_.waves_at(own, all, time, right);
+        sums_of(pass, change.island, mode).jump.noalias() += block * yz.transpose();
+      }
+      block = mode.projector.topLeftCorner(n, n).transpose() * Vector(block);
+    }
+  }
+  pass.shifts[number] = sigma;
+  if (instant.island < 0 || sigma == 0.0) return;
+  const auto island = static_cast<std::size_t>(instant.island);
+  pass.lambda.segment(stacking.first(island), stacking.count(island)) += sigma * instant.on_state.transpose();
+  if (!pass.collects) return;
+  for (const Change& change : changes) {
+    if (change.island != island || change.before == nullptr) continue;
+    const Sensitivity::Flow& own = flow(island, *change.before);
+    Vector yz(own.ny + own.nz);
+    yz << along_.seen(island, *change.before, change.y_before.data()), along_.waves_at(own, all, time, left);
+    Sums& sums = sums_of(pass, island, *change.before);
+    for (std::size_t k = 0; k < instant.on_w.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      if (instant.on_w[k] != 0.0) sums.value.row(row) += sigma * instant.on_w[k] * yz.transpose();
+      if (instant.on_slope[k] != 0.0) sums.slope.row(row) += sigma * instant.on_slope[k] * yz.transpose();
+    }
+    break;
+  }
+}
+
+void Adjoint::run(const Functional& functional, const Vector& end, Pass& pass) const {
+  pass.lambda = end.size() > 0 ? end : Vector(Vector::Zero(along_.orbit_.stacking().size()));
+  pass.shifts.assign(along_.orbit_.instants().size(), 0.0);
+  Injections injections;
+  take_points(functional, pass, injections);
+  for (const auto& [number, interval] : functional.intervals) take_interval(interval, pass, injections);
+  for (std::size_t s = along_.static_first_; s-- > along_.first_.back();) pass_segment(s, injections, pass);
+  for (std::size_t i = along_.orbit_.instants().size(); i-- > 0;) {
+    pass_instant(i, functional, pass);
+    const std::size_t next = i + 1 < along_.first_.size() ? along_.first_[i + 1] : along_.static_first_;
+    for (std::size_t s = next; s-- > along_.first_[i];) pass_segment(s, injections, pass);
+  }
+}
+
+Vector Adjoint::to_start(const Functional& functional, const Vector& end) const {
+  Pass pass;
+  pass.collects = false;
+  run(functional, end, pass);
+  return pass.lambda;
+}
+
+Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) const {
+  Pass pass;
+  run(functional, end, pass);
+  for (auto& [key, sums] : pass.sums) settle(key.first, *key.second, sums);
+  Read read{{}, pass.lambda};
+  for (std::size_t p = 0; p < failures_.size(); ++p)
+    read.values.push_back(failures_[p].empty() ? of_parameter(p, pass) + of_edges(p, pass) : 0.0);
+  return read;
+}
+
+/// What the inputs of one parameter bring, by the sums of all modes.
+double Adjoint::of_parameter(std::size_t parameter, Pass& pass) const {
+  double total = 0.0;
+  for (const auto& [key, sums] : pass.sums) {
+    const auto& [island, mode_of] = key;
+    const Mode& mode = *mode_of;
+    Sensitivity::Flow own;
+    along_.add_drives(parameter, island, mode, own);
+    const int first_wave = own.ny + along_.first_of_waves(parameter, island);
+    const Eigen::Index n1 = mode.n1, n = along_.orbit_.stacking().count(island);
+    const auto of_column = [&](int column) {
+      Eigen::RowVectorXd weight = mode.outputs.col(n1 + column).transpose() * sums.outputs;
+      if (n1 > 0) weight += mode.flow.a().col(n1 + column).head(n1).transpose() * sums.moment;
+      if (mode.constrained) {
+        weight += mode.projector.col(n + column).head(n).transpose() * sums.jump;
+        weight += mode.lift.col(column).transpose() * sums.lift;
+      }
+      return weight;
+    };
+    const auto dot = [&](const Eigen::RowVectorXd& weight, const Eigen::RowVectorXd& row) {
+      return weight.head(own.ny).dot(row.head(own.ny)) + weight.segment(first_wave, own.nz).dot(row.tail(own.nz));
+    };
+    for (std::size_t k = 0; k < own.rows.size(); ++k) {
+      if (own.rows[k].size() == 0) continue;
+      const InputColumns& column = along_.orbit_.columns(island, k);
+      const auto row = static_cast<Eigen::Index>(k);
+      total += dot(of_column(column.value) + sums.value.row(row), own.rows[k]);
+      total += dot(of_column(column.slope) / column.rate + sums.slope.row(row), own.rows[k] * own.source);
+    }
+  }
+  return total;
+}
+
+/// Edges, clocks and thresholds that move.
+double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
+  const ParameterInputs& own = along_.inputs_.parameters[parameter];
+  if (own.waves.empty() && own.levels.empty()) return 0.0;
+  double total = 0.0;
+  Followed scratch;
+  for (std::size_t i = 0; i < pass.shifts.size(); ++i) {
+    if (pass.shifts[i] == 0.0) continue;
+    const LinearInstant& instant = along_.orbit_.instants()[i];
+    if (const auto edge = along_.edge_shift_of(parameter, instant.time, scratch)) {
+      total += pass.shifts[i] * *edge;
+      continue;
+    }
+    for (const LevelMove& level : own.levels)
+      if (level.number == instant.level_switch)
+        total += pass.shifts[i] * (instant.is_off_level ? level.off : level.on) / instant.level_rate;
+    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant);
+  }
+  return total;
+}
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,92 @@
+#pragma once
+/// Derivatives of one measurement to all parameters at once, backwards along the run:
+///
+///     λ′ = −A′λ,   λ⁻ = P′λ⁺ + on_state′σ,   σ = d·λ⁺ + (what the measurement reads of the instant's shift),
+///
+/// λ growing by what the measurement reads of the signals at each of its points. A parameter's inputs w = row·(y, z) then bring ∫ λ′(b w + b₁ w′) dt, for
+/// which one matrix ∫ λ (y, z)′ dt a mode serves all parameters: it is linear in λ y′ at the ends of intervals, which are added up over all intervals of
+/// one length.
+///
+/// Cao, Li, Petzold & Serban, Adjoint sensitivity analysis for differential-algebraic equations, SIAM J. Sci. Comput. 24 (2003), for the method; the
+/// instants are the transpose of steady/sensitivity.hpp.
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "steady/functional.hpp"
+#include "steady/sensitivity.hpp"
+
+namespace pwlsim::steady {
+
+class Adjoint {
+ public:
+  /// `sensitivity` must outlive this. `signals`: those that functionals weigh.
+  Adjoint(const Sensitivity& sensitivity, std::vector<int> signals);
+
+  /// What the functional reads is d·(derivative of the start), for a parameter that moves nothing else.
+  [[nodiscard]] Vector to_start(const Functional& functional, const Vector& end) const;
+  /// The functional, and `end` weighing the state at the end, of the derivative to each parameter from a start that does not move.
+  struct Read {
+    std::vector<double> values;  ///< of each parameter; 0 where it cannot be followed
+    Vector start;                ///< what a start that moves adds: start·x_p(0)
+  };
+  [[nodiscard]] Read read(const Functional& functional, const Vector& end) const;
+  /// Why a parameter cannot be followed; "" where it can.
+  [[nodiscard]] const std::string& failure(std::size_t parameter) const { return failures_[parameter]; }
+  /// Only forward: its edges lie where something else happens.
+  [[nodiscard]] bool is_forward_only(std::size_t parameter) const { return forward_only_[parameter] != 0; }
+
+ private:
+  /// Sums of λ y′ at intervals of nearly one length.
+  struct Lengths {
+    double length = 0.0;
+    Matrix sum;
+  };
+  /// Sums over one mode of what multiplies the columns of its inputs; w = row·(y, z) is known by parameter only at the end.
+  struct Sums {
+    Matrix moment;        ///< ∫ λ (y, z)′ dt: n₁ rows
+    Matrix outputs;       ///< Σ weight·(y, z)′ of each output
+    Matrix jump, lift;    ///< Σ λ (y, z)′ where the mode's projector or its lift takes inputs: n rows
+    Matrix value, slope;  ///< of w and w′ themselves, where they move an instant: a row an input
+    std::vector<Lengths> lengths;
+  };
+  struct Pass {
+    Vector lambda;
+    bool collects = true;
+    std::map<std::pair<std::size_t, const model::Mode*>, Sums> sums;
+    std::vector<double> shifts;  ///< σ of each instant
+  };
+  struct Injection {
+    double since = 0.0;  ///< s from the begin of the segment
+    Vector weight;       ///< of c
+  };
+
+  using Injections = std::map<std::size_t, std::vector<Injection>>;
+
+  [[nodiscard]] const Sensitivity::Flow& flow(std::size_t island, const model::Mode& mode) const;
+  [[nodiscard]] Sums& sums_of(Pass& pass, std::size_t island, const model::Mode& mode) const;
+  [[nodiscard]] Vector begin_of(const Sensitivity::Segment& segment) const;
+  [[nodiscard]] Vector later(const Sensitivity::Segment& segment, Vector yz, double since) const;
+  void examine(std::size_t parameter);
+  void run(const Functional& functional, const Vector& end, Pass& pass) const;
+  void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
+  void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
+  void pass_segment(std::size_t number, Injections& injections, Pass& pass) const;
+  void pass_instant(std::size_t number, const Functional& functional, Pass& pass) const;
+  void travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass) const;
+  void settle(std::size_t island, const model::Mode& mode, Sums& sums) const;
+  /// The outputs of the segment that the functional weighs: row of its mode, number of the signal.
+  [[nodiscard]] std::vector<std::pair<Eigen::Index, std::size_t>> outputs_of(std::size_t island) const;
+  [[nodiscard]] double of_parameter(std::size_t parameter, Pass& pass) const;
+  [[nodiscard]] double of_edges(std::size_t parameter, const Pass& pass) const;
+
+  const Sensitivity& along_;
+  std::vector<int> signals_;
+  std::vector<std::string> failures_;
+  std::vector<char> forward_only_;
+  mutable std::map<const model::Mode*, linalg::Exponential> backward_;  ///< of A′ of a mode's own coordinates
+};
+
+}  // namespace pwlsim::steady

@@ -1,0 +1,34 @@
+#pragma once
+/// What a measurement reads of a run's derivative to a parameter: a weighted sum of it at times, in intervals, and of the shifts of instants.
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+namespace pwlsim::steady {
+
+/// Which side of an instant.
+enum class Side { left, right };
+
+struct Functional {
+  /// Signals at one time, their derivatives to the parameter and those derivatives' rates.
+  struct Point {
+    double time = 0.0;
+    Side side = Side::right;
+    std::vector<double> moved, rates;  ///< weights, of each signal; may be empty
+  };
+  /// Signals at the points of Gauss and Legendre on [begin, begin + length], in the motion of the segment that `inside` lies in.
+  struct Interval {
+    double inside = 0.0, begin = 0.0, length = 0.0;
+    std::vector<double> weights;  ///< point by point, of each signal
+  };
+  std::vector<Point> points;
+  std::map<std::size_t, Interval> intervals;  ///< by number of the piece
+  std::map<std::size_t, double> shifts;       ///< weights of dt/dp of instants
+
+  /// += weight·other.
+  void add(double weight, const Functional& other);
+  [[nodiscard]] bool is_empty() const { return points.empty() && intervals.empty() && shifts.empty(); }
+};
+
+}  // namespace pwlsim::steady
