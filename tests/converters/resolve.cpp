@@ -11,8 +11,8 @@ namespace {
 constexpr double negligible = 1e-8;
 /// … a current's at least this times the largest voltage: what Roff = inf becomes here (Equations) leaks a 1e-8th of it …
 constexpr double leak_conductance = 1e-9;
-/// … and in row 0 so many times what leaks through the least Roff: beside an inductor it begins within 1e-14 s.
-constexpr double leaks_at_start = 1e6;
+/// … and in row 0 so many times what leaks through the least Roff, ten of them in parallel: beside an inductor it begins within 1e-14 s.
+constexpr double leaks_at_start = 1e7;
 
 }  // namespace
 
