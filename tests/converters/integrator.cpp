@@ -31,11 +31,6 @@ void collect_edges(const Wave& wave, bool kinks, double stop, std::vector<Real>&
   }
 }
 
-double largest(const Wave& wave) {
-  const double high = wave.kind == Wave::Kind::pulse ? std::abs(wave.high) : 0.0;
-  return std::abs(wave.amplitude) + std::max(std::abs(wave.offset), high);
-}
-
 class Integrator {
  public:
   Integrator(const Converter& converter, const Settings& settings)
@@ -47,7 +42,7 @@ class Integrator {
     for (std::size_t k = 0; k < equations_.states(); ++k) states_.push_back(equations_.initial(k));
     result_.scales.assign(equations_.states(), 0);
     for (const Branch& branch : converter.branches)
-      if (branch.kind == Branch::Kind::source) volts_ = std::max<Real>(volts_, largest(branch.wave));
+      if (branch.kind == Branch::Kind::source) volts_ = std::max<Real>(volts_, branch.wave.largest());
     amperes_ = volts_ / 1000;
     for (std::size_t k = 0; k < settings.scales.size(); ++k) note_size(k, settings.scales[k]);
     for (const Real place : {0.15L, 0.4L, 0.5L, 0.7L, 0.93L}) between_.push_back(radau().weights(place));
