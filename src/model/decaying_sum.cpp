@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/mode.hpp"
+
 namespace pwlsim::model {
 
 namespace {
@@ -30,14 +32,25 @@ struct Prover {
     return end;
   }
 
+  /// By the drift.
+  [[nodiscard]] double risen_at(const End& end) const {
+    return sum.drift > 0.0 ? sum.drift * slowest * std::min(-std::log(end.s), time_constants_to_rest) : 0.0;
+  }
+
+  /// d/ds of that.
+  [[nodiscard]] double slope_of_rise(const End& end) const {
+    if (sum.drift == 0.0) return 0.0;
+    return end.s > 0.0 ? -sum.drift * slowest / end.s : -INFINITY;
+  }
+
   [[nodiscard]] double value(const End& end) const {
-    double f = sum.rest;
+    double f = sum.rest + risen_at(end);
     for (const double term : end.values) f += term;
     return f;
   }
 
   [[nodiscard]] bool holds(const End& p, const End& q, int halvings) const {
-    double least = sum.rest, least_slope = 0.0, most_slope = 0.0;
+    double least = sum.rest + risen_at(q), least_slope = slope_of_rise(p), most_slope = slope_of_rise(q);
     for (std::size_t k = 0; k < p.values.size(); ++k) {
       least += std::min(p.values[k], q.values[k]);
       least_slope += std::min(p.slopes[k], q.slopes[k]);

@@ -147,10 +147,21 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
       noise += std::abs(decays.guards(i, k)) * rounding[k];
       if (decays.time_constants[k] > 0.0) decaying_.terms.push_back({decays.guards(i, k) * start[k], decays.time_constants[k]});
     }
-    const bool is_kept = i < system_.diodes ? decaying_.stays_above(-noise) : decaying_.keeps_sign();
+    decaying_.drift = 0.0;
+    const bool is_kept =
+        i < system_.diodes ? decaying_.stays_above(-noise) || rises_above(slow, static_cast<int>(i), -noise) : decaying_.keeps_sign();
     if (!is_kept) return false;
   }
   return true;
+}
+
+/// The same where the slow motion begins below zero, and rises while the decays last: a current that begins when they do.
+bool Selector::rises_above(const Mode& slow, int guard, double level) {
+  if (!(decaying_.rest < level)) return false;
+  rate_.resize(y_.size());
+  linalg::multiply(slow.flow.a(), y_.data(), rate_.data());
+  decaying_.drift = linalg::row_times(slow.guards, guard, rate_.data());
+  return decaying_.drift > 0.0 && decaying_.stays_above(level);
 }
 
 /// The mode of the set in which x lies without a jump: its slow motion where it can be, else the mode itself; null where neither.

@@ -102,6 +102,7 @@ class Selector {
   bool lies_in(const Mode& mode, const double* x);
   [[nodiscard]] bool has_settled(const Mode& slow) const;
   bool decays_unseen(const Mode& slow, const double* x);
+  bool rises_above(const Mode& slow, int guard, double level);
   const Mode* holding(const double* x, const IndexSet& set);
   bool accepts(const Mode& mode, const double* x);
   bool is_violated(const Mode& mode, const double* x);
@@ -157,7 +158,7 @@ class Selector {
   const Mode* coordinates_of_ = nullptr;  ///< the mode in whose coordinates y_ is
   int trigger_ = -1;                      ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
-  std::vector<double> y_, projected_, settled_;
+  std::vector<double> y_, projected_, settled_, rate_;
   double unseen_ = 0.0;  ///< s
   const Mode* settled_mode_ = nullptr;
   Vector left_;           ///< of decays, when a slow motion was last entered

@@ -11,6 +11,8 @@ namespace pwlsim::test::converters {
 namespace {
 
 constexpr std::size_t stages = Radau::stages;
+constexpr std::size_t looks = 17;  ///< points of a step at which slacks are looked for a dip …
+constexpr Real graze = 1e-4L;      ///< … that comes so near to zero, against how much the slack moves in the step: the polynomial's error
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -29,11 +31,6 @@ void collect_edges(const Wave& wave, bool kinks, double stop, std::vector<Real>&
   }
 }
 
-double largest(const Wave& wave) {
-  const double high = wave.kind == Wave::Kind::pulse ? std::abs(wave.high) : 0.0;
-  return std::abs(wave.amplitude) + std::max(std::abs(wave.offset), high);
-}
-
 class Integrator {
  public:
   Integrator(const Converter& converter, const Settings& settings)
@@ -45,10 +42,11 @@ class Integrator {
     for (std::size_t k = 0; k < equations_.states(); ++k) states_.push_back(equations_.initial(k));
     result_.scales.assign(equations_.states(), 0);
     for (const Branch& branch : converter.branches)
-      if (branch.kind == Branch::Kind::source) volts_ = std::max<Real>(volts_, largest(branch.wave));
+      if (branch.kind == Branch::Kind::source) volts_ = std::max<Real>(volts_, branch.wave.largest());
     amperes_ = volts_ / 1000;
     for (std::size_t k = 0; k < settings.scales.size(); ++k) note_size(k, settings.scales[k]);
     for (const Real place : {0.15L, 0.4L, 0.5L, 0.7L, 0.93L}) between_.push_back(radau().weights(place));
+    for (std::size_t i = 0; i < looks; ++i) looks_.push_back(radau().weights(static_cast<Real>(i) / (looks - 1)));
     most_step_ = static_cast<Real>(converter.fast) / 8;
     step_ = most_step_;
     mode_.assign(equations_.valves(), '0');
@@ -197,6 +195,10 @@ class Integrator {
         continue;
       }
       const Real place = first_violation(trial);
+      if (place > 1 && step > least && may_dip(trial)) {
+        while (step_ >= step) step_ /= 2;
+        continue;
+      }
       if (place > 1) {
         take(trial.solutions.back());
         time_ = short_step ? piece.to : time_ + step;
@@ -281,6 +283,31 @@ class Integrator {
       }
     }
     return result;
+  }
+
+  /// Whether some slack has a least value between two points inside the step that is so near to zero, or so little below it, that only a shorter step tells.
+  bool may_dip(const Trial& trial) const {
+    for (std::size_t d = 0; d < equations_.valves(); ++d) {
+      if (may_conduct_[d] == 0) continue;
+      std::array<Real, stages> slacks;
+      for (std::size_t i = 0; i < stages; ++i) slacks[i] = margin(trial.solutions[i], d);
+      const auto [least, most] = std::minmax_element(slacks.begin(), slacks.end());
+      const Real spread = *most - *least;
+      if (*least > spread) continue;
+      std::array<Real, looks> values;
+      for (std::size_t i = 0; i < looks; ++i) values[i] = combine(looks_[i], slacks);
+      for (std::size_t i = 1; i + 1 < looks; ++i)
+        if (values[i] <= values[i - 1] && values[i] <= values[i + 1] &&
+            vertex(values[i - 1], values[i], values[i + 1]) < graze * spread - tolerance_of(mode_, d))
+          return true;
+    }
+    return false;
+  }
+
+  /// The least value of the parabola through three values at equal distances.
+  static Real vertex(Real before, Real here, Real after) {
+    const Real slope = (after - before) / 2, bend = before - 2 * here + after;
+    return bend > 0 ? here - slope * slope / (2 * bend) : here;
   }
 
   static Real place_of_between(std::size_t i) {
@@ -389,7 +416,7 @@ class Integrator {
   Vector states_;
   Mode mode_;
   std::vector<char> may_conduct_;  ///< of each valve: not where a thyristor is latched off
-  std::vector<Radau::Stages> between_;
+  std::vector<Radau::Stages> between_, looks_;
   Real time_ = 0, step_ = 0, most_step_ = 0, volts_ = 1e-3L, amperes_ = 0;
   double deadline_;
 };

@@ -1,7 +1,7 @@
-/// converters SEED [COUNT] [--family NAME] [--engine exact|sparse] [--program PATH] [--print] [--all] [--keep FOLDER] [--variants N]: runs these
+/// converters SEED [COUNT] [--family NAME] [--engine exact|sparse] [--program PATH] [--print] [--all] [--keep FOLDER] [--variants N] [--leaks]: runs these
 /// converters beside the independent integrator, in this process or by the program at PATH, and prints what does not agree (--all: everything; --keep:
 /// its deck goes to FOLDER) and a table by family. Each N-th converter is also run in its variants (variants.hpp). Status 1 where the limits below are
-/// exceeded. --print writes the deck to standard output instead.
+/// exceeded. --leaks hangs large resistors on them (leaks.hpp). --print writes the deck to standard output instead.
 /// converters --formulas: the integrator beside answers in closed form.
 
 #include <fmt/format.h>
@@ -16,6 +16,7 @@
 
 #include "converters/families.hpp"
 #include "converters/formulas.hpp"
+#include "converters/leaks.hpp"
 #include "converters/runners.hpp"
 
 namespace {
@@ -34,7 +35,7 @@ constexpr double most_unresolved = 0.01;  ///< by the integrator: they show noth
 struct Options {
   std::uint64_t seed = 1, count = 1, variants = 0;
   std::string family, engine = "exact", program, keep;
-  bool formulas = false, print = false, all = false;
+  bool formulas = false, print = false, all = false, leaks = false;
 };
 
 Options read_options(int count, char** arguments) {
@@ -59,10 +60,18 @@ Options read_options(int count, char** arguments) {
       result.print = true;
     else if (word == "--all")
       result.all = true;
+    else if (word == "--leaks")
+      result.leaks = true;
     else
       (numbers++ == 0 ? result.seed : result.count) = std::strtoull(arguments[i], nullptr, 10);
   }
   return result;
+}
+
+Converter converter_of(const Options& options, std::uint64_t seed) {
+  Converter converter = make_converter(seed, options.family);
+  if (options.leaks) hang_leaks(converter, seed);
+  return converter;
 }
 
 struct Counts {
@@ -112,7 +121,7 @@ class Examination {
   }
 
   void examine(std::uint64_t seed) {
-    const Converter converter = make_converter(seed, options_.family);
+    const Converter converter = converter_of(options_, seed);
     const double start = now();
     const Resolved reference = resolve(converter, limit() / 10, patience);
     total_.reference_seconds += now() - start;
@@ -178,6 +187,6 @@ int main(int argument_count, char** arguments) {
     for (std::uint64_t seed = options.seed; seed < options.seed + options.count; ++seed) examination.examine(seed);
     return examination.summarize() ? EXIT_SUCCESS : EXIT_FAILURE;
   }
-  std::fputs(make_converter(options.seed, options.family).text().c_str(), stdout);
+  std::fputs(converter_of(options, options.seed).text().c_str(), stdout);
   return EXIT_SUCCESS;
 }

@@ -94,6 +94,11 @@ long double Wave::value(long double time, long double inside) const {
   return offset;
 }
 
+double Wave::largest() const {
+  const double top = kind == Kind::pulse ? std::abs(high) : 0.0;
+  return std::abs(amplitude) + std::max(std::abs(offset), top);
+}
+
 std::string Wave::text() const {
   switch (kind) {
     case Kind::constant:

@@ -20,6 +20,8 @@ struct Wave {
 
   /// `inside` lies in the same piece of a pulse as `time`, not at its ends.
   [[nodiscard]] long double value(long double time, long double inside) const;
+  /// Of its magnitude.
+  [[nodiscard]] double largest() const;
   [[nodiscard]] std::string text() const;
 };
 

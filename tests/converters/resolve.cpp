@@ -7,12 +7,12 @@
 namespace pwlsim::test::converters {
 namespace {
 
-/// A signal's size is at least this part of the largest of its kind …
+/// A signal's size is at least this part of the largest of its kind, a voltage's of the sources, too …
 constexpr double negligible = 1e-8;
 /// … a current's at least this times the largest voltage: what Roff = inf becomes here (Equations) leaks a 1e-8th of it …
 constexpr double leak_conductance = 1e-9;
-/// … and in row 0 so many times what leaks through the least Roff: beside an inductor it begins within 1e-14 s.
-constexpr double leaks_at_start = 1e6;
+/// … and in row 0 so many times what leaks through the least Roff, ten of them in parallel: beside an inductor it begins within 1e-14 s.
+constexpr double leaks_at_start = 1e7;
 
 }  // namespace
 
@@ -27,6 +27,8 @@ Difference largest_difference(const Waveforms& reference, const std::vector<std:
     double& kind = is_voltage[k] ? volts : amperes;
     kind = std::max(kind, static_cast<double>(largest[k]));
   }
+  for (const Branch& branch : converter.branches)
+    if (branch.kind == Branch::Kind::source) volts = std::max(volts, branch.wave.largest());
   double start_conductance = leak_conductance;
   for (const Contact& model : converter.models) start_conductance = std::max(start_conductance, leaks_at_start / model.off);
   Difference result;
