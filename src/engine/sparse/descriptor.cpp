@@ -78,6 +78,7 @@ Descriptor::Descriptor(const model::Network& network) : network_(network), sets_
   add_stores();
   add_branches_and_injections();
   add_ports();
+  note_conductances();
   compress();
 }
 
@@ -289,6 +290,14 @@ void Descriptor::add_ports() {
     add_port(s.label.name, row++, nullptr, 1.0, s.p, s.n, s.resistance, s.drop);
     ports_.back().is_switch = true;
   }
+}
+
+void Descriptor::note_conductances() {
+  std::vector<double> sum(network_.nodes.size(), 0.0);
+  for (std::size_t i = 0; i < network_.resistors.size(); ++i)
+    for (const NodeIndex node : {network_.resistors[i].p, network_.resistors[i].n})
+      if (node != ground && low_resistor_[i] < 0) sum[static_cast<std::size_t>(node)] += r0_ / std::abs(network_.resistors[i].resistance);
+  conductance_at_port_ = at_ports(sum);
 }
 
 void Descriptor::compress() {

@@ -129,6 +129,8 @@ class Descriptor {
   /// Entries of shift·E + G with closing rows, for currents in a unit of their own: what is no node voltage is `unit` times the unknown of these
   /// entries.
   void matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const;
+  /// Of the resistors whose currents are differences of node voltages at a port's nodes, times R0.
+  [[nodiscard]] double conductance_at(std::size_t port) const { return conductance_at_port_[port]; }
   /// Geometric mean over the nodes of the diagonal of shift·E + G (times R0: 1 is 1/R0).
   [[nodiscard]] double mean_admittance(double shift) const;
   /// k = −(G z + H w + g): what E z' is; zero in closing rows.
@@ -172,6 +174,7 @@ class Descriptor {
   void measure_fluxes();
   void add_branches_and_injections();
   void add_ports();
+  void note_conductances();
   void add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, model::NodeIndex p, model::NodeIndex n,
                 double resistance, double drop);
   void compress();
@@ -208,6 +211,7 @@ class Descriptor {
   std::vector<SourceEntry> sources_;
   std::vector<double> constant_;
   std::vector<Port> ports_;
+  std::vector<double> conductance_at_port_;
   std::vector<State> states_;
 };
 
