@@ -17,15 +17,15 @@ namespace {
 class HeldPotentials {
  public:
   explicit HeldPotentials(const Network& network) : known_(network.nodes.size() + 1) {
-    known_[0] = 0.0;
+    known_[0] = Potential{};
     const Exosystem sources(source_functions(network), true);
     linalg::Vector zeta(sources.size());
     sources.evaluate(sources.start(), 0.0, zeta.data());
     for (const Branch& branch : network.branches) {
       if (!is_independent(branch.voltage)) continue;
-      double voltage = 0.0;
+      Potential voltage;
       for (const Term& term : branch.voltage)
-        voltage += term.coefficient * (term.kind == Term::Kind::one ? 1.0 : sources.rows().row(term.index).dot(zeta));
+        voltage.add(term.coefficient * (term.kind == Term::Kind::one ? 1.0 : sources.rows().row(term.index).dot(zeta)));
       steps_.push_back({branch.p, branch.n, voltage});
     }
     spread();
@@ -33,18 +33,26 @@ class HeldPotentials {
 
   [[nodiscard]] bool holds(NodeIndex node, double voltage) const {
     const auto known = known_[place(node)];
-    return known && std::abs(*known - voltage) <= tolerance::same_potential * std::max(std::abs(*known), std::abs(voltage));
+    return known && std::abs(known->value - voltage) <= tolerance::same_potential * std::max(known->size, std::abs(voltage));
   }
 
   void hold(NodeIndex node, double voltage) {
-    if (!known_[place(node)]) known_[place(node)] = voltage;
+    if (!known_[place(node)]) known_[place(node)] = Potential{voltage, std::abs(voltage)};
     spread();
   }
 
  private:
+  /// With the sum of the magnitudes of its terms, which its rounding is relative to.
+  struct Potential {
+    double value = 0.0, size = 0.0;
+    void add(double term) {
+      value += term;
+      size += std::abs(term);
+    }
+  };
   struct Step {
     NodeIndex p = ground, n = ground;
-    double voltage = 0.0;
+    Potential voltage;
   };
 
   static std::size_t place(NodeIndex node) { return static_cast<std::size_t>(node - ground); }
@@ -54,15 +62,15 @@ class HeldPotentials {
     spread_voltages(steps_, is_known, [&](const Step& step, bool from_p) {
       auto &p = known_[place(step.p)], &n = known_[place(step.n)];
       if (from_p)
-        n = *p - step.voltage;
+        n = Potential{p->value - step.voltage.value, p->size + step.voltage.size};
       else
-        p = *n + step.voltage;
+        p = Potential{n->value + step.voltage.value, n->size + step.voltage.size};
       return true;
     });
   }
 
   std::vector<Step> steps_;
-  std::vector<std::optional<double>> known_;  ///< ground first
+  std::vector<std::optional<Potential>> known_;  ///< ground first
 };
 
 void hold_nodes(Network& network) {

@@ -14,6 +14,7 @@
 #include "model/causality.hpp"
 #include "model/certificate.hpp"
 #include "model/clock.hpp"
+#include "model/coupling.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -75,9 +76,7 @@ class Extractor {
 
   std::optional<Extraction> run() {
     if (!assembly_.coupling_possible) {
-      diagnostics_.error("E-coupling", network_.couplings.front().label.span,
-                         "the couplings of these inductors contradict each other: their inductance matrix is indefinite; "
-                         "try smaller coefficients");
+      report_impossible_coupling(network_, diagnostics_);
       return std::nullopt;
     }
     if (!reduce_index()) return std::nullopt;

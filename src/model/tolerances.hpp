@@ -107,7 +107,7 @@ inline constexpr double coupling_rank = 1e-12;
 /// Of: R0 of the part.
 /// Why: as a conductance a smaller resistance would drown its node's row; it carries its current as an unknown.
 inline constexpr double low_resistance = 1e-3;
-/// Of: the larger of two potentials.
+/// Of: the larger of two potentials, each as the sum of the magnitudes of its sources.
 /// Why: sums of a few sources differ by their rounding only.
 inline constexpr double same_potential = 1e-12;
 /// Of: one, as a pivot of the ports' equations on a slow manifold, in extended precision.

@@ -311,6 +311,19 @@ TEST_CASE(".ic of a node that sources hold at that value says nothing new", "[re
     CHECK(run_text(cards + wrong).answer.id == "E-ic-contradiction");
 }
 
+// 0.1 + 0.2 − 0.3 is 5.6e-17 in doubles: rounding of the sources, and no potential. v(d) falls from 5 V to it by 1 Ω and 1 F.
+TEST_CASE(".ic of zero agrees with sources in series that cancel to rounding", "[regression]") {
+  const std::string cards = "t\nV1 a 0 0.1\nV2 b a 0.2\nV3 c b -0.3\nR1 c d 1\nC1 d 0 1\n.tran 0.5 1\n.save v(d)\n.ic v(d)=5\n";
+  const std::string given = ".ic v(c)=0\n", wrong = ".ic v(c)=1e-9\n";
+  for (const DeckRun& run : {run_text(cards + given), run_text_sparse(cards + given, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    check(run, "v(d)", 1e-5, [](double t) { return 5.0 * std::exp(-t); });
+  }
+  for (const DeckRun& run : {run_text(cards + wrong), run_text_sparse(cards + wrong, 1e-6)})
+    CHECK(run.answer.id == "E-ic-contradiction");
+}
+
 // The source's 1 V charges the capacitor that ic=0 says is empty.
 TEST_CASE("an initial value of zero that was given and contradicts the circuit is told", "[regression]") {
   const auto told = [](const std::string& initial) {

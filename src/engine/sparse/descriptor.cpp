@@ -70,7 +70,7 @@ std::vector<char> capacitors_read(const model::Network& network) {
 
 }  // namespace
 
-Descriptor::Descriptor(const model::Network& network) : network_(network), sets_(network) {
+Descriptor::Descriptor(const model::Network& network) : network_(network), sets_(network), windings_(network) {
   choose_scale();
   number_unknowns();
   constant_.assign(static_cast<std::size_t>(size_), 0.0);
@@ -78,6 +78,7 @@ Descriptor::Descriptor(const model::Network& network) : network_(network), sets_
   add_stores();
   add_branches_and_injections();
   add_ports();
+  note_conductances();
   compress();
 }
 
@@ -180,7 +181,7 @@ void Descriptor::add_stores() {
     const double e = r0_ * c.capacitance;
     largest_capacitance_ = std::max(largest_capacitance_, std::abs(e));
     const int own = capacitor_current_[i];
-    states_.push_back({c.p, c.n, false, c.capacitance, {}});
+    states_.push_back({c.p, c.n, false, c.capacitance});
     if (own >= 0) {
       add_kcl(c.p, c.n, own, 1.0);
       entry(own, own, 0.0, -1.0);
@@ -193,38 +194,35 @@ void Descriptor::add_stores() {
         add_kcl(c.p, c.n, node, 0.0, sign * e);
     }
   }
-  for (std::size_t i = 0; i < network_.inductors.size(); ++i) {
-    const auto& l = network_.inductors[i];
-    const int own = first_inductor_ + static_cast<int>(i);
-    states_.push_back({own, -1, true, l.inductance, {}});
-    add_kcl(l.p, l.n, own, 1.0);
-    add_voltage(own, l.p, l.n, -1.0);
-    entry(own, own, l.inductance / r0_, 0.0);
-  }
-  for (const auto& k : network_.couplings) {
-    const double a = network_.inductors[static_cast<std::size_t>(k.inductor_a)].inductance;
-    const double b = network_.inductors[static_cast<std::size_t>(k.inductor_b)].inductance;
-    const double mutual = k.coefficient * std::sqrt(std::abs(a)) * std::sqrt(std::abs(b)) / r0_;
-    entry(first_inductor_ + k.inductor_a, first_inductor_ + k.inductor_b, mutual, 0.0);
-    entry(first_inductor_ + k.inductor_b, first_inductor_ + k.inductor_a, mutual, 0.0);
+  add_inductors();
+}
+
+void Descriptor::add_inductors() {
+  for (int i = 0; i < static_cast<int>(network_.inductors.size()); ++i) {
+    const int own = first_inductor_ + i;
+    states_.push_back({own, -1, true, network_.inductors[static_cast<std::size_t>(i)].inductance});
+    const Windings::Sum& current = windings_.current(i);
+    if (current.size() > 1 || windings_.coordinate(i).size() > 1)
+      for (const auto& share : current) states_.back().current.push_back({first_inductor_ + share.index, share.weight});
+    for (const auto& share : windings_.voltages(i)) {
+      const auto& l = network_.inductors[static_cast<std::size_t>(share.index)];
+      add_kcl(l.p, l.n, own, share.weight);
+      add_voltage(own, l.p, l.n, -share.weight);
+    }
+    entry(own, own, windings_.inductance(i) / r0_, 0.0);
   }
   measure_fluxes();
 }
 
 void Descriptor::measure_fluxes() {
-  const auto state = [&](int inductor) -> State& { return states_[network_.capacitors.size() + static_cast<std::size_t>(inductor)]; };
-  std::vector<char> perfect(network_.inductors.size(), 0);
-  for (const auto& k : network_.couplings)
-    if (std::abs(k.coefficient) > perfect_coupling)
-      perfect[static_cast<std::size_t>(k.inductor_a)] = perfect[static_cast<std::size_t>(k.inductor_b)] = 1;
-  for (std::size_t i = 0; i < perfect.size(); ++i)
-    if (perfect[i] != 0) state(static_cast<int>(i)).flux = {{first_inductor_ + static_cast<int>(i), 1.0}};
-  for (const auto& k : network_.couplings)
-    for (const auto& [own, other] : {std::pair{k.inductor_a, k.inductor_b}, std::pair{k.inductor_b, k.inductor_a}}) {
-      if (perfect[static_cast<std::size_t>(own)] == 0) continue;
-      const double ratio = state(other).storage / state(own).storage;
-      state(own).flux.push_back({first_inductor_ + other, k.coefficient * std::sqrt(std::abs(ratio))});
+  for (const auto& k : network_.couplings) {
+    if (std::abs(k.coefficient) <= perfect_coupling) continue;
+    for (const int i : {k.inductor_a, k.inductor_b}) {
+      auto& flux = states_[network_.capacitors.size() + static_cast<std::size_t>(i)].flux;
+      if (!flux.empty()) continue;
+      for (const auto& share : windings_.flux(i)) flux.push_back({first_inductor_ + share.index, share.weight});
     }
+  }
 }
 
 bool Descriptor::passive() const {
@@ -292,6 +290,14 @@ void Descriptor::add_ports() {
     add_port(s.label.name, row++, nullptr, 1.0, s.p, s.n, s.resistance, s.drop);
     ports_.back().is_switch = true;
   }
+}
+
+void Descriptor::note_conductances() {
+  std::vector<double> sum(network_.nodes.size(), 0.0);
+  for (std::size_t i = 0; i < network_.resistors.size(); ++i)
+    for (const NodeIndex node : {network_.resistors[i].p, network_.resistors[i].n})
+      if (node != ground && low_resistor_[i] < 0) sum[static_cast<std::size_t>(node)] += r0_ / std::abs(network_.resistors[i].resistance);
+  conductance_at_port_ = at_ports(sum);
 }
 
 void Descriptor::compress() {
@@ -428,7 +434,9 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
   z.assign(static_cast<std::size_t>(size_), 0.0);
   y.assign(static_cast<std::size_t>(size_), 0.0);
   const std::size_t capacitors = network_.capacitors.size();
-  for (std::size_t i = capacitors; i < states_.size(); ++i) z[static_cast<std::size_t>(states_[i].plus)] = values[i];
+  for (int i = 0; i < static_cast<int>(network_.inductors.size()); ++i)
+    for (const auto& share : windings_.coordinate(i))
+      z[static_cast<std::size_t>(first_inductor_ + i)] += share.weight * values[capacitors + static_cast<std::size_t>(share.index)];
   Potentials potentials(network_.nodes.size());
   for (std::size_t i = 0; i < capacitors; ++i) potentials.join(states_[i].plus, states_[i].minus, values[i]);
   for (const auto& branch : network_.branches)
@@ -487,7 +495,7 @@ Form Descriptor::form(const model::LinearForm& terms) const {
         add(capacitor_current_[i], c / r0_);
         break;
       case Term::Kind::inductor_current:
-        add(first_inductor_ + term.index, c / r0_);
+        for (const auto& share : windings_.current(term.index)) add(first_inductor_ + share.index, share.weight * c / r0_);
         break;
       case Term::Kind::branch_current:
         add(first_branch_ + term.index, c / r0_);

@@ -6,6 +6,8 @@
 /// of Kirchhoff's current law, inductances in those of inductors), so that ½ zᵀE z / R0 is the stored energy where no capacitor has a
 /// current of its own and no part hangs on capacitors alone (below).
 ///
+/// Coupled inductors have coordinates of their own (windings.hpp) in place of currents: none is coupled, and a perfect coupling is a ratio of voltages.
+///
 /// Nodes that capacitors join to one another and not to ground form a floating set. In short steps C/h is so large that the leaks of such a set are lost in
 /// the rounding of its equations, all of which then say the same. So the row of the set's first node holds Kirchhoff's current law of the whole set instead of
 /// its own: the capacitors cancel in it by construction, and the leaks are all that is left.
@@ -21,6 +23,7 @@
 #include <vector>
 
 #include "engine/sparse/floating_sets.hpp"
+#include "engine/sparse/windings.hpp"
 #include "linalg/sparse.hpp"
 #include "model/network.hpp"
 
@@ -75,15 +78,19 @@ struct Port {
   [[nodiscard]] double response(bool on, const double* z) const { return on ? z[row] : Form::sum(slack.z, z); }
 };
 
-/// A state: the voltage of a capacitor or the current of an inductor times R0, z[plus] − z[minus] (−1: nothing).
+/// A state: the voltage of a capacitor or the current of an inductor times R0, z[plus] − z[minus] (−1: nothing), or of coupled inductors a sum.
 struct State {
   int plus = -1, minus = -1;
   bool is_current = false;
-  double storage = 0.0;          ///< capacitance, or inductance without its couplings
-  std::vector<Form::Part> flux;  ///< of a perfectly coupled inductor: its flux over its inductance
+  double storage = 0.0;               ///< capacitance, or inductance without its couplings
+  std::vector<Form::Part> current{};  ///< of a coupled inductor
+  std::vector<Form::Part> flux{};     ///< of a perfectly coupled inductor: its flux over its inductance
   /// What errors are measured in: the value, but the flux of a perfectly coupled inductor, whose current is no state of its own.
   [[nodiscard]] double measure(const double* z) const { return flux.empty() ? value(z) : Form::sum(flux, z); }
-  [[nodiscard]] double value(const double* z) const { return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0); }
+  [[nodiscard]] double value(const double* z) const {
+    if (!current.empty()) return Form::sum(current, z);
+    return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0);
+  }
 };
 
 class Descriptor {
@@ -122,6 +129,8 @@ class Descriptor {
   /// Entries of shift·E + G with closing rows, for currents in a unit of their own: what is no node voltage is `unit` times the unknown of these
   /// entries.
   void matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const;
+  /// Of the resistors whose currents are differences of node voltages at a port's nodes, times R0.
+  [[nodiscard]] double conductance_at(std::size_t port) const { return conductance_at_port_[port]; }
   /// Geometric mean over the nodes of the diagonal of shift·E + G (times R0: 1 is 1/R0).
   [[nodiscard]] double mean_admittance(double shift) const;
   /// k = −(G z + H w + g): what E z' is; zero in closing rows.
@@ -144,6 +153,8 @@ class Descriptor {
   /// closed switches. What loops of capacitors contradict remains as charges y, so that E z + y are all charges and fluxes. False: nothing remains.
   [[nodiscard]] bool unknowns_of_states(const std::vector<double>& values, const std::vector<double>& w, const Position& on,
                                         std::vector<double>& z, std::vector<double>& y) const;
+  /// Whether couplings do not contradict one another.
+  [[nodiscard]] bool coupling_is_possible() const { return windings_.possible(); }
   /// A linear form in SI units.
   [[nodiscard]] Form form(const model::LinearForm& terms) const;
   /// "node out", "the current of V1"
@@ -159,9 +170,11 @@ class Descriptor {
   void scale_complementarities();
   void add_resistors();
   void add_stores();
+  void add_inductors();
   void measure_fluxes();
   void add_branches_and_injections();
   void add_ports();
+  void note_conductances();
   void add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, model::NodeIndex p, model::NodeIndex n,
                 double resistance, double drop);
   void compress();
@@ -186,6 +199,7 @@ class Descriptor {
   int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
   std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none
   FloatingSets sets_;
+  Windings windings_;
   std::vector<double> input_scale_, slack_scale_;  ///< of complementarities: SI value of u a volt, one over the largest of the slack
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;
@@ -197,6 +211,7 @@ class Descriptor {
   std::vector<SourceEntry> sources_;
   std::vector<double> constant_;
   std::vector<Port> ports_;
+  std::vector<double> conductance_at_port_;
   std::vector<State> states_;
 };
 

@@ -22,6 +22,7 @@ constexpr std::size_t fewest_factors = 3, most_factors = 256;
 constexpr std::size_t most_closings = 4;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
+constexpr double recovered = 1e-3;         ///< of a component of a solution, where a pivot may be rounding
 constexpr double least_soundness = 1e-11;  ///< residual of an update, of the largest term of its row
 constexpr double least_condition = 1e-4;   ///< of the small matrix, its diagonal scaled to one
 
@@ -88,7 +89,22 @@ linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closin
   const auto factored = pivots ? f.klu_->refactor_as(*pivots, values_) : f.klu_->factor(values_);
   if (factored != linalg::Factored::good) return factored;
   const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < least_pivot_ratio;
-  return may_be_rounding ? linalg::Factored::singular : factored;
+  return may_be_rounding && !recovers(f, entry.shift, closing) ? linalg::Factored::singular : factored;
+}
+
+/// A solution of our own, with no component like another: whether it comes back from its right-hand side. What a singular matrix leaves open does not, as a pivot
+/// that is rounding meets a right-hand side that is; where pivots are small because units and time constants are far apart, it does.
+bool Factors::recovers(const Factor& factor, double shift, const Descriptor::Closing& closing) {
+  const auto n = static_cast<std::size_t>(descriptor_.size());
+  descriptor_.matrix(shift, closing, 1.0, values_);
+  std::vector<double> right(n), solution(n);
+  const auto own = [](std::size_t i) { return 1.0 + static_cast<double>(i * i % 17) / 8.0; };
+  for (std::size_t i = 0; i < n; ++i) solution[i] = own(i);
+  linalg::multiply(descriptor_.pattern(), values_, solution.data(), right.data());
+  factor.solve_base(right);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(std::abs(right[i] - own(i)) <= recovered * own(i))) return false;
+  return true;
 }
 
 /// A factor of the same position at another shift, whose pivots serve.

@@ -87,6 +87,7 @@ class Factors {
   [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
   void find_open(Entry& entry);
   [[nodiscard]] bool update(Entry& entry);
+  [[nodiscard]] bool recovers(const Factor& factor, double shift, const Descriptor::Closing& closing);
   [[nodiscard]] bool is_sound(const Factor& factor, const Entry& entry);
 
   const Descriptor& descriptor_;

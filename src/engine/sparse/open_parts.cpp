@@ -27,7 +27,8 @@ OpenParts::OpenParts(const model::Network& network) : nodes_(network.nodes.size(
   for (const auto& c : network.capacitors) solid_.push_back({c.p, c.n});
   for (const auto& l : network.inductors) solid_.push_back({l.p, l.n});
   for (const auto& b : network.branches) (model::is_independent(b.voltage) ? shorts_ : solid_).push_back({b.p, b.n});
-  for (const auto& k : network.couplings) tells_all_ &= std::abs(k.coefficient) < perfect_coupling;
+  const Windings windings(network);
+  for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) tells_all_ &= windings.inductance(i) != 0.0;
   int index = 0;
   for (const auto& d : network.diodes) ports_.push_back({{d.p, d.n}, index++, d.resistance == 0.0});
   index += static_cast<int>(network.complementarities.size());

@@ -26,6 +26,7 @@ constexpr int most_corrections = 3;
 constexpr double contradiction_share = 1e-3;
 constexpr double held_tolerance = 1e-10;  ///< of the largest voltage, or current: zero
 constexpr double rounding_of_voltages = 1e-14;
+constexpr double rounding_at_node = 1e-15;  ///< of what a resistor carries at that voltage
 constexpr double noise_share = 1e-6;  ///< of the largest current
 constexpr double good_backward_error = 1e-15;
 constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
@@ -49,14 +50,15 @@ void PortSolver::note_scale(const std::vector<double>& z, const std::vector<doub
 }
 
 PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
-    : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), scale_{0.0, voltage} {}
+    : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), voltage_(voltage), scale_{0.0, voltage} {}
 
 PortSolver::~PortSolver() = default;
 
 double PortSolver::input_size(double most) const { return std::max({most, present_input_, cross_scale * scale_.slack}); }
 
 /// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
-/// a bound for voltages anywhere.
+/// a bound for voltages anywhere. Where nothing can flow, all others being blocked, what resistors bring to the port's nodes still cancels to rounding only: that
+/// of the sources' voltages, not of the present ones, which rounding that counts as a current may drive up.
 double PortSolver::rounding_of_input(double shift, const Position& on, std::size_t port, double voltage) {
   const Factor* factor = factors_.at(shift, on);
   if (!factor) return 0.0;
@@ -64,7 +66,7 @@ double PortSolver::rounding_of_input(double shift, const Position& on, std::size
   probe_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
   probe_[row] = 1.0;
   factor->solve(probe_);
-  return rounding_of_voltages * voltage * std::abs(probe_[row]);
+  return std::max(rounding_of_voltages * voltage * std::abs(probe_[row]), rounding_at_node * voltage_ * descriptor_.conductance_at(port));
 }
 
 double PortSolver::largest_voltage(const std::vector<double>& z) const {

@@ -78,6 +78,7 @@ class PortSolver {
   const Descriptor& descriptor_;
   Factors& factors_;
   bool passive_;
+  double voltage_;  ///< of the sources
   PortScale scale_;
   double present_input_ = 0.0;  ///< largest of the last accepted step
   std::vector<int> disputed_;

@@ -7,6 +7,7 @@
 #include "engine/from_start.hpp"
 #include "engine/left_out.hpp"
 #include "engine/sparse/transient.hpp"
+#include "model/coupling.hpp"
 #include "model/islands.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -69,6 +70,11 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
     if (!island.needed)
       if (auto remark = left_out(island, running)) result->remarks.push_back(std::move(*remark));
     auto part = std::make_unique<Part>(std::move(island));
+    if (!part->descriptor.coupling_is_possible()) {
+      model::report_impossible_coupling(part->island.network, diagnostics);
+      regular = false;
+      continue;
+    }
     Factors factors(part->island.network, part->descriptor);
     if (!factors.at(1.0, first_position(part->island.network, part->descriptor)) && !factors.out_of_memory()) {
       const int unknown = factors.singular_unknown();

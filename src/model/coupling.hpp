@@ -1,0 +1,16 @@
+#pragma once
+/// What both engines say about couplings that no windings can have.
+
+#include "base/diagnostic.hpp"
+#include "model/network.hpp"
+
+namespace pwlsim::model {
+
+/// E-coupling at the first of them.
+inline void report_impossible_coupling(const Network& network, Diagnostics& diagnostics) {
+  diagnostics.error("E-coupling", network.couplings.front().label.span,
+                    "the couplings of these inductors contradict each other: their inductance matrix is indefinite; "
+                    "try smaller coefficients");
+}
+
+}  // namespace pwlsim::model
