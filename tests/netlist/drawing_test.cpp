@@ -168,7 +168,7 @@ TEST_CASE("sheets of blocks have the names of the flat circuit at each place", "
         "R0\nSYMATTR InstName U2\n");
   const Drawn drawn(
       "Version 4\nFLAG -32 0 a\nFLAG 32 0 b\nFLAG 200 0 K\nSYMBOL outer 0 0 R0\nSYMATTR InstName X3\nTEXT 8 40 Left 2 !.tran 1\\nK1 L1 L2 "
-      "1\n",
+      "1\nTEXT 8 90 Left 2 !.global x VCC\n",
       scratch.path());
   CHECK(drawn.messages == 0);
   REQUIRE(drawn.drawing.size() == 3);
