@@ -94,7 +94,7 @@ class Fit {
   bool run(const circuit::Analyses& analyses) {
     int runs = most_runs;
     for (int k = 0; k < runs; ++k) {
-      measure::DiodeCurrents found(fitted_.size());
+      measure::DiodeCurrents found(fitted_.size(), analyses.transient->stop.seconds);
       if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
       if (found.pieces() > long_run) runs = most_long_runs;

@@ -8,7 +8,7 @@
 namespace pwlsim::analysis {
 
 /// Runs the transient analysis that `compiled` asks for, with tangents at 1 A, and then again with each exponential diode's tangent at the current found: its mean weighted by charge,
-/// ∫i² dt / ∫i dt, to two digits; where its current spans so much that one tangent is off, with two or three (analysis/tangent_points.hpp), of which the network gets each but the first as a
+/// ∫i² dt / ∫i dt, to two digits, over sixteen equal windows of the run (measure/diode_currents.hpp); where its current spans so much that one tangent is off, with two or three (analysis/tangent_points.hpp), of which the network gets each but the first as a
 /// diode in parallel. A diode that carries nothing is taken at the current that it would carry at its highest voltage. The runs end when no line moves (six at most, three of long ones). Returns a
 /// note on what was found; none where there is nothing to fit, or a run does not come to its end: the network is then as it was.
 /// With `.op` alone the tangents are those at the operating point, found by Newton's method.

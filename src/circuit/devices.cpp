@@ -122,6 +122,33 @@ std::optional<Device> read_infineon(std::string_view key) {
                 "Infineon: resistance and voltage stand in the name"};
 }
 
+std::optional<Device> named_device(const std::string& key) {
+  const auto* named = longest(table().names, key, [&](std::size_t size) { return is_suffix(std::string_view(key).substr(size), size); });
+  return named == nullptr ? std::nullopt
+                          : std::optional(Device{named->second.type, std::string(named->second.parameters), named->second.source});
+}
+
+/// Families whose names have a letter of the package before the number of the die: MURB1620 is MUR1620, SPA20N60C3 is SPP20N60C3.
+struct Family {
+  std::string_view begin, packages;  ///< a blank: none
+};
+constexpr Family families[] = {{"mur", " bdfhs"}, {"mbr", " bdfgs"}, {"sp", "abdipuw"}, {"st", "bdfipw"}, {"fq", "abdip"}, {"fc", "abhp"}};
+
+/// The same die in another package.
+std::optional<Device> device_in_other_package(const std::string& key) {
+  for (const Family& family : families) {
+    const std::size_t at = family.begin.size();
+    if (!key.starts_with(family.begin) || key.size() < at + 3) continue;
+    const bool has_letter = !is_digit(key[at]);
+    if (has_letter && (family.packages.find(key[at]) == std::string_view::npos || !is_digit(key[at + 1]))) continue;
+    for (const char package : family.packages) {
+      const std::string letter = package == ' ' ? "" : std::string(1, package);
+      if (auto device = named_device(std::string(family.begin) + letter + key.substr(at + (has_letter ? 1 : 0)))) return device;
+    }
+  }
+  return std::nullopt;
+}
+
 bool takes_type(char letter, std::string_view type) {
   switch (letter) {
     case 'd':
@@ -186,10 +213,12 @@ std::vector<Wanted> wanted_by(const Definitions& definitions) {
 
 std::optional<Device> find_device(std::string_view name) {
   const std::string key = without_case(name);
-  const auto* named = longest(table().names, key, [&](std::size_t size) { return is_suffix(std::string_view(key).substr(size), size); });
-  if (named != nullptr) return Device{named->second.type, std::string(named->second.parameters), named->second.source};
+  if (auto device = named_device(key)) return device;
   const auto* pattern = longest(table().patterns, key, [&](std::size_t size) { return !zener_voltage(key.substr(size)).empty(); });
-  if (pattern == nullptr) return read_infineon(key);
+  if (pattern == nullptr) {
+    auto device = device_in_other_package(key);
+    return device ? device : read_infineon(key);
+  }
   return Device{pattern->second.type, with_voltage(pattern->second.parameters, zener_voltage(key.substr(pattern->first.size()))),
                 pattern->second.source};
 }

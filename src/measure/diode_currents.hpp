@@ -17,6 +17,8 @@ class ChargeSpectrum {
   };
 
   void add(double current, double charge);
+  /// All of another's charges times `factor`.
+  void add(const ChargeSpectrum& other, double factor);
   /// Those that hold more than a ten-thousandth of all charge, ascending.
   [[nodiscard]] std::vector<Bin> bins() const;
 
@@ -29,27 +31,38 @@ class ChargeSpectrum {
   std::array<Sum, per_decade * decades> sums_{};
 };
 
-/// Probes come in pairs, a diode's current and the voltage across it.
+/// Probes come in pairs, a diode's current and the voltage across it. The run up to `stop` is divided into sixteen windows of equal length, each of which
+/// counts the same for a diode that conducts in it: an inrush is not all that a rectifier does, though it may move most of the charge.
 class DiodeCurrents : public engine::PieceSink {
  public:
-  explicit DiodeCurrents(std::size_t diodes) : diodes_(diodes) {}
+  DiodeCurrents(std::size_t diodes, double stop) : stop_(stop), diodes_(diodes) {}
 
   void before_start(std::span<const double>) override {}
   void take(const engine::Piece& piece) override;
 
-  /// The mean of a diode's current, weighted by the charge it carries: ∫i² dt / ∫i dt, A. Zero where it carries none.
+  /// The mean of a diode's current over the windows, in each weighted by the charge it carries: ∫i² dt / ∫i dt, A. Zero where it carries none.
   [[nodiscard]] double mean(std::size_t diode) const;
   [[nodiscard]] std::size_t pieces() const { return pieces_; }
-  [[nodiscard]] const ChargeSpectrum& spectrum(std::size_t diode) const { return diodes_[diode].spectrum; }
+  /// The charge of each window is 1.
+  [[nodiscard]] ChargeSpectrum spectrum(std::size_t diode) const;
   /// The highest and the lowest voltage across it, V; 0 where it has the other sign.
   [[nodiscard]] double highest_voltage(std::size_t diode) const { return diodes_[diode].highest; }
   [[nodiscard]] double lowest_voltage(std::size_t diode) const { return diodes_[diode].lowest; }
 
  private:
-  struct Sums {
-    double charge = 0.0, square = 0.0, highest = 0.0, lowest = 0.0;
+  static constexpr std::size_t windows = 16;
+  struct Window {
+    double charge = 0.0, square = 0.0;
     ChargeSpectrum spectrum;
   };
+  struct Sums {
+    double highest = 0.0, lowest = 0.0;
+    std::vector<Window> windows{DiodeCurrents::windows};
+  };
+  /// Those in which the diode conducts, as far as the others go.
+  [[nodiscard]] std::vector<const Window*> counted(std::size_t diode) const;
+
+  double stop_;
   std::vector<Sums> diodes_;
   std::size_t pieces_ = 0;
 };

@@ -37,6 +37,9 @@ TEST_CASE("a name stands for itself and for itself with letters behind it", "[un
   CHECK(parameters_of("MBRS140T3G") == parameters_of("MBRS140"));
   CHECK(parameters_of("IRF540NPBF") == parameters_of("IRF540N"));
   CHECK(parameters_of("IRF540") != parameters_of("IRF540N"));
+  CHECK(parameters_of("MURB1620CT") == parameters_of("MUR1620"));  // the same die in another package
+  CHECK(parameters_of("SPA20N60C3") == parameters_of("SPP20N60C3"));
+  CHECK(parameters_of("MURX1620") == "none");
   CHECK(parameters_of("J201") == "NJF Vto=-2 Beta=1m");
   CHECK(parameters_of("J201X") == "none");  // too short for anything but itself
   CHECK(parameters_of("1N4148_with_a_long_name") == "none");
