@@ -15,7 +15,7 @@ using model::Mode;
 
 constexpr double same_length = 1e-12;     ///< of a length: intervals whose products are added up
 constexpr std::size_t most_lengths = 48;  ///< of one mode, before their sums are settled
-constexpr double same_time = 1e-12;       ///< of the run and of a time, as in steady/sensitivity.cpp
+constexpr double same_instant = 1e-12;    ///< of the run and of a time, as forward
 
 /// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}.
 Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h) {
@@ -232,7 +232,8 @@ void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pas
   const LinearInstant& instant = along_.orbit_.instants()[number];
   const Stacking& stacking = along_.orbit_.stacking();
   const std::size_t all = along_.inputs_.parameters.size();
-  const double time = instant.time, left = time - same_time * (along_.length_ + time), right = time + same_time * (along_.length_ + time);
+  const double time = instant.time, left = time - same_instant * (along_.length_ + time),
+               right = time + same_instant * (along_.length_ + time);
   const auto read = functional.shifts.find(number);
   double sigma = read != functional.shifts.end() ? read->second : 0.0;
   const auto& changes = along_.trace_.steps[number].changes;
@@ -309,9 +310,10 @@ Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) con
 /// What the inputs of one parameter bring, by the sums of all modes.
 double Adjoint::of_parameter(std::size_t parameter, Pass& pass) const {
   double total = 0.0;
-  for (const auto& [key, sums] : pass.sums) {
-    const auto& [island, mode_of] = key;
-    const Mode& mode = *mode_of;
+  for (const auto& entry : pass.sums) {
+    const std::size_t island = entry.first.first;
+    const Mode& mode = *entry.first.second;
+    const Sums& sums = entry.second;
     Sensitivity::Flow own;
     along_.add_drives(parameter, island, mode, own);
     const int first_wave = own.ny + along_.first_of_waves(parameter, island);

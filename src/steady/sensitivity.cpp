@@ -153,7 +153,7 @@ Eigen::RowVectorXd Sensitivity::drive_row(const Drive& drive, std::size_t island
 }
 
 void Sensitivity::add_drives(std::size_t parameter, std::size_t island, const Mode& mode, Flow& flow) const {
-  const ParameterInputs& own = this->own(parameter);
+  const ParameterInputs& own = inputs_of_number(parameter);
   const auto reads = [&](int input) { return is_read(input, island); };
   std::vector<int> first;
   for (std::size_t k = 0; k < own.waves.size(); ++k) {
@@ -226,7 +226,7 @@ Vector Sensitivity::waves_at(const Flow& flow, std::size_t parameter, double tim
   Vector z(flow.nz);
   int first = 0;
   for (const std::size_t k : flow.waves) {
-    const Wave& wave = own(parameter).waves[k];
+    const Wave& wave = inputs_of_number(parameter).waves[k];
     z.segment(first, wave_size(wave)) = wave_state(wave, time, inside, is_settled_);
     first += wave_size(wave);
   }

@@ -92,7 +92,7 @@ class Sensitivity {
   void add_static_parts();
   [[nodiscard]] std::string check(std::size_t parameter) const;
   /// The number behind the last one: the waves of all parameters together.
-  [[nodiscard]] const ParameterInputs& own(std::size_t parameter) const {
+  [[nodiscard]] const ParameterInputs& inputs_of_number(std::size_t parameter) const {
     return parameter < inputs_.parameters.size() ? inputs_.parameters[parameter] : all_;
   }
   /// Where the waves of a parameter begin among those of all that the island reads.
