@@ -33,7 +33,9 @@ void leave_out_guard(Mode& mode, Eigen::Index row) {
 void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
   if (!other || other->n1 != mode.n1) return;
   const Matrix rows = guards_of_state(mode);
-  const Vector error = error_factor * (rows - guards_of_state(*other)).rowwise().norm();
+  const Matrix difference = error_factor * (rows - guards_of_state(*other));
+  const Vector error = difference.rowwise().norm();
+  const bool has_leaks = error.size() > 0 && (error.array() > tolerance::most_guard_noise * mode.guard_norm.array()).any();
   for (int i = 0; i < error.size(); ++i) {
     const double norm = mode.guard_norm[i];
     if (norm == 0.0) continue;
@@ -43,6 +45,16 @@ void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
     else
       mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, tolerance::largest_guard_noise);
   }
+  if (!has_leaks) return;
+  mode.guard_error.resize(mode.guards.rows(), mode.ny);
+  mode.guard_error.leftCols(mode.n1) = (difference.leftCols(system.n) * mode.basis).cwiseAbs();
+  mode.guard_error.rightCols(mode.ny - mode.n1) = difference.rightCols(mode.ny - mode.n1).cwiseAbs();
+}
+
+double guard_rounding(const Mode& mode, int row, const double* y, double size, double least) {
+  const double noise = std::max(mode.guard_noise[row], least);
+  if (mode.guard_error.size() == 0) return noise * size;
+  return std::min(noise * size, std::max(mode.noise, least) * size + linalg::absolute_row_times(mode.guard_error, row, y));
 }
 
 }  // namespace pwlsim::model

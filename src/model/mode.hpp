@@ -56,6 +56,7 @@ struct Mode {
   double scaled_growth = 0.0;  ///< max(0, μ(S⁻¹A₁S))
   double noise = 0.0;          ///< relative rounding level of guard values in this mode
   Vector guard_noise;          ///< the same of each guard by itself, where that is known
+  Matrix guard_error;          ///< of each entry of `guards`, which may be large and read a state that is nearly zero; empty: not known
 
   /// Guards in y: one a diode port (u_i or y_i, ≥ 0 while the mode lasts), then two a control: v − off_level, on_level − v.
   Matrix guards;
@@ -83,6 +84,9 @@ struct Mode {
 
 /// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
 void finish_mode(const System& system, Mode& mode, Matrix a);
+
+/// What the errors of a guard's entries make of it at y, by `guard_noise` or, where that tells less, by `guard_error`. `size`: of its terms; `least`: the least noise.
+[[nodiscard]] double guard_rounding(const Mode& mode, int row, const double* y, double size, double least);
 
 /// x -> y and back. x has system.size() entries, y has mode.ny.
 void to_mode(const System& system, const Mode& mode, const double* x, double* y);

@@ -32,6 +32,8 @@ constexpr double least_damping = 0.999;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
 constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
 constexpr int most_iterations = 16;
+constexpr int fewest_iterations = 3;      ///< of the slow subspace, before a change that does not shrink …
+constexpr Wide least_progress = 0.1L;     ///< … to this counts as rounding: the gap makes it 10⁻⁴ of the last
 constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
 
@@ -130,11 +132,13 @@ WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
   if (dimension == 0) return WideMatrix(s.rows(), 0);
   const Eigen::ColPivHouseholderQR<WideMatrix> qr(s);
   WideMatrix basis = qr.householderQ() * WideMatrix::Identity(s.rows(), dimension);
+  Wide last = INFINITY;
   for (int k = 0; k < most_iterations; ++k) {
     WideMatrix next = orthonormal(product(s, basis));
     const Wide change = (next - product(basis, product(basis.transpose(), next))).norm();
     basis = std::move(next);
-    if (change <= tolerance::manifold_converged) break;
+    if (change <= tolerance::manifold_converged || (k >= fewest_iterations && change > least_progress * last)) break;
+    last = change;
   }
   return basis;
 }

@@ -40,7 +40,8 @@ void Verifier::extend(const Mode& mode, int order) {
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
   size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
-  double bound = relaxation_ * std::min(mode.guard_noise[row], std::max(mode.noise, tolerance::most_guard_noise)) * size;
+  const double* z = &z_[static_cast<std::size_t>(order * ny_)];
+  double bound = relaxation_ * std::min(std::max(mode.noise, tolerance::most_guard_noise) * size, guard_rounding(mode, row, z, size, 0.0));
   if (relaxation_ > 1.0) bound += relaxation_ * tolerance::remainder_of_decay * mode.guard_norm[row] * largest_;
   return bound;
 }

@@ -54,7 +54,7 @@ void GuardWatch::look_inside(const model::Mode& mode, const double* y0, double b
 }
 
 void GuardWatch::find_violation(const model::Mode& mode, const double* y, int port, double value, double time) {
-  const double own_level = mode.guard_noise[port] * mode.guard_norm[port] * linalg::norm(y, mode.ny);
+  const double own_level = model::guard_rounding(mode, port, y, mode.guard_norm[port] * linalg::norm(y, mode.ny), 0.0);
   const double level = std::max(own_level, tolerance::remainder * *std::max_element(largest_.begin(), largest_.end()));
   const double below = -value - rounding_levels * level;
   const std::size_t quantity = 2 * static_cast<std::size_t>(port) + static_cast<std::size_t>(mode.active.contains(port));
