@@ -176,10 +176,10 @@ bool Block::flip_at_rest(const Point& at, Instant& instant) {
 /// Where those that changed sides at the instant leave no position: the switches whose controls pass within a step of the position before, as the complement of a
 /// gate does that comes by a controlled source. False: none does.
 bool Block::flip_ahead(double h, Instant& instant, Point& first) {
-  Position together = point_.on;
+  Position ahead = point_.on;
   point_.on = position_before_;
-  const bool flipped = stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, together);
-  point_.on = together;
+  const bool flipped = stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, ahead);
+  point_.on = ahead;
   return flipped;
 }
 
