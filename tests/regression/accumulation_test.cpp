@@ -104,3 +104,17 @@ TEST_CASE("a run that ends, or a source that moves, before the limit follows the
   CHECK(std::abs(run.rows.back()[1] - expected.x) <= exact);
   CHECK(std::abs(run.rows.back()[2] - expected.v) <= exact);
 }
+
+// Events closer than 1e-14 of the run are one instant: a gate's pulse of 1e-15 s in a run of 1 s has no effect, a hundred of them do not accumulate, and nothing
+// leaves zero.
+TEST_CASE("pulses far below the resolution of a run are no accumulation on either engine", "[regression]") {
+  const std::string deck =
+      "t\nV1 in 0 10\nVg g 0 PULSE(0 1 1m 1f 1f 1f 10m)\nS1 in a g 0 SX\nD1 0 a DX\nL1 a out 1m\nC1 out 0 100u\nR1 out 0 10\n"
+      ".model SX SW(Ron=1m Vt=0.5)\n.model DX D\n.save v(out) i(L1)\n.tran 10m 1 uic\n";
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, 1e-6)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    REQUIRE(run.rows.size() == 101);
+    for (const auto& row : run.rows) CHECK((row[1] == 0.0 && row[2] == 0.0));
+  }
+}
