@@ -8,7 +8,7 @@ namespace pwlsim::test::converters {
 namespace {
 
 /// A signal's size is at least this part of the largest of its kind, a voltage's of the sources, too …
-constexpr double negligible = 1e-8;
+constexpr double negligible = 1e-6;
 /// … a current's at least this times the largest voltage: what Roff = inf becomes here (Equations) leaks a 1e-8th of it …
 constexpr double leak_conductance = 1e-9;
 /// … and in row 0 so many times what leaks through the least Roff, ten of them in parallel: beside an inductor it begins within 1e-14 s.
