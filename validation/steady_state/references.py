@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""validation/steady_state/references.py [NAME ...]: long-digit references of the decks here from the equations in circuits.py; makes references/NAME.csv.
+
+Debian: python3-mpmath; a few minutes. check.py compares the program with them.
+"""
+import pathlib
+import sys
+import time
+
+sys.dont_write_bytecode = True
+from mpmath import mp, mpf  # noqa: E402
+
+from automaton import Orbit  # noqa: E402
+from circuits import CIRCUITS  # noqa: E402
+
+HERE = pathlib.Path(__file__).resolve().parent
+SUFFIXES = {"k": 3, "m": -3, "u": -6, "n": -9}
+
+
+def number(text):
+    return mpf(text[:-1]) * mpf(10) ** SUFFIXES[text[-1]] if text[-1] in SUFFIXES else mpf(text)
+
+
+def lines_of(name):
+    build, parameters, options, mean, source, multiples, moved = CIRCUITS[name]
+    mp.dps = 60
+    orbit = Orbit(build, {k: number(v) for k, v in parameters.items()}, **options)
+    if orbit.residual > mpf(10) ** -30:
+        raise RuntimeError(f"{name}: residual {mp.nstr(orbit.residual, 3)}")
+    show = lambda x: mp.nstr(x if abs(x) > mpf(10) ** -18 else mpf(0), 20, min_fixed=-4, max_fixed=8)
+    yield "period", "", show(orbit.period), ""
+    for state, value in zip(orbit.circuit.states, orbit.x):
+        yield "state", state, show(value), ""
+    for value in orbit.multipliers():
+        if abs(value) > mpf(10) ** -15:
+            yield "multiplier", "", show(value.real), show(value.imag)
+    yield "mean", mean, show(orbit.mean()), ""
+    for multiple in multiples:
+        frequency = number(multiple) / number(parameters["T"])
+        answer = orbit.transfer(source, frequency)
+        yield "transfer", f"{source} {mp.nstr(frequency, 12)}", show(answer.real), show(answer.imag)
+    for parameter in moved:
+        yield "derivative", parameter, show(orbit.derivative(parameter)), ""
+
+
+def main():
+    (HERE / "references").mkdir(exist_ok=True)
+    for name in sys.argv[1:] or CIRCUITS:
+        begin = time.time()
+        lines = list(lines_of(name))
+        with open(HERE / "references" / f"{name}.csv", "w", encoding="ascii") as out:
+            out.write(f"# {name}.net: period, states at t = 0, multipliers other than 0, mean, c_0 of the mean's signal, derivatives of the mean (of the period where it is\n"
+                      "# free), 20 digits; made by validation/steady_state/references.py from equations written by hand\nkind,name,re,im\n")
+            out.writelines(",".join(line) + "\n" for line in lines)
+        print(f"{name}: {len(lines)} numbers, {time.time() - begin:.0f} s", flush=True)
+
+
+main()
