@@ -38,7 +38,7 @@ class Matrices:
     def __init__(self, circuit, driven=None, jw=0, kind=mpf):
         self.names = circuit.states + list(circuit.sources) + ["E"]
         self.at = {name: k for k, name in enumerate(self.names)}
-        self.kind, self.driven = kind, driven
+        self.kind, self.driven, self.jw = kind, driven, jw
         self.modes = {}
         for name, mode in circuit.modes.items():
             rows = [(self.at[state], self.row(row)) for state, row in mode.rows.items()]
@@ -49,9 +49,11 @@ class Matrices:
         self.clock = [(kind(t), to, self.jump(jump)) for t, to, jump in circuit.clock]
 
     def row(self, coefficients):
-        out = [(self.at[name], self.kind(value)) for name, value in coefficients.items() if value != 0]
-        if self.driven in coefficients and coefficients[self.driven] != 0:
-            out.append((self.at["E"], self.kind(coefficients[self.driven])))
+        """X' stands for the derivative of a constant source X: that of the small input."""
+        out = [(self.at[name], self.kind(value)) for name, value in coefficients.items() if value != 0 and name in self.at]
+        for name, factor in ((self.driven, 1), (f"{self.driven}'", self.jw)):
+            if coefficients.get(name, 0) != 0:
+                out.append((self.at["E"], factor * self.kind(coefficients[name])))
         return out
 
     def jump(self, jump):
@@ -89,11 +91,12 @@ def flow(rows, y, h, shift=0, output=None):
 
 
 class Orbit:
-    def __init__(self, build, parameters, settle=400, guess=None):
+    def __init__(self, build, parameters, settle=400, kept=()):
         mp.dps = 60
         self.build, self.parameters = build, {k: mpf(v) for k, v in parameters.items()}
         self.circuit = build(self.parameters)
         self.n = len(self.circuit.states)
+        self.kept = [self.circuit.states.index(name) for name in kept]  # states of a family of orbits, kept from the start
         self.fast = Matrices(self.circuit, kind=float)
         x = [float(self.circuit.ahead.get(s, 0)) for s in self.circuit.states]
         for _ in range(settle):
@@ -184,10 +187,9 @@ class Orbit:
         for i in range(self.n):
             for j in range(self.n):
                 a[i, j] = (1 if i == j else 0) - columns[j][i]
-        try:
-            d = mp.lu_solve(a, mp.matrix([e - v for e, v in zip(end, x)]))
-        except ZeroDivisionError:
-            return x
+        for k in self.kept:
+            a[k, k] += 1
+        d = mp.lu_solve(a, mp.matrix([e - v for e, v in zip(end, x)]))
         return [v + float(s) for v, s in zip(x, d)]
 
     # ---- 60 digits: the instants as roots along the known sequence
@@ -238,10 +240,10 @@ class Orbit:
 
     def corrected(self, x, circuit=None, matrices=None):
         end = self.follow(x, circuit, matrices)[0]
-        try:
-            d = mp.lu_solve(mp.eye(self.n) - self.phi, mp.matrix([a - b for a, b in zip(end, x)]))
-        except ZeroDivisionError:  # a family of orbits: it is kept from the start
-            return x
+        a = mp.eye(self.n) - self.phi
+        for k in self.kept:
+            a[k, k] += 1
+        d = mp.lu_solve(a, mp.matrix([e - v for e, v in zip(end, x)]))
         return [a + s for a, s in zip(x, d)]
 
     # ---- results

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """validation/steady_state/check.py [PROGRAM [NAME ...]]: .pss, .ac and .sens of the decks here beside references/*.csv; a Markdown table on standard output.
 
-Ends with status 1 if an error exceeds its limit. Errors are relative: of a state, mean, period or response to its own size, of a multiplier to 1 or its size if
-that is more, of a derivative to the larger of its size and mean/parameter.
+Ends with status 1 if an error exceeds its limit. Errors are relative: of a state or mean to the signal's maximum over the period, of a period or response to its
+own size, of a multiplier to 1 or its size if that is more, of a derivative to its size or, if that is more, the signal's maximum (a free period) over the parameter.
 """
 import csv
 import json
@@ -31,16 +31,28 @@ def anchored(deck):
 def results_of(name, reference, folder):
     text = anchored((HERE / f"{name}.net").read_text())
     names = {kind: [n for k, n, _ in reference if k == kind] for kind in LIMITS}
-    measured = [f".meas pss mean AVG {names['mean'][0]}", ".meas pss period PERIOD"] if names["mean"] else []
+    signal = names["mean"][0]
+    measured = [f".meas pss mean AVG {signal}", f".meas pss peak MAX abs({signal})", ".meas pss period PERIOD"]
     cards = measured + ([f".sens param={','.join(names['derivative'])}"] if names["derivative"] else [])
     if names["transfer"]:
         source = names["transfer"][0].split()[0]
         cards.append(f".ac list {' '.join(n.split()[1] for n in names['transfer'])} from={source}")
+    for kind, state, _ in reference:
+        if kind == "state":
+            cards += [f".meas pss peak_{state[2:-1]} MAX abs({signal_of(state, text)})"]
     deck = re.sub(r"(?m)^\.save .*$", "", text).replace("\n.end", "\n" + "\n".join(cards) + "\n.end")
     path = pathlib.Path(folder) / f"{name}.net"
     path.write_text(deck)
     run = subprocess.run([PROGRAM, path, "--json", "--no-rows", "--quiet"], capture_output=True, text=True, cwd=folder, timeout=300, check=False)
     return json.loads(run.stdout), deck
+
+
+def signal_of(state, deck):
+    """i(L1) is one; v(C1) is the voltage between its nodes."""
+    if state[0] == "i":
+        return state
+    nodes = re.search(rf"(?mi)^{state[2:-1]} (\S+) (\S+)", deck)
+    return f"v({nodes.group(1)},{nodes.group(2)})".replace(",0)", ")")
 
 
 def value_in(deck, parameter):
@@ -58,10 +70,6 @@ def pairs_of(reference, result, deck):
     states = {s["name"].lower(): s["value"] for s in pss["states"]}
     means = {m["name"]: m["value"] for m in result["measurements"]}
     free = pss["kind"] == "autonomous"
-    sizes = {}
-    for kind, name, _ in reference:
-        if kind == "state":
-            sizes[name[0]] = max(sizes.get(name[0], 0.0), max((abs(v.real) for k, n, v in reference if k == kind and n[0] == name[0])))
     found = [complex(m["re"], m["im"]) for m in pss["multipliers"] if not m["trivial"]]
     signals = {s["name"]: s for s in result["ac"]["signals"]} if result["ac"] else {}
     mean = next((n for k, n, _ in reference if k == "mean"), None)
@@ -70,21 +78,21 @@ def pairs_of(reference, result, deck):
         if kind == "period":
             yield kind, value, pss["period"], abs(value)
         elif kind == "state":
-            yield kind, value, states.get(name.lower()), abs(value) or sizes[name[0]] or 1.0
+            yield kind, value, states.get(name.lower()), means[f"peak_{name[2:-1]}"]
         elif kind == "multiplier":
             nearest = min(found, key=lambda m: abs(m - value), default=None)
             if nearest is not None:
                 found.remove(nearest)
             yield kind, value, nearest, max(1.0, abs(value))
         elif kind == "mean":
-            yield kind, value, means["mean"], abs(value) or 1.0
+            yield kind, value, means["mean"], means["peak"]
         elif kind == "transfer":
             k, signal = next(responses), signals[mean]
             yield kind, value, complex(signal["re"][k], signal["im"][k]), abs(value)
         else:
             measurement = "period" if free else "mean"
             entry = next(s for s in result["sensitivities"] if (s["measurement"], s["parameter"].lower()) == (measurement, name.lower()))
-            yield kind, value, entry["derivative"], max(abs(value), abs(means[measurement]) / abs(value_in(deck, name)))
+            yield kind, value, entry["derivative"], max(abs(value), abs(means["period" if free else "peak"]) / abs(value_in(deck, name)))
     for extra in found:
         yield "multiplier", 0j, extra, 1.0  # those that the reference leaves out are 0
 

@@ -51,18 +51,15 @@ def buck_boost(p):
 def cuk(p):
     i2, vc = "i(L2)", "v(C2)"
     def rows(on):
-        # C1 between the switch node and the diode node; i(L2) flows from the diode node to the output
-        r, s = (p["Ron"], 0) if on else (0, p["Rd"])
-        if on:  # the switch carries i1 - (-i2): the diode node lies v(C1) below the switch node
-            w = {i: r, i2: -r}  # of the switch node, i(L2) into the output node from outside, negative
-            l1 = {"Vin": 1, i: -r, i2: r}
-            l2 = {i: r, i2: -r, v: -1, vc: -1}
-            c1 = {i2: 1}
+        # C1 lies between the switch node and the diode node; i(L2) flows from the diode node to the output. The sum i(L1) - i(L2) flows in the switch or in
+        # the diode: the switch node lies at Ron (i1 - i2), or the diode node at Vf + Rd (i1 - i2).
+        if on:
+            l1 = {"Vin": 1, i: -p["Ron"], i2: p["Ron"]}
+            l2 = {i: p["Ron"], i2: -p["Ron"], v: -1, vc: -1}
         else:
-            w = {"one": p["Vf"], i: s, i2: -s}  # of the diode node, anode there
-            l1 = {"Vin": 1, v: -1, "one": -p["Vf"], i: -s, i2: s}
-            l2 = {"one": p["Vf"], i: s, i2: -s, vc: -1}
-            c1 = {i: 1}
+            l1 = {"Vin": 1, v: -1, "one": -p["Vf"], i: -p["Rd"], i2: p["Rd"]}
+            l2 = {"one": p["Vf"], i: p["Rd"], i2: -p["Rd"], vc: -1}
+        c1 = {i2: 1} if on else {i: 1}
         return {i: {k: x / p["L1"] for k, x in l1.items()}, i2: {k: x / p["L2"] for k, x in l2.items()},
                 v: {k: x / p["C1"] for k, x in c1.items()}, vc: {i2: 1 / p["C2"], vc: -1 / (p["R1"] * p["C2"])}}
     out = {vc: 1}
@@ -214,12 +211,13 @@ def inverter(p):
 
 def charge_pump(p):
     f, o = "v(Cf)", "v(Co)"
-    both = -1 / (p["R1"] * (p["Cf"] + p["Co"]))
+    total = p["Cf"] + p["Co"]
+    both = {o: -1 / (p["R1"] * total), "Vin'": p["Cf"] / total}
     # at t = T/2: v(Cf) + Vin = v(Co), and Co takes what Cf gives
-    share = {f: p["Cf"] / (p["Cf"] + p["Co"]), o: p["Co"] / (p["Cf"] + p["Co"]), "Vin": p["Cf"] / (p["Cf"] + p["Co"])}
+    share = {f: p["Cf"] / total, o: p["Co"] / total, "Vin": p["Cf"] / total}
     return Circuit([f, o], {"one": 1, "Vin": p["Vin"]},
-                   {"fill": Mode({o: {o: -1 / (p["R1"] * p["Co"])}}, output={o: 1}),
-                    "give": Mode({o: {o: both}, f: {o: both}}, output={o: 1})},
+                   {"fill": Mode({f: {"Vin'": 1}, o: {o: -1 / (p["R1"] * p["Co"])}}, output={o: 1}),
+                    "give": Mode({o: both, f: {**both, "Vin'": both["Vin'"] - 1}}, output={o: 1})},
                    "fill", p["T"], [(p["T"] / 2, {"fill": "give"}, {o: share, f: {**share, "Vin": share["Vin"] - 1}}),
                                     (p["T"], {"give": "fill"}, {f: {"Vin": 1}})])
 
@@ -290,5 +288,5 @@ CIRCUITS = {
     "inverter": (inverter, {"Vdc": "400", "Vm": "200", "f": "50", "T": "100u", "Ron": "10m", "L1": "2m", "R1": "10"}, {"settle": 1}, "i(L1)", None, [], ["R1", "L1"]),
     "charge_pump": (charge_pump, {"Vin": "5", "Cf": "1u", "Co": "10u", "R1": "1k", "T": "10u"}, {}, "v(out)", "Vin", ["0.01", "0.3"], ["R1", "Cf", "Co", "Vin"]),
     "series_resonant": (series_resonant, {"V1": "1", "L1": "100u", "C1": "1u", "R1": "2", "T": "70u"}, {}, "i(L1)", None, [], ["R1", "C1"]),
-    "flux": (flux, {"V1": "1", "f": "50", "L1": "10m", "R1": "1k", "C1": "1u"}, {"settle": 0}, "v(b)", None, [], []),
+    "flux": (flux, {"V1": "1", "f": "50", "L1": "10m", "R1": "1k", "C1": "1u"}, {"settle": 0, "kept": ["i(L1)"]}, "v(b)", None, [], []),
 }
