@@ -1,7 +1,7 @@
 """A switched circuit written by hand as an automaton of linear modes: its periodic orbit, multipliers, transfer functions and derivatives to 40 digits.
 
-Nothing is shared with the program: no netlist, no extraction of a model, no saltation matrix, no projection formula. A mode is x' = A x with the sources as further
-states; the sequence of modes is found by marching in double precision; the instants of the guards are then roots found by Newton's method with 60 digits.
+Nothing is shared with the program: no netlist, no extraction of a model, no saltation matrix, no projection formula. A mode is x' = A x with the sources as
+further states; the sequence of modes is found by marching in double precision, the instants of the guards by Newton's method with 60 digits.
 The monodromy matrix, transfer functions and derivatives are differences of that map with a step of 1e-22. Event times are analytic in the start and in the
 input, so an input eps*e^{jwt} is run as it stands, with complex event times; terms for outputs that jump at moving instants come out by themselves.
 """
@@ -193,8 +193,10 @@ class Orbit:
         return [v + float(s) for v, s in zip(x, d)]
 
     # ---- 60 digits: the instants as roots along the known sequence
-    def follow(self, x, circuit=None, matrices=None, jw=0, small=0):
-        """End state, integral of output*e^{-jwt}, end time, path with its instants."""
+    def follow(self, x, circuit=None, matrices=None, jw=0, small=0, until=None):
+        """End state, integral of output*e^{-jwt}, end time, path with its instants.
+
+        With `until` a self-timed circuit runs on, or back, in its first mode to that time."""
         c, m = circuit or self.circuit, matrices or self.exact
         y = self.begin(x, c, mpf(0))
         y[-1] = small
@@ -226,15 +228,21 @@ class Orbit:
                 at += 1
             elif what != "end":
                 y = jumped(guards[what][2], y)
+        if until is not None:
+            rows, _, output = m.modes[c.start]
+            shift, integral = flow(rows, y, until - t, jw, output)
+            total += integral * (mp.exp(-jw * t) if jw else 1)
+            y = [v * mp.exp(jw * (until - t)) for v in shift] if jw else shift
         return y[: self.n], total, t, path
 
-    def monodromy(self):
-        end = self.follow(self.x)[0]
+    def monodromy(self, until=None):
+        """Of the return to the first mode; with `until` of that time, in which a self-timed orbit has the multiplier 1."""
+        end = self.follow(self.x, until=until)[0]
         phi = mp.matrix(self.n, self.n)
         for k in range(self.n):
             moved = list(self.x)
             moved[k] += STEP
-            for i, (a, b) in enumerate(zip(self.follow(moved)[0], end)):
+            for i, (a, b) in enumerate(zip(self.follow(moved, until=until)[0], end)):
                 phi[i, k] = (a - b) / STEP
         return phi
 
@@ -258,12 +266,13 @@ class Orbit:
         """c_0: output to an input on `source` at this frequency."""
         jw = mpc(0, 2 * mp.pi * mpf(frequency))
         m = Matrices(self.circuit, driven=source, jw=jw)
-        base_end, base, t, _ = self.follow(self.x, jw=jw)
-        end, _, _, _ = self.follow(self.x, matrices=m, jw=jw, small=STEP)
-        g = mp.matrix([(a - b) / STEP for a, b in zip(end, base_end)])
-        r = mp.lu_solve(mp.exp(jw * self.period) * mp.eye(self.n) - self.phi, g)
+        until = self.period if self.circuit.period is None else None
+        run = lambda x, **given: self.follow(x, jw=jw, until=until, **given)
+        base_end, base, _, _ = run(self.x)
+        g = mp.matrix([(a - b) / STEP for a, b in zip(run(self.x, matrices=m, small=STEP)[0], base_end)])
+        r = mp.lu_solve(mp.exp(jw * self.period) * mp.eye(self.n) - self.monodromy(until), g)
         moved = [a + STEP * b for a, b in zip(self.x, r)]
-        return (self.follow(moved, matrices=m, jw=jw, small=STEP)[1] - base) / STEP / self.period
+        return (run(moved, matrices=m, small=STEP)[1] - base) / STEP / self.period
 
     def derivative(self, parameter):
         """Of the mean (self-timed: of the period) to a parameter."""

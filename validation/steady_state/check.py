@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """validation/steady_state/check.py [PROGRAM [NAME ...]]: .pss, .ac and .sens of the decks here beside references/*.csv; a Markdown table on standard output.
 
-Ends with status 1 if an error exceeds its limit. Errors are relative: of a state or mean to the signal's maximum over the period, of a period or response to its
-own size, of a multiplier to 1 or its size if that is more, of a derivative to its size or, if that is more, the signal's maximum (a free period) over the parameter.
+Ends with status 1 if an error exceeds its limit. Errors are relative: of a state or mean to the signal's maximum over the period, of a period or response to
+its own size, of a multiplier to 1 or its size if that is more, of a derivative to its size or, if that is more, the signal's maximum (a free period) over the
+parameter.
 """
 import csv
 import json

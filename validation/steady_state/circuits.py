@@ -139,14 +139,15 @@ def hysteretic(p):
 
 def sine(p, amplitude):
     w = 2 * mp.pi * p["f"]
-    return w, {"one": 1, "s": 0, "c": mpf(amplitude)}, {"s": {"c": w}, "c": {"s": -w}}
+    return w, {"one": 1, "s": 0, "c": mpf(amplitude), "u": 0}, {"s": {"c": w}, "c": {"s": -w}}  # u: a small input in series with the source
 
 
 def half_wave(p):
     w, sources, turning = sine(p, p["V1"])
     return Circuit([v], sources,
-                   {"on": Mode({v: {"c": w}, **turning}, [({"c": w * p["C1"], "s": 1 / p["R1"]}, "off", None)], {v: 1}),
-                    "off": Mode({v: {v: -1 / (p["R1"] * p["C1"])}, **turning}, [({v: 1, "s": -1}, "on", None)], {v: 1})},
+                   {"on": Mode({v: {"c": w, "u'": 1}, **turning},
+                               [({"c": w * p["C1"], "u'": p["C1"], "s": 1 / p["R1"], "u": 1 / p["R1"]}, "off", None)], {v: 1}),
+                    "off": Mode({v: {v: -1 / (p["R1"] * p["C1"])}, **turning}, [({v: 1, "s": -1, "u": -1}, "on", None)], {v: 1})},
                    "off", 1 / p["f"], ahead={v: 8})
 
 
@@ -154,14 +155,14 @@ def rl_rectifier(p):
     """A diode in series with R1 and L1: the current ends before the next half-wave."""
     w, sources, turning = sine(p, p["V1"])
     return Circuit([i], sources,
-                   {"on": Mode({i: {"s": 1 / p["L1"], i: -p["R1"] / p["L1"]}, **turning}, [({i: 1}, "idle", {i: {}})], {i: 1}),
+                   {"on": Mode({i: {"s": 1 / p["L1"], "u": 1 / p["L1"], i: -p["R1"] / p["L1"]}, **turning}, [({i: 1}, "idle", {i: {}})], {i: 1}),
                     "idle": Mode(turning)}, "on", 1 / p["f"], [(1 / p["f"], {"idle": "on"}, {"s": {}, "c": {"one": p["V1"]}})])
 
 
 def freewheel(p):
     w, sources, turning = sine(p, p["V1"])
     return Circuit([i], sources,
-                   {"on": Mode({i: {"s": 1 / p["L1"], i: -p["R1"] / p["L1"]}, **turning}, [({"s": 1}, "off", None)], {i: 1}),
+                   {"on": Mode({i: {"s": 1 / p["L1"], "u": 1 / p["L1"], i: -p["R1"] / p["L1"]}, **turning}, [({"s": 1, "u": 1}, "off", None)], {i: 1}),
                     "off": Mode({i: {i: -p["R1"] / p["L1"]}, **turning}, output={i: 1})},
                    "on", 1 / p["f"], [(1 / p["f"], {"off": "on"}, {"s": {}, "c": {"one": p["V1"]}})])
 
@@ -173,7 +174,7 @@ def resonant_rectifier(p):
     series = p["R1"] + p["R2"]
     def mode(on):
         diode = {k: x / series for k, x in voltage.items()} if on else {}
-        l1 = {"s": 1, v: -1, i: -p["R1"]}
+        l1 = {"s": 1, "u": 1, v: -1, i: -p["R1"]}
         for k, x in diode.items():
             l1[k] = l1.get(k, 0) + p["R1"] * x
         c1 = {i: 1, **{k: -x for k, x in diode.items() if k != i}}
@@ -225,16 +226,16 @@ def charge_pump(p):
 def series_resonant(p):
     """R, L, C under a square wave of +-1: x0 = (I + e^{Ah})^{-1}(I - e^{Ah}) (0, -1)."""
     def mode(level):
-        return Mode({i: {"one": level * p["V1"] / p["L1"], i: -p["R1"] / p["L1"], v: -1 / p["L1"]}, v: {i: 1 / p["C1"]}}, output={i: 1})
-    return Circuit([i, v], {"one": 1}, {"high": mode(1), "low": mode(-1)}, "high", p["T"],
+        return Mode({i: {"one": level * p["V1"] / p["L1"], "u": 1 / p["L1"], i: -p["R1"] / p["L1"], v: -1 / p["L1"]}, v: {i: 1 / p["C1"]}}, output={i: 1})
+    return Circuit([i, v], {"one": 1, "u": 0}, {"high": mode(1), "low": mode(-1)}, "high", p["T"],
                    [(p["T"] / 2, {"high": "low"}, None), (p["T"], {"low": "high"}, None)])
 
 
 def rc_square(p):
-    return Circuit([v], {"one": 1, "V1": p["V1"]},
-                   {"high": Mode({v: {"V1": 1 / (p["R1"] * p["C1"]), v: -1 / (p["R1"] * p["C1"])}}, output={v: 1}),
-                    "low": Mode({v: {v: -1 / (p["R1"] * p["C1"])}}, output={v: 1})}, "high", p["T"],
-                   [(p["T"] / 2, {"high": "low"}, None), (p["T"], {"low": "high"}, None)])
+    rate = 1 / (p["R1"] * p["C1"])
+    return Circuit([v], {"one": 1, "V1": p["V1"], "u": 0},
+                   {"high": Mode({v: {"V1": rate, "u": rate, v: -rate}}, output={v: 1}), "low": Mode({v: {"u": rate, v: -rate}}, output={v: 1})},
+                   "high", p["T"], [(p["T"] / 2, {"high": "low"}, None), (p["T"], {"low": "high"}, None)])
 
 
 def flux(p):
@@ -248,12 +249,13 @@ SWITCHER = {"T": "10u", "Ron": "10m", "Rd": "10m"}
 DH = {"L1": "20m", "C1": "47u", "R1": "22", "T": "400u", "k": "1", "guess_i": "0.5", "guess_v": "12"}
 PEAK = {"Vin": "12", "L1": "20u", "C1": "100u", "R1": "3", "Vctl": "3.5", "T": "10u", "guess_v": "7", "guess_i": "2"}
 
-# deck -> (equations, parameters, options of Orbit, measured mean, (source, card), frequencies in units of 1/T, parameters of .sens)
+# deck -> (equations, parameters, options of Orbit, signal of the mean, input of .ac or (its name here, its card), frequencies in units of 1/T,
+# parameters of .sens)
 CIRCUITS = {
-    "rc_square": (rc_square, {"V1": "1", "R1": "1k", "C1": "1u", "T": "1m"}, {}, "v(b)", None, [], ["R1", "C1"]),
-    "half_wave": (half_wave, {"V1": "10", "f": "50", "C1": "100u", "R1": "1k"}, {}, "v(out)", None, [], ["R1", "C1"]),
-    "rl_rectifier": (rl_rectifier, {"V1": "10", "f": "50", "L1": "20m", "R1": "10"}, {}, "i(L1)", None, [], ["R1", "L1"]),
-    "freewheel": (freewheel, {"V1": "10", "f": "50", "L1": "50m", "R1": "5"}, {}, "i(L1)", None, [], ["R1", "L1"]),
+    "rc_square": (rc_square, {"V1": "1", "R1": "1k", "C1": "1u", "T": "1m"}, {}, "v(b)", ("u", "V1"), ["0.1", "1.3"], ["R1", "C1"]),
+    "half_wave": (half_wave, {"V1": "10", "f": "50", "C1": "100u", "R1": "1k"}, {}, "v(out)", ("u", "V1"), ["0.1", "1.3"], ["R1", "C1"]),
+    "rl_rectifier": (rl_rectifier, {"V1": "10", "f": "50", "L1": "20m", "R1": "10"}, {}, "i(L1)", ("u", "V1"), ["0.1", "1.3"], ["R1", "L1"]),
+    "freewheel": (freewheel, {"V1": "10", "f": "50", "L1": "50m", "R1": "5"}, {}, "i(L1)", ("u", "V1"), ["0.1", "1.3"], ["R1", "L1"]),
     "buck": (buck, {**SWITCHER, "Vin": "12", "L1": "10u", "C1": "100u", "R1": "1", "Ton": "4u", "Vf": "0.3"}, {}, "v(out)", "Vin",
              ["0.01", "0.3", "1.7"], ["R1", "L1", "C1", "Vin"]),
     "buck_discontinuous": (buck, {**SWITCHER, "Vin": "12", "L1": "10u", "C1": "20u", "R1": "40", "Ton": "3u", "Vf": "0.3"}, {}, "v(out)", "Vin",
@@ -279,14 +281,16 @@ CIRCUITS = {
     "deane_hamill": (deane_hamill, {**DH, "Vin": "20"}, {"settle": 60}, "v(out)", "Vin", ["0.05", "0.7"], ["R1", "L1", "C1", "Vin"]),
     "deane_hamill_unstable": (deane_hamill, {**DH, "Vin": "25"}, {"settle": 0}, "v(out)", "Vin", ["0.05", "0.7"], ["R1", "L1", "C1", "Vin"]),
     "deane_hamill_doubled": (deane_hamill, {**DH, "Vin": "25", "k": "2"}, {"settle": 200}, "v(out)", "Vin", ["0.1"], ["R1", "L1", "C1", "Vin"]),
-    "timer": (timer, {"Vcc": "9", "R1": "1k", "R2": "10k", "C1": "100n"}, {"settle": 3}, "v(c)", None, [], ["R1", "R2", "C1", "Vcc"]),
+    "timer": (timer, {"Vcc": "9", "R1": "1k", "R2": "10k", "C1": "100n"}, {"settle": 3}, "v(c)", "Vcc", ["0.1", "1.7"], ["R1", "R2", "C1", "Vcc"]),
     "relay": (relay, {"L1": "1m", "R1": "10", "C1": "10u"}, {"settle": 60}, "v(c)", None, [], ["R1", "L1", "C1"]),
     "hysteretic": (hysteretic, {"Vin": "12", "Ron": "10m", "Rd": "10m", "Vf": "0.4", "L1": "20u", "Resr": "0.1", "C1": "100u", "R1": "2"},
-                   {"settle": 100}, "v(out)", None, [], ["R1", "L1", "Resr", "Vin"]),
+                   {"settle": 100}, "v(out)", "Vin", ["0.1", "1.7"], ["R1", "L1", "Resr", "Vin"]),
     "resonant_rectifier": (resonant_rectifier, {"V1": "1", "f": "5032.921210448703", "L1": "1m", "C1": "1u", "R1": "3.16m", "R2": "1e6", "C2": "1n",
-                                                "R3": "1e6"}, {"settle": 0}, "v(p)", None, [], ["R1", "R2", "R3"]),
-    "inverter": (inverter, {"Vdc": "400", "Vm": "200", "f": "50", "T": "100u", "Ron": "10m", "L1": "2m", "R1": "10"}, {"settle": 1}, "i(L1)", None, [], ["R1", "L1"]),
-    "charge_pump": (charge_pump, {"Vin": "5", "Cf": "1u", "Co": "10u", "R1": "1k", "T": "10u"}, {}, "v(out)", "Vin", ["0.01", "0.3"], ["R1", "Cf", "Co", "Vin"]),
-    "series_resonant": (series_resonant, {"V1": "1", "L1": "100u", "C1": "1u", "R1": "2", "T": "70u"}, {}, "i(L1)", None, [], ["R1", "C1"]),
+                                                "R3": "1e6"}, {"settle": 0}, "v(p)", ("u", "V1"), ["0.1", "1.3"], ["R1", "R2", "R3"]),
+    "inverter": (inverter, {"Vdc": "400", "Vm": "200", "f": "50", "T": "100u", "Ron": "10m", "L1": "2m", "R1": "10"},
+                 {"settle": 1}, "i(L1)", None, [], ["R1", "L1"]),
+    "charge_pump": (charge_pump, {"Vin": "5", "Cf": "1u", "Co": "10u", "R1": "1k", "T": "10u"}, {}, "v(out)", "Vin", ["0.01", "0.3"],
+                    ["R1", "Cf", "Co", "Vin"]),
+    "series_resonant": (series_resonant, {"V1": "1", "L1": "100u", "C1": "1u", "R1": "2", "T": "70u"}, {}, "i(L1)", ("u", "V1"), ["0.1", "1.3"], ["R1", "C1"]),
     "flux": (flux, {"V1": "1", "f": "50", "L1": "10m", "R1": "1k", "C1": "1u"}, {"settle": 0, "kept": ["i(L1)"]}, "v(b)", None, [], []),
 }

@@ -1,4 +1,4 @@
-"""The orbit of a deck by the solver of validation/references (pencils, Taylor series, enumeration of all positions): 50 digits, differences for the monodromy matrix.
+"""The orbit of a deck by the solver of validation/references (pencils, Taylor series, all positions tried): 50 digits, differences for the monodromy matrix.
 
 For circuits with many modes, where equations by hand would be long. The state is every capacitor's voltage and every coil's current; those that constraints
 tie to one another are projected by the solver, and give multipliers 0.
@@ -96,6 +96,7 @@ class DeckOrbit:
 # deck -> (period, mean of, first guess, parameters of .sens)
 DECKS = {
     "flyback_clamp": ("10u", "v(out)", {"v(C2)": "15.0109", "v(Cc)": "114.718", "i(L1)": "0", "i(L2)": "0.66983"}, ["R2"]),
+    "buck_type3": ("5u", "v(out)", {"v(C1)": "4.99918", "v(Cc)": "2.49999", "v(Cf)": "2.01802", "v(Cp)": "1.94958", "i(L1)": "4.24273"}, ["R1", "Rb"]),
     "cockcroft_walton": ("20m", "v(c)", {"v(C1)": "-100", "v(C2)": "174.032", "v(C3)": "-176.138", "v(C4)": "164.021"}, ["R1"]),
     "six_pulse": ("20m", "v(q,n)", {"v(Cd)": "519.1", "i(La)": "0", "i(Lb)": "-51.03", "i(Lc)": "51.03", "i(Ld)": "51.03"}, ["Rd"]),
     "llc": ("10u", "v(out)", {"v(Cr)": "80.758", "v(Co)": "26.163", "i(Lr)": "-1.8562", "i(L1)": "-1.8562", "i(L2)": "0", "i(L3)": "0"}, ["Ro"]),

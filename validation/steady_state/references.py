@@ -62,10 +62,11 @@ def lines_of(name):
         if abs(value) > mpf(10) ** -15:
             yield "multiplier", "", shown(value.real), shown(value.imag)
     yield "mean", mean, shown(orbit.mean()), ""
+    own, card = source if isinstance(source, tuple) else (source, source)
     for multiple in multiples:
-        frequency = number(multiple) / number(parameters["T"])
-        answer = orbit.transfer(source, frequency)
-        yield "transfer", f"{source} {mp.nstr(frequency, 12)}", shown(answer.real), shown(answer.imag)
+        frequency = mpf(mp.nstr(number(multiple) / orbit.period, 12))  # as many digits as the table and the deck have
+        answer = orbit.transfer(own, frequency)
+        yield "transfer", f"{card} {mp.nstr(frequency, 12)}", shown(answer.real), shown(answer.imag)
     for parameter in moved:
         yield "derivative", parameter, shown(orbit.derivative(parameter)), ""
 
@@ -76,8 +77,8 @@ def main():
         begin, by_hand = time.time(), name in CIRCUITS
         lines = list(lines_of(name) if by_hand else deck_lines_of(name))
         with open(HERE / "references" / f"{name}.csv", "w", encoding="ascii") as out:
-            out.write(f"# {name}.net: period, states at t = 0, multipliers other than 0, mean, c_0 of the mean's signal, derivatives of the mean (of the period where it is\n"
-                      "# free), 20 digits; made by validation/steady_state/references.py from "
+            out.write(f"# {name}.net: period, states at t = 0, multipliers other than 0, mean, c_0 of the mean's signal, derivatives of the mean (of the period\n"
+                      "# where it is free), 20 digits; made by validation/steady_state/references.py from "
                       + ("equations written by hand" if by_hand else "the deck by the solver of validation/references") + "\nkind,name,re,im\n")
             csv.writer(out, lineterminator="\n").writerows(lines)
         print(f"{name}: {len(lines)} numbers, {time.time() - begin:.0f} s", flush=True)
