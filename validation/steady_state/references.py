@@ -77,8 +77,8 @@ def main():
         begin, by_hand = time.time(), name in CIRCUITS
         lines = list(lines_of(name) if by_hand else deck_lines_of(name))
         with open(HERE / "references" / f"{name}.csv", "w", encoding="ascii") as out:
-            out.write(f"# {name}.net: period, states at t = 0, multipliers other than 0, mean, c_0 of the mean's signal, derivatives of the mean (of the period\n"
-                      "# where it is free), 20 digits; made by validation/steady_state/references.py from "
+            out.write(f"# {name}.net: period, states at t = 0, multipliers other than 0, mean, c_0 of the mean's signal, derivatives of the mean\n"
+                      "# (of the period where it is free), 20 digits; made by validation/steady_state/references.py from "
                       + ("equations written by hand" if by_hand else "the deck by the solver of validation/references") + "\nkind,name,re,im\n")
             csv.writer(out, lineterminator="\n").writerows(lines)
         print(f"{name}: {len(lines)} numbers, {time.time() - begin:.0f} s", flush=True)

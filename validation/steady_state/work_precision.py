@@ -2,9 +2,9 @@
 """validation/steady_state/work_precision.py [PROGRAM]: .pss, .ac and .sens beside brute force; Markdown tables on standard output (some minutes).
 
 Brute force: a transient from zero until the mean over the last period has settled, in pwlsim and in ngspice (Debian: ngspice); a sine of small amplitude
-beside .ac; differences beside .sens. Errors are relative to the references. Times: pwlsim's `seconds` of --stats but for parse, flatten, write and
-certificate, ngspice's CPU time less that of an empty deck; the least of several runs, taken in turn, so that a busy machine burdens all alike. ngspice runs the deck that `pwlsim export`
-writes, with other largest steps and tolerances; of all settings the fastest that reaches the error counts, which its user cannot know.
+beside .ac; differences beside .sens. Errors are relative to the references. Times: pwlsim's `seconds` of --stats but for parse, flatten, model, write and
+certificate, ngspice's CPU time less that of an empty deck; the least of several runs, taken in turn, so that a busy machine burdens all alike. ngspice runs the
+deck that `pwlsim export` writes, with other largest steps and tolerances; the fastest setting that reaches the error counts, which its user cannot know.
 """
 import cmath
 import csv
@@ -51,9 +51,9 @@ def mean_of(result):
 
 
 def seconds_of(result):
-    """All but reading the deck, writing and the certificate; `simulate` alone does not hold the search for an orbit."""
+    """All from the model to the results, without the certificate; `simulate` alone does not hold the search for an orbit."""
     seconds = result["stats"]["seconds"]
-    return seconds["total"] - sum(seconds[phase] for phase in ("parse", "flatten", "write", "certificate"))
+    return seconds["total"] - sum(seconds[phase] for phase in ("parse", "flatten", "model", "write", "certificate"))
 
 
 def least(decks, folder, repeats=REPEATS):
@@ -95,7 +95,7 @@ def cpu_of(text, folder):
     except subprocess.TimeoutExpired:
         return 60.0, ""
     after = os.times()
-    return after.children_user + after.children_system - before.children_user - before.children_system, done.stdout
+    return after.children_user + after.children_system - before.children_user - before.children_system, done.stdout + done.stderr
 
 
 def ngspice(deck, period, mean, periods, folder):
@@ -141,7 +141,7 @@ def orbits(folder):
             print(f"| {name} | {method} | {count} | {abs(mean_of(result) / mean - 1):.1e} | {seconds * 1e3:.3g} ms | {seconds / times[0]:.3g} |", flush=True)
         points, stopped = ngspice(deck, period, mean, counts[1], folder) if has_ngspice else ([], [])
         if stopped and not points:
-            print(f"| {name} | ngspice, {len(SMOOTH) * len(RELTOL) * len(STEPS)} settings: {', '.join(stopped)} in all | {counts[1]} | | | |")
+            print(f"| {name} | ngspice, {len(SMOOTH) * len(RELTOL) * len(STEPS)} settings, stops in all: {', '.join(stopped)} | {counts[1]} | | | |")
         for error in ERRORS[:2] if points else []:
             good = [p for p in points if p[1] <= error]
             seconds, reached, setting = min(good) if good else min(points, key=lambda p: p[1])
@@ -197,4 +197,5 @@ def main():
         derivatives(folder)
 
 
-main()
+if __name__ == "__main__":
+    main()
