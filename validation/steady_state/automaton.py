@@ -205,6 +205,8 @@ class Orbit:
             rows, guards, output = m.modes[mode]
             if what == "clock":
                 end = m.clock[at][0]
+                if m.driven == "duty" and at == 0:  # the first edge, natural sampling
+                    end += small * c.period * mp.exp(jw * end)
             elif what == "end":
                 end = c.period
             else:

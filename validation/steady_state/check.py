@@ -29,23 +29,31 @@ def anchored(deck):
     return re.sub(r"(?m)^\.pss(?!.*on=)", ".pss on=S1", deck) if not re.search(r"(?i)sin|pulse", deck) else deck
 
 
+def run(deck, cards, folder):
+    path = pathlib.Path(folder) / "deck.net"
+    path.write_text(deck.replace("\n.end", "\n" + "\n".join(cards) + "\n.end"))
+    done = subprocess.run([PROGRAM, path, "--json", "--no-rows", "--quiet"], capture_output=True, text=True, cwd=folder, timeout=300, check=False)
+    return json.loads(done.stdout)
+
+
 def results_of(name, reference, folder):
     text = anchored((HERE / f"{name}.net").read_text())
     names = {kind: [n for k, n, _ in reference if k == kind] for kind in LIMITS}
     signal = names["mean"][0]
     measured = [f".meas pss mean AVG {signal}", f".meas pss peak MAX abs({signal})", ".meas pss period PERIOD"]
     cards = measured + ([f".sens param={','.join(names['derivative'])}"] if names["derivative"] else [])
-    if names["transfer"]:
-        source = names["transfer"][0].split()[0]
-        cards.append(f".ac list {' '.join(n.split()[1] for n in names['transfer'])} from={source}")
     for kind, state, _ in reference:
         if kind == "state":
             cards += [f".meas pss peak_{state[2:-1]} MAX abs({signal_of(state, text)})"]
-    deck = re.sub(r"(?m)^\.save .*$", "", text).replace("\n.end", "\n" + "\n".join(cards) + "\n.end")
-    path = pathlib.Path(folder) / f"{name}.net"
-    path.write_text(deck)
-    run = subprocess.run([PROGRAM, path, "--json", "--no-rows", "--quiet"], capture_output=True, text=True, cwd=folder, timeout=300, check=False)
-    return json.loads(run.stdout), deck
+    deck = re.sub(r"(?m)^\.save .*$", "", text)
+    result = run(deck, cards, folder)
+    result["responses"] = {}
+    for source in dict.fromkeys(n.split()[0] for n in names["transfer"]):
+        frequencies = [n.split()[1] for n in names["transfer"] if n.split()[0] == source]
+        answer = run(deck, [f".ac list {' '.join(frequencies)} from={source}"], folder)
+        signal = next(s for s in answer["ac"]["signals"] if s["name"] == names["mean"][0])
+        result["responses"].update({f"{source} {f}": complex(x, y) for f, x, y in zip(frequencies, signal["re"], signal["im"])})
+    return result, deck
 
 
 def signal_of(state, deck):
@@ -72,9 +80,6 @@ def pairs_of(reference, result, deck):
     means = {m["name"]: m["value"] for m in result["measurements"]}
     free = pss["kind"] == "autonomous"
     found = [complex(m["re"], m["im"]) for m in pss["multipliers"] if not m["trivial"]]
-    signals = {s["name"]: s for s in result["ac"]["signals"]} if result["ac"] else {}
-    mean = next((n for k, n, _ in reference if k == "mean"), None)
-    responses = iter(range(1000))
     for kind, name, value in reference:
         if kind == "period":
             yield kind, value, pss["period"], abs(value)
@@ -88,8 +93,7 @@ def pairs_of(reference, result, deck):
         elif kind == "mean":
             yield kind, value, means["mean"], means["peak"]
         elif kind == "transfer":
-            k, signal = next(responses), signals[mean]
-            yield kind, value, complex(signal["re"][k], signal["im"][k]), abs(value)
+            yield kind, value, result["responses"][name], abs(value)
         else:
             measurement = "period" if free else "mean"
             entry = next(s for s in result["sensitivities"] if (s["measurement"], s["parameter"].lower()) == (measurement, name.lower()))

@@ -20,6 +20,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 SUFFIXES = {"k": 3, "m": -3, "u": -6, "n": -9}
 
 
+# of these the falling edge of Vg is an input and a parameter, too
+DUTY = {"buck", "buck_discontinuous", "boost", "boost_discontinuous", "buck_boost", "cuk", "input_filter"}
 FLUXES = {("llc", f"i(L{k})") for k in (1, 2, 3)}  # one flux links the three: the program's state
 
 
@@ -63,12 +65,13 @@ def lines_of(name):
             yield "multiplier", "", shown(value.real), shown(value.imag)
     yield "mean", mean, shown(orbit.mean()), ""
     own, card = source if isinstance(source, tuple) else (source, source)
-    for multiple in multiples:
+    inputs = [(own, card, multiple) for multiple in multiples] + [("duty", "duty(Vg)", m) for m in multiples if name in DUTY]
+    for own, card, multiple in inputs:
         frequency = mpf(mp.nstr(number(multiple) / orbit.period, 12))  # as many digits as the table and the deck have
         answer = orbit.transfer(own, frequency)
         yield "transfer", f"{card} {mp.nstr(frequency, 12)}", shown(answer.real), shown(answer.imag)
-    for parameter in moved:
-        yield "derivative", parameter, shown(orbit.derivative(parameter)), ""
+    for parameter in [*moved, *(["Ton"] if name in DUTY else [])]:
+        yield "derivative", "Vg:Ton" if parameter == "Ton" else parameter, shown(orbit.derivative(parameter)), ""
 
 
 def main():
