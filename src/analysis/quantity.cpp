@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -24,7 +25,8 @@ std::string quantity(double value, std::string_view unit, int digits) {
   const double rounded = std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);  // 999.9999 is 1 k with three digits
   for (const Prefix& prefix : prefixes) {
     const double scaled = rounded / prefix.factor;
-    if (std::abs(scaled) >= 1.0 && std::abs(scaled) < 1e3) return fmt::format("{:.{}g} {}{}", scaled, digits, prefix.text, unit);
+    if (std::abs(scaled) >= 1.0 && std::abs(scaled) < 1e3)
+      return fmt::format("{:.{}g} {}{}", scaled, std::max(digits, 3), prefix.text, unit);  // 110 with two digits is no 1.1e+02
   }
   return fmt::format("{:.{}g} {}", value, digits, unit);
 }

@@ -40,8 +40,10 @@ void Verifier::extend(const Mode& mode, int order) {
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
   size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
-  const double* z = &z_[static_cast<std::size_t>(order * ny_)];
-  double bound = relaxation_ * std::min(std::max(mode.noise, tolerance::most_guard_noise) * size, guard_rounding(mode, row, z, size, 0.0));
+  double bound = std::min(mode.guard_noise[row], std::max(mode.noise, tolerance::most_guard_noise)) * size;
+  if (mode.guard_error.size() > 0)
+    bound = std::min(bound, guard_rounding(mode, row, &z_[static_cast<std::size_t>(order * ny_)], size, 0.0));
+  bound *= relaxation_;
   if (relaxation_ > 1.0) bound += relaxation_ * tolerance::remainder_of_decay * mode.guard_norm[row] * largest_;
   return bound;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lcp/monotone.hpp"
 #include "lcp/solve.hpp"
 
 namespace pwlsim::model {
@@ -76,7 +75,7 @@ bool all_minors_positive(const WideMatrix& m) {
 
 bool is_positive_definite(const WideMatrix& m) {
   const Matrix rounded = m.cast<double>();
-  return lcp::is_monotone(rounded) && Eigen::LLT<Matrix>(rounded + rounded.transpose()).info() == Eigen::Success;
+  return Eigen::LLT<Matrix>(rounded + rounded.transpose()).info() == Eigen::Success;
 }
 
 /// The first parameter in which each row is not zero (−1: none), and those rows.

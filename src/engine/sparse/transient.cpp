@@ -308,6 +308,7 @@ void Transient::finish() {
   if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
     end({Outcome::no_solution, "E-certificate",
          fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst)});
+    answer_.mode.clear();  // no mode of the run is meant
   } else if (is_doubtful) {
     answer_.remarks.push_back(doubtful_certificate(worst));
   }
