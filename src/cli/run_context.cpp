@@ -42,7 +42,7 @@ void RunContext::take_remarks(const engine::Answer& answer) {
     for (const std::string& text : analysis::jump_texts(answer.jumps, answer.statistics.jumps, compiled->hidden))
       messages.report({Severity::note, "N-jump", {}, text});
   report.certificate = answer.certificate;
-  report.seconds.simulate = answer.statistics.seconds_simulate;
+  report.seconds.simulate = seconds_search + answer.statistics.seconds_simulate;
   report.seconds.certificate = answer.statistics.seconds_certificate;
 }
 

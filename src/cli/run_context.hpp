@@ -33,6 +33,7 @@ struct RunContext {
   std::optional<waveform::OutputFile> rows_file, report_file;
   PictureFile plot_file;
   std::optional<analysis::RunRecorder> recorder;  ///< of the rows that --plot and --report show
+  double seconds_search = 0.0;  ///< of what .pss simulates on its way to the orbit
   analysis::RunReport report;
   analysis::RunOutcome outcome;
 
