@@ -81,10 +81,10 @@ void Windings::decouple(const model::Network& network, const std::vector<int>& g
     root[i] = std::sqrt(std::abs(inductance));
   }
   for (const auto& k : network.couplings) {
-    const Eigen::Index a = place(k.inductor_a), b = place(k.inductor_b);
-    if (a == n || group[static_cast<std::size_t>(a)] != k.inductor_a) continue;
-    coefficients(a, b) += k.coefficient;
-    coefficients(b, a) += k.coefficient;
+    const Eigen::Index first = place(k.inductor_a), second = place(k.inductor_b);
+    if (first == n || group[static_cast<std::size_t>(first)] != k.inductor_a) continue;
+    coefficients(first, second) += k.coefficient;
+    coefficients(second, first) += k.coefficient;
   }
   const Decoupling parts(coefficients);
   possible_ &= parts.possible || coefficients.diagonal().minCoeff() < 0;
