@@ -439,7 +439,8 @@ class Circuit:
     ) -> Dict[str, Gradient]:
         """The same of several measurements of one run, by name; of all where `measurements` is empty."""
         given = {"stop": stop, "use_initial_conditions": use_initial_conditions}
-        found = self._core.gradients(list(measurements), list(parameters), given)
+        names = [parameters] if isinstance(parameters, str) else list(parameters)
+        found = self._core.gradients(list(measurements), names, given)
         if found:
             _warn(found[0][3], _level)
         asked = {name.lower(): name for name in measurements}

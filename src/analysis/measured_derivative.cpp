@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/legendre.hpp"
@@ -59,6 +60,8 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
   run.values = measuring.values();
   run.failures = measuring.failures();
   run.places = measuring.places();
+  for (std::size_t k = 0; k < run.values.size(); ++k)
+    if (!run.failures[k].empty()) run.values[k] = std::numeric_limits<double>::quiet_NaN();
   double from = 0.0, to = 0.0;
   for (std::size_t k = 0; k < measurements.list.size(); ++k) {
     run.has_impulse.push_back(measuring.met_impulse(k) ? 1 : 0);
@@ -299,6 +302,12 @@ MeasuredFunctional MeasuredFunctionals::of_window(std::size_t number) {
   const measure::Place& place = run_.places[number];
   if (place.to > run_.stop * (1.0 + same_time)) return failed_functional("its window reaches beyond the period");
   MeasuredFunctional result;
+  if (measurement.last_periods)
+    for (const double end : {place.from, place.to}) {
+      const auto instant = instant_at(end);
+      if (!instant) return failed_functional("its window counts periods that have no edge at its ends");
+      result.obstacles.push_back({shift_of_instant(*instant), {}, "its window counts periods, which move with it"});
+    }
   const bool is_range = measurement.kind == Kind::peak_to_peak;
   if (measurement.kind == Kind::maximum || is_range) add_extreme(1.0, measurement, place.largest_at, true, place, result);
   if (measurement.kind == Kind::minimum) add_extreme(1.0, measurement, place.least_at, false, place, result);

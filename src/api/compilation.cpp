@@ -66,7 +66,12 @@ void Compilation::hold_outputs(const std::vector<Controller>& controllers) {
     for (std::size_t k = 0; k < controller.outputs.size(); ++k) {
       const std::string& output = controller.outputs[k];
       const char letter = lower_letter(output.front());
-      const bool is_source = (letter == 'v' || letter == 'i') && api::find_card(deck_.cards, output) != nullptr;
+      const bool is_element = api::find_card(deck_.cards, output) != nullptr, is_source = (letter == 'v' || letter == 'i') && is_element;
+      const char last = lower_letter(output[output.rfind('.') + 1]);  // of none at the end: the first of all
+      if (!is_source && (is_element || (output.find('.') != std::string::npos && (last == 'v' || last == 'i'))))
+        throw api::error("E-controller",
+                         fmt::format("the output {} of a controller is {}; try a source of constant value of the deck itself, or a node",
+                                     output, is_element ? "an element that is no source" : "within a subcircuit"));
       const std::string name = is_source ? output : "Vheld_" + output;
       if (std::any_of(held_.begin(), held_.end(), [&](const std::string& other) { return same_name(other, name); }))
         throw api::error("E-controller", fmt::format("two outputs of controllers set {}", output));

@@ -84,10 +84,14 @@ class Chooser {
       return enter(card, true);
     }
     if (open_.empty()) return reporter_.error("E-misplaced", card.name_span, fmt::format("{} without .if", card.name));
+    const bool has_condition = is_named(card, ".elseif");
+    if (!has_condition && !card.items.empty())
+      reporter_.error("E-misplaced", card.items.front().span,
+                      fmt::format("nothing may follow {}{}", card.name, is_named(card, ".else") ? "; try .elseif (a == 1)" : ""));
     if (is_named(card, ".endif")) return open_.pop_back();
     if (open_.back().is_last) return reporter_.error("E-misplaced", card.name_span, fmt::format("{} behind .else", card.name));
-    open_.back().is_last = is_named(card, ".else");
-    enter(card, !open_.back().is_last);
+    open_.back().is_last = !has_condition;
+    enter(card, has_condition);
   }
 
   /// The section that begins with this card.

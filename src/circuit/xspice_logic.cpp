@@ -50,10 +50,9 @@ constexpr Block blocks[] = {
 };
 
 /// What the model of a block may give, apart from what is read: loads, edges, the level of the unknown state.
-constexpr std::string_view without_use[] = {"input_load",  "data_load",      "clk_load",   "set_load",     "reset_load", "t_rise",
-                                            "t_fall",      "out_undef",      "log",        "limit",        "family",     "set_delay",
-                                            "reset_delay", "inertial_delay", "sr_delay",   "enable_delay", "data_delay", "t_load",
-                                            "jk_load",     "sr_load",        "enable_load"};
+constexpr std::string_view without_use[] = {"input_load",     "data_load", "clk_load", "set_load",   "reset_load", "t_rise",
+                                            "t_fall",         "out_undef", "log",      "limit",      "family",     "t_load",
+                                            "inertial_delay", "jk_load",   "sr_load",  "enable_load"};
 
 const Block* find_block(std::string_view type) {
   const auto* found = std::find_if(std::begin(blocks), std::end(blocks), [&](const Block& block) { return same_name(block.type, type); });
@@ -183,6 +182,7 @@ class XspiceReplacement {
                                                  "r_on",   "r_off",   "rise_delay", "fall_delay", "clk_delay", "ic"};
     for (const Item* item : text_->parameters) {
       if (item->kind != ItemKind::assignment || is_one_of(known, item->text) || is_one_of(without_use, item->text)) continue;
+      if (same_name(item->text, own_delay())) continue;
       reporter_.warning("W-ignored-parameter", item->text_span, fmt::format("{}= of XSPICE's {} is ignored", item->text, block_->type));
     }
     if (given("ic") != nullptr && expression_of(given("ic"), 0.0).number != 0.0)
@@ -217,10 +217,18 @@ class XspiceReplacement {
     return device;
   }
 
+  /// One delay counts for all of a device's inputs.
+  [[nodiscard]] std::string_view own_delay() const {
+    return block_->shape == Block::Shape::latch        ? "sr_delay"
+           : block_->shape == Block::Shape::data_latch ? "data_delay"
+           : same_name(block_->device, "dflop")        ? "clk_delay"
+                                                       : "rise_delay";
+  }
+
   /// Delays that the model gives; those that it does not are none.
   void add_delay(LogicDevice& device, std::vector<Item>& assignments) {
     const bool is_clocked = same_name(block_->device, "dflop");
-    const Item *rise = given(is_clocked ? "clk_delay" : "rise_delay"), *fall = given("fall_delay");
+    const Item *rise = given(own_delay()), *fall = given("fall_delay");
     const Item* delay = rise != nullptr ? rise : fall;
     if (delay == nullptr) return;
     if (!is_clocked && rise != nullptr && fall != nullptr && rise->text != fall->text)

@@ -54,6 +54,7 @@ TEST_CASE("slips with .if are named", "[unit]") {
   const Scratch scratch;
   const auto said = [&](const std::string& cards) { return run_deck(scratch, "slips\nR1 a 0 1\nV1 a 0 1\n.tran 1m 1m\n" + cards).err; };
   CHECK_THAT(said(".else\n"), Contains("error[E-misplaced]: .else without .if"));
+  CHECK_THAT(said(".if (1)\n.else if (2)\n.endif\n"), Contains("nothing may follow .else; try .elseif"));
   CHECK_THAT(said(".if (1)\n"), Contains("error[E-missing-ends]: .if has no .endif"));
   CHECK_THAT(said(".if (1)\n.else\n.elseif (2)\n.endif\n"), Contains(".elseif behind .else"));
   CHECK_THAT(said(".param mode=1\n.if (mod == 1)\n.endif\n"), Contains("unknown") && Contains("try 'mode'"));

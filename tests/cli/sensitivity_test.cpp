@@ -221,6 +221,17 @@ TEST_CASE("an edge at the begin of a window: the derivative is one-sided", "[uni
   CHECK_THAT(finished.err, Contains("W-sens-one-sided"));
 }
 
+// An edge at t = 0 is a passage for the measurement, and one for its derivative: the third rise lies at 2/f.
+TEST_CASE("an edge at the start counts as a passage", "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "edges\n.param f=100k\nVg g 0 PULSE(0 1 0 0 0 4u {1/f})\nR1 g 0 1k\n.tran 0 100.5u\n.meas tran w WHEN v(g)=0.5 RISE=3\n"
+      ".meas tran a AVG v(g) LAST=5 PERIODS OF Vg\n.sens param=f\n.end\n";
+  const Json result = sensitivities_of(scratch, deck);
+  CHECK(derivative(result, "w", "f") == Approx(-2e-10).epsilon(wanted));
+  CHECK_THAT(entry(result, "a", "f")["failure"].string, Contains("counts periods"));
+}
+
 TEST_CASE("a table, a file, and messages that say what to write", "[unit]") {
   const Scratch scratch;
   const std::string rc = "rc\nV1 in 0 1\nR1 in out 1k\nC1 out 0 1u ic=0\n.tran 1u 1m uic\n.meas tran v FIND v(out) AT=1m\n";

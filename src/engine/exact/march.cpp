@@ -16,6 +16,7 @@ Start start_from(const RunState& state) {
   start.xi = state.xi;
   start.on = state.on;
   start.active = state.active;
+  start.signals = state.signals;
   return start;
 }
 
@@ -46,6 +47,6 @@ Answer March::run(const RunState& from, const Request& request, RowSink& sink) {
   return Transient(model_, request, sink, selectors_, {}).run(start_from(from));
 }
 
-RunState state_of(const Start& start) { return {start.xi, start.on, {}, 0.0}; }
+RunState state_of(const Start& start) { return {start.xi, start.on, {}, 0.0, start.signals}; }
 
 }  // namespace pwlsim::engine
