@@ -1,7 +1,7 @@
 // What calls of the library cost, in C++: one line with seconds, for bench/library/measure to set beside Python and MPI.
 //
 //     bench_library call DECK RUNS            least processor time of a run by Circuit::run
-//     bench_library threads DECK RUNS JOBS    wall time of RUNS runs with other values of L1, by threads and circuits by hand
+//     bench_library threads DECK RUNS JOBS    wall time of RUNS runs with other values of L1 and a measurement, by threads and circuits by hand
 //     bench_library sweep DECK NAME RUNS      processor time a run by Sweep over the element or parameter NAME, from 1 to 2
 //     bench_library controller CALLS          processor time of a run with CALLS samples of a function in C++
 #include <pwlsim/pwlsim.hpp>
@@ -46,6 +46,7 @@ double threads(const char* deck, int runs, int jobs) {
   std::atomic<int> begun = 0;
   const auto work = [&] {
     auto circuit = pwlsim::Circuit::from_file(deck);
+    circuit.measure("swing", "PP i(L1)");
     for (int k = begun++; k < runs; k = begun++) {
       circuit.set_value("L1", 40e-6 + 20e-6 * k / runs);
       (void)circuit.run({.events = false, .evaluable = false});
