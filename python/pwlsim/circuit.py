@@ -20,6 +20,11 @@ Value = Union[float, int, str]
 """A number, taken over to the last bit; or text as a deck has it: "10k", "{2*R}", "inf"."""
 
 
+def _names(given: Union[str, Sequence[str]]) -> List[str]:
+    """One name, or several."""
+    return [given] if isinstance(given, str) else list(given)
+
+
 def _warn(raw: Iterable[tuple], level: int) -> None:
     for message in _messages(list(raw)):
         if message.kind == "warning":
@@ -273,10 +278,8 @@ class Circuit:
         >>> circuit.run(stop=4e-3, step=1e-3, use_initial_conditions=True)["v(a)"].round(12).tolist()
         [0.0, 1.0, 1.0, 2.0, 2.0]
         """
-        names = [inputs] if isinstance(inputs, str) else list(inputs)
-        held = [outputs] if isinstance(outputs, str) else list(outputs)
         first = [] if initial is None else np.atleast_1d(np.asarray(initial, dtype=float)).tolist()
-        return self._call("controller", names, held, float(every), float(delay), first, function)
+        return self._call("controller", _names(inputs), _names(outputs), float(every), float(delay), first, function)
 
     def __getitem__(self, name: str) -> Element:
         return Element(self, name)
@@ -439,8 +442,7 @@ class Circuit:
     ) -> Dict[str, Gradient]:
         """The same of several measurements of one run, by name; of all where `measurements` is empty."""
         given = {"stop": stop, "use_initial_conditions": use_initial_conditions}
-        names = [parameters] if isinstance(parameters, str) else list(parameters)
-        found = self._core.gradients(list(measurements), names, given)
+        found = self._core.gradients(list(measurements), _names(parameters), given)
         if found:
             _warn(found[0][3], _level)
         asked = {name.lower(): name for name in measurements}

@@ -101,6 +101,10 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
   return asked.value_or(analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
 }
 
+bool runs_exactly(const model::Network& network, EngineChoice choice) {
+  return choice == EngineChoice::exact || (choice == EngineChoice::automatic && too_large(network).empty());
+}
+
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   if (choice == EngineChoice::krylov) return prepare_krylov(network, diagnostics);
   const std::string reason = choice == EngineChoice::automatic ? too_large(network) : "";

@@ -23,6 +23,9 @@ struct PreparedEngine {
 /// The tolerance of the sparse engine: as asked for, else `.options reltol=`, else its default.
 [[nodiscard]] double relative_tolerance(const std::optional<double>& asked, const circuit::Analyses& analyses);
 
+/// Whether `prepare_engine` takes the exact engine.
+[[nodiscard]] bool runs_exactly(const model::Network& network, EngineChoice choice);
+
 /// `diagnostics` takes errors of structure, and E-tolerance where the sparse engine cannot keep `reltol`.
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics);
 

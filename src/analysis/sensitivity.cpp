@@ -262,7 +262,7 @@ class RunDerivatives : public RunMotion {
     }
     start_ = transient.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     if (start_.answer.outcome != engine::Outcome::completed) failure_ = "the run has no start";
-    begin_ = engine::state_of(start_);
+    begin_ = start_;
     return failure_.empty();
   }
 

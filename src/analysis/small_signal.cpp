@@ -11,6 +11,7 @@
 #include "base/names.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/start.hpp"
 #include "steady/transfer.hpp"
 #include "waveform/csv.hpp"
 
@@ -299,7 +300,7 @@ SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::s
   message = inputs.message;
   if (!id.empty()) return {};
   engine::March march(*model, {});
-  engine::RunState state = engine::state_of(engine::start_from_initial_values(*model));
+  engine::RunState state = engine::start_from_initial_values(*model);
   steady::TraceRecorder recorder(state.on);
   constexpr double moment = 1e-12;  // s: the one mode there is
   march.advance(state, moment, &recorder);

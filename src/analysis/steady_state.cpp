@@ -13,6 +13,7 @@
 #include "analysis/sensitivity_inputs.hpp"
 #include "base/names.hpp"
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/start.hpp"
 #include "engine/left_out.hpp"
 #include "model/islands.hpp"
 #include "steady/self_timed.hpp"
@@ -194,7 +195,7 @@ class Finder {
   engine::RunState start() {
     const engine::Start from = card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
-    return engine::state_of(from);
+    return from;
   }
 
   void find_driven() { state_.orbit = steady::find_driven_orbit(*march_, start(), task_); }

@@ -21,10 +21,11 @@ bool has_tangents(const model::Network& network) {
 
 }  // namespace
 
-std::optional<SteppedSources> SteppedSources::make(circuit::Compiled compiled, std::size_t channels, EngineChoice choice, double reltol) {
-  if (channels == 0 || !all_are_held(compiled.network, channels) || has_tangents(compiled.network) || compiled.draws_random) return {};
+std::optional<SteppedSources> SteppedSources::make(circuit::Compiled compiled, std::size_t channels, EngineChoice choice) {
+  if (channels == 0 || !runs_exactly(compiled.network, choice) || !all_are_held(compiled.network, channels) ||
+      has_tangents(compiled.network) || compiled.draws_random)
+    return {};
   Diagnostics diagnostics;
-  if (prepare_engine(compiled.network, choice, reltol, diagnostics).name != "exact") return {};
   SteppedSources stepped;
   stepped.model_ = engine::prepare(compiled.network, diagnostics);
   if (!stepped.model_ || diagnostics.has_errors()) return {};

@@ -48,8 +48,7 @@ void look_for_sources(Sweep::Data& data) {
   SourceStore sources = read.sources();
   auto compiled = circuit::compile(read.deck(), sources, diagnostics, {.measure = true, .held = data.names});
   if (!compiled || diagnostics.has_errors()) return;
-  data.sources = analysis::SteppedSources::make(std::move(*compiled), data.names.size(), api::choice_of(data.options.engine),
-                                                analysis::relative_tolerance(data.options.reltol, read.compiled().analyses));
+  data.sources = analysis::SteppedSources::make(std::move(*compiled), data.names.size(), api::choice_of(data.options.engine));
 }
 
 std::vector<GivenValue> given_values(const std::vector<std::string>& names, const std::vector<double>& values) {

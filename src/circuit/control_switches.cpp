@@ -19,47 +19,32 @@ const Item* control_of(const Card& card) {
   return found == card.items.end() ? nullptr : &*found;
 }
 
-Item word(std::string text, SourceSpan span) {
-  Item item;
-  item.text = std::move(text);
-  item.span = item.text_span = span;
-  return item;
-}
-
 /// The source of the control, from a node of its own to ground.
 Card source_of(const Card& card, const Item& control, const Item& node) {
   Card source = card;
   source.name = "B" + node.text;
   Item value = control;
   value.text = "V";
-  source.items = {node, word("0", control.span), std::move(value)};
+  source.items = {node, made_word("0", control.span), std::move(value)};
   return source;
 }
 
 Card switch_of(const Card& card, const Item& control, const Item& node) {
   Card contact = card;
   std::erase_if(contact.items, [&](const Item& item) { return item.kind == Item::Kind::assignment && same_name(item.text, control.text); });
-  contact.items.insert(contact.items.begin() + 2, {node, word("0", control.span)});
+  contact.items.insert(contact.items.begin() + 2, {node, made_word("0", control.span)});
   return contact;
 }
 
 }  // namespace
 
 void replace_control_switches(Definitions& definitions) {
-  for (const auto& definition : definitions.all) {
-    std::vector<const Card*> elements;
-    for (const Card* card : definition->elements) {
-      const Item* control = control_of(*card);
-      if (control == nullptr) {
-        elements.push_back(card);
-        continue;
-      }
-      const Item node = word(card->name + "~control", control->span);
-      elements.push_back(&definitions.made.emplace_back(source_of(*card, *control, node)));
-      elements.push_back(&definitions.made.emplace_back(switch_of(*card, *control, node)));
-    }
-    definition->elements = std::move(elements);
-  }
+  replace_elements(definitions, [](const Definition&, const Card& card) -> std::optional<std::vector<Card>> {
+    const Item* control = control_of(card);
+    if (control == nullptr) return std::nullopt;
+    const Item node = made_word(card.name + "~control", control->span);
+    return std::vector{source_of(card, *control, node), switch_of(card, *control, node)};
+  });
 }
 
 }  // namespace pwlsim::circuit

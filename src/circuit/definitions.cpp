@@ -325,6 +325,13 @@ class Reader {
 
 Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter) { return Reader(deck, reporter).read(); }
 
+netlist::Item made_word(std::string text, SourceSpan span) {
+  netlist::Item item;
+  item.text = std::move(text);
+  item.span = item.text_span = span;
+  return item;
+}
+
 const Definition* find_subcircuit(const Definition& from, std::string_view name) {
   const std::string key = without_case(name);
   for (const Definition* at = &from; at != nullptr; at = at->parent) {

@@ -3,10 +3,12 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "circuit/reporter.hpp"
@@ -60,6 +62,23 @@ struct Definitions {
 
 /// Reports cards that are unknown, misplaced or not supported, two definitions of one name, and .subckt without .ends.
 [[nodiscard]] Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter);
+
+/// A word of a card that is made.
+[[nodiscard]] netlist::Item made_word(std::string text, SourceSpan span);
+
+/// Puts other cards in place of element cards: `make(definition, card)` gives them, or nothing where the card stays.
+template <class Make>
+void replace_elements(Definitions& definitions, const Make& make) {
+  for (const auto& definition : definitions.all) {
+    std::vector<const netlist::Card*> elements;
+    for (const netlist::Card* card : definition->elements) {
+      std::optional<std::vector<netlist::Card>> made = make(*definition, *card);
+      if (!made) elements.push_back(card);
+      for (std::size_t k = 0; made && k < made->size(); ++k) elements.push_back(&definitions.made.emplace_back(std::move((*made)[k])));
+    }
+    definition->elements = std::move(elements);
+  }
+}
 
 /// The nearest definition of that name, seen from `from` outwards; null where there is none.
 [[nodiscard]] const Definition* find_subcircuit(const Definition& from, std::string_view name);

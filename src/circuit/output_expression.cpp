@@ -61,13 +61,6 @@ Degree largest(const std::vector<Expression>& parts) {
   return result;
 }
 
-Item word(std::string text, const Item& at) {
-  Item item;
-  item.text = std::move(text);
-  item.span = item.text_span = at.span;
-  return item;
-}
-
 }  // namespace
 
 std::optional<SaveRequest> output_expression(const Item& item, Definitions& definitions, const Reporter& reporter, Circuit& circuit) {
@@ -82,13 +75,13 @@ std::optional<SaveRequest> output_expression(const Item& item, Definitions& defi
   circuit.hidden.names.insert(without_case(source));
   request.first = source + ".value";
   request.first_span = item.span;
-  Item value = word("V", call);
+  Item value = made_word("V", call.span);
   value.kind = ItemKind::assignment;
   value.items.push_back(call.items[0]);
   netlist::Card card;
   card.name = source + ".source";
   card.name_span = card.span = item.span;
-  card.items = {word(request.first, call), word("0", call), std::move(value)};
+  card.items = {made_word(request.first, call.span), made_word("0", call.span), std::move(value)};
   const auto is_same = [&](const netlist::Card* other) { return same_name(other->name, card.name); };
   auto& elements = definitions.all.front()->elements;
   if (std::none_of(elements.begin(), elements.end(), is_same)) elements.push_back(&definitions.made.emplace_back(std::move(card)));

@@ -202,12 +202,7 @@ class XspiceReplacement {
     calls_.push_back(std::move(made));
   }
 
-  [[nodiscard]] Item word(std::string text) const {
-    Item item;
-    item.text = std::move(text);
-    item.span = item.text_span = span();
-    return item;
-  }
+  [[nodiscard]] Item word(std::string text) const { return made_word(std::move(text), span()); }
 
   static LogicDevice device_of(std::string_view type, std::string used, std::string outputs) {
     LogicDevice device;
@@ -453,19 +448,12 @@ class XspiceReplacement {
 }  // namespace
 
 void replace_xspice_logic(Definitions& definitions, Reporter& reporter) {
-  for (const auto& definition : definitions.all) {
-    std::vector<const Card*> elements;
-    std::unordered_set<std::string> inverted;
-    for (const Card* card : definition->elements) {
-      XspiceReplacement replacement(*definition, *card, reporter);
-      if (!replacement.applies()) {
-        elements.push_back(card);
-        continue;
-      }
-      for (Card& call : replacement.calls(inverted)) elements.push_back(&definitions.made.emplace_back(std::move(call)));
-    }
-    definition->elements = std::move(elements);
-  }
+  std::unordered_map<const Definition*, std::unordered_set<std::string>> inverted;
+  replace_elements(definitions, [&](const Definition& definition, const Card& card) -> std::optional<std::vector<Card>> {
+    XspiceReplacement replacement(definition, card, reporter);
+    if (!replacement.applies()) return std::nullopt;
+    return replacement.calls(inverted[&definition]);
+  });
 }
 
 }  // namespace pwlsim::circuit

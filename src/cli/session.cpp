@@ -178,7 +178,7 @@ int Session::open_files() {
 }
 
 int Session::sweep() {
-  run_.outcome.sweep = analysis::SweptRuns(run_.analyses().sweeps, run_.rows_file && (run_.plot_file.is_open() || run_.report_file));
+  run_.outcome.sweep = analysis::SweptRuns(run_.analyses().sweeps, run_.rows_file && run_.has_pictures());
   circuit::Compiled first = *run_.compiled;
   auto& measured = first.measurements.list;
   measured.insert(measured.end(), first.orbit_measurements.list.begin(), first.orbit_measurements.list.end());

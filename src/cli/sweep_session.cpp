@@ -140,7 +140,7 @@ class Sweep {
     SourceStore sources = task_.sources;
     auto compiled = circuit::compile(task_.deck, sources, diagnostics, {.measure = true, .held = names});
     if (!compiled || diagnostics.has_errors()) return;
-    sources_ = analysis::SteppedSources::make(std::move(*compiled), names.size(), task_.options.engine, task_.reltol);
+    sources_ = analysis::SteppedSources::make(std::move(*compiled), names.size(), task_.options.engine);
   }
 
   bool simulate_sources(std::size_t run, SweptRun& record) {

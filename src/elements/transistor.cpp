@@ -35,6 +35,14 @@ void take_junction_current(Model& model, const Settings& settings) {
   if (!model.values.has("I0")) model.values.set("I0", settings.tangent_current);
 }
 
+void refuse_drive(const Model& model, std::string_view name, Diagnostics& diagnostics) {
+  diagnostics.error(
+      "E-not-idealised", model.span,
+      fmt::format("the {} {} is not a switch: a drive of {} V does not reach its threshold {} = {} V; try Ron= on the model, or "
+                  ".options vdrive=",
+                  model.kind->text, model.name, model.values.get("Vdrive"), name, model.values.get(name)));
+}
+
 void add_channel(Emission& emission, const Channel& channel) {
   const std::vector<model::NodeIndex>& nodes = emission.instance().nodes;
   model::Switch item;

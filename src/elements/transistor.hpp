@@ -21,6 +21,9 @@ inline constexpr Parameter junction_current{
 /// Takes it from the options where the model does not give it.
 void take_junction_current(Model& model, const Settings& settings);
 
+/// E-not-idealised: the gate drive does not reach the threshold, which the model calls `name`.
+void refuse_drive(const Model& model, std::string_view name, Diagnostics& diagnostics);
+
 /// A contact from drain to source, closed while v(gate, source) is above the threshold.
 struct Channel {
   bool p_type = false;

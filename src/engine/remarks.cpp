@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace pwlsim::engine {
 
@@ -23,6 +24,13 @@ std::string cure_of(const std::vector<std::string>& switches) {
 }
 
 }  // namespace
+
+void end_run(Answer& answer, Ending ending) {
+  answer.outcome = ending.outcome;
+  answer.id = std::move(ending.id);
+  answer.message = std::move(ending.text);
+  answer.elements = std::move(ending.elements);
+}
 
 Ending interrupted(double time) { return {Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", time)}; }
 

@@ -24,6 +24,8 @@ struct Ending {
   std::string id, text;
   std::vector<std::string> elements{};
 };
+/// Takes it into the answer of the run; Answer::mode stays.
+void end_run(Answer& answer, Ending ending);
 /// E-interrupted
 [[nodiscard]] Ending interrupted(double time);
 /// E-no-settle: switches that no round of changes satisfies.

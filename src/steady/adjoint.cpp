@@ -91,13 +91,16 @@ Adjoint::Sums& Adjoint::sums_of(Pass& pass, std::size_t island, const Mode& mode
   return sums;
 }
 
+Vector Adjoint::signals_of(std::size_t island, const Mode& mode, const double* y, double time, double inside) const {
+  const Sensitivity::Flow& own = flow(island, mode);
+  Vector yz(own.ny + own.nz);
+  yz << along_.seen(island, mode, y), along_.waves_at(own, along_.inputs_.parameters.size(), time, inside);
+  return yz;
+}
+
 /// (y, z) at the begin of a segment.
 Vector Adjoint::begin_of(const Sensitivity::Segment& segment) const {
-  const Sensitivity::Flow& own = flow(segment.island, *segment.mode);
-  Vector yz(own.ny + own.nz);
-  yz << along_.seen(segment.island, *segment.mode, segment.y0->data()),
-      along_.waves_at(own, along_.inputs_.parameters.size(), segment.begin, segment.inside());
-  return yz;
+  return signals_of(segment.island, *segment.mode, segment.y0->data(), segment.begin, segment.inside());
 }
 
 Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double since) const {
@@ -106,15 +109,6 @@ Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double sin
   Vector work(2 * yz.size());
   block.apply(since, yz.data(), work.data());
   return yz;
-}
-
-std::vector<std::pair<Eigen::Index, std::size_t>> Adjoint::outputs_of(std::size_t island) const {
-  std::vector<std::pair<Eigen::Index, std::size_t>> list;
-  const auto& own = along_.orbit_.stacking().system(island).output_signal;
-  for (std::size_t k = 0; k < own.size(); ++k)
-    for (std::size_t j = 0; j < signals_.size(); ++j)
-      if (own[k] == signals_[j]) list.emplace_back(static_cast<Eigen::Index>(k), j);
-  return list;
 }
 
 /// Back over an interval that begins with (y, z).
@@ -148,7 +142,7 @@ void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums) const {
 void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& injections) const {
   for (const Functional::Point& point : functional.points)
     for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
-      const auto outputs = outputs_of(island);
+      const auto outputs = along_.shares_of(island, signals_);
       const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, point.time, point.side);
       if (segment == nullptr) continue;
       const Mode& mode = *segment->mode;
@@ -172,7 +166,7 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
   const auto& rule = linalg::gauss_legendre();
   constexpr std::size_t points = linalg::legendre_points;
   for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
-    const auto outputs = outputs_of(island);
+    const auto outputs = along_.shares_of(island, signals_);
     const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, interval.inside, Side::right);
     if (segment == nullptr) continue;
     const Mode& mode = *segment->mode;
@@ -231,7 +225,6 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
 void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pass& pass) const {
   const LinearInstant& instant = along_.orbit_.instants()[number];
   const Stacking& stacking = along_.orbit_.stacking();
-  const std::size_t all = along_.inputs_.parameters.size();
   const double time = instant.time, left = time - same_instant * (along_.length_ + time),
                right = time + same_instant * (along_.length_ + time);
   const auto read = functional.shifts.find(number);
@@ -248,9 +241,7 @@ void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pas
       const Mode& mode = *change.by_way_of[w];
       if (!mode.constrained) continue;
       if (pass.collects) {
-        const Sensitivity::Flow& own = flow(change.island, mode);
-        Vector yz(own.ny + own.nz);
-        yz << along_.seen(change.island, mode, ways[w].data()), along_.waves_at(own, all, time, right);
+        const Vector yz = signals_of(change.island, mode, ways[w].data(), time, right);
         sums_of(pass, change.island, mode).jump.noalias() += block * yz.transpose();
       }
       block = mode.projector.topLeftCorner(n, n).transpose() * Vector(block);
@@ -263,9 +254,7 @@ void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pas
   if (!pass.collects) return;
   for (const Change& change : changes) {
     if (change.island != island || change.before == nullptr) continue;
-    const Sensitivity::Flow& own = flow(island, *change.before);
-    Vector yz(own.ny + own.nz);
-    yz << along_.seen(island, *change.before, change.y_before.data()), along_.waves_at(own, all, time, left);
+    const Vector yz = signals_of(island, *change.before, change.y_before.data(), time, left);
     Sums& sums = sums_of(pass, island, *change.before);
     for (std::size_t k = 0; k < instant.on_w.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);

@@ -68,6 +68,8 @@ class Adjoint {
   [[nodiscard]] const Sensitivity::Flow& flow(std::size_t island, const model::Mode& mode) const;
   [[nodiscard]] Sums& sums_of(Pass& pass, std::size_t island, const model::Mode& mode) const;
   [[nodiscard]] Vector begin_of(const Sensitivity::Segment& segment) const;
+  /// (y, z) of a mode at y; `inside`: a time at which its waves are those in force, s.
+  [[nodiscard]] Vector signals_of(std::size_t island, const model::Mode& mode, const double* y, double time, double inside) const;
   [[nodiscard]] Vector later(const Sensitivity::Segment& segment, Vector yz, double since) const;
   void examine(std::size_t parameter);
   void run(const Functional& functional, const Vector& end, Pass& pass) const;
@@ -77,8 +79,6 @@ class Adjoint {
   void pass_instant(std::size_t number, const Functional& functional, Pass& pass) const;
   void travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass) const;
   void settle(std::size_t island, const model::Mode& mode, Sums& sums) const;
-  /// The outputs of the segment that the functional weighs: row of its mode, number of the signal.
-  [[nodiscard]] std::vector<std::pair<Eigen::Index, std::size_t>> outputs_of(std::size_t island) const;
   [[nodiscard]] double of_parameter(std::size_t parameter, Pass& pass) const;
   [[nodiscard]] double of_edges(std::size_t parameter, const Pass& pass) const;
 

@@ -431,34 +431,35 @@ const Sensitivity::Segment* Sensitivity::segment_at(std::size_t island, double t
   return &segments_[*found];
 }
 
+std::vector<Sensitivity::Share> Sensitivity::shares_of(std::size_t island, const std::vector<int>& signals) const {
+  std::vector<Share> shares;
+  const auto& own = orbit_.stacking().system(island).output_signal;
+  for (std::size_t k = 0; k < own.size(); ++k)
+    for (std::size_t j = 0; j < signals.size(); ++j)
+      if (own[k] == signals[j]) shares.emplace_back(static_cast<Eigen::Index>(k), j);
+  return shares;
+}
+
 std::vector<MovedJet> Sensitivity::moved_signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                                     double time, Side side) const {
   std::vector<MovedJet> jets(signals.size());
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const System& system = orbit_.stacking().system(island);
-    const Segment* segment = nullptr;
-    Vector state, rate;
-    for (std::size_t k = 0; k < system.output_signal.size(); ++k)
-      for (std::size_t j = 0; j < signals.size(); ++j) {
-        if (system.output_signal[k] != signals[j]) continue;
-        const Segment* const here = segment != nullptr ? segment : segment_at(island, time, side);
-        if (here == nullptr) continue;
-        const Mode& mode = *here->mode;
-        const Flow& flow = flow_of(parameter, island, mode);
-        if (segment == nullptr) {
-          segment = here;
-          state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())],
-                     std::clamp(time - segment->begin, 0.0, segment->length));
-          rate = flow.block->a() * state;
-        }
-        const auto row = static_cast<Eigen::Index>(k);
-        const Eigen::Index width = flow.ny + flow.nz;
-        const auto moved = [&](const Vector& v) {
-          return mode.outputs.row(row).head(mode.n1).dot(v.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(v.head(width));
-        };
-        jets[j].moved += moved(state);
-        jets[j].moved_rate += moved(rate);
-      }
+    const std::vector<Share> shares = shares_of(island, signals);
+    const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
+    if (segment == nullptr) continue;
+    const Mode& mode = *segment->mode;
+    const Flow& flow = flow_of(parameter, island, mode);
+    const Vector state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())],
+                            std::clamp(time - segment->begin, 0.0, segment->length));
+    const Vector rate = flow.block->a() * state;
+    const Eigen::Index width = flow.ny + flow.nz;
+    for (const auto& [row, signal] : shares) {
+      const auto moved = [&, row = row](const Vector& v) {
+        return mode.outputs.row(row).head(mode.n1).dot(v.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(v.head(width));
+      };
+      jets[signal].moved += moved(state);
+      jets[signal].moved_rate += moved(rate);
+    }
   }
   return jets;
 }
@@ -466,24 +467,17 @@ std::vector<MovedJet> Sensitivity::moved_signals_at(const Followed& followed, st
 std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, double time, Side side) const {
   std::vector<SignalJet> jets(signals.size());
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const System& system = orbit_.stacking().system(island);
-    const Segment* segment = nullptr;
-    Vector y, rate;
-    for (std::size_t k = 0; k < system.output_signal.size(); ++k)
-      for (std::size_t j = 0; j < signals.size(); ++j) {
-        if (system.output_signal[k] != signals[j]) continue;
-        if (segment == nullptr) {
-          segment = segment_at(island, time, side);
-          if (segment == nullptr) continue;
-          y = vector_of(*segment->y0);
-          Vector work(2 * y.size());
-          const double since = std::clamp(time - segment->begin, 0.0, segment->length);
-          if (since > 0.0) segment->mode->flow.apply(since, y.data(), work.data());
-          rate = segment->mode->flow.a() * y;
-        }
-        jets[j].value += segment->mode->outputs.row(static_cast<Eigen::Index>(k)).dot(y);
-        jets[j].rate += segment->mode->outputs.row(static_cast<Eigen::Index>(k)).dot(rate);
-      }
+    const std::vector<Share> shares = shares_of(island, signals);
+    const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
+    if (segment == nullptr) continue;
+    Vector y = vector_of(*segment->y0), work(2 * y.size());
+    const double since = std::clamp(time - segment->begin, 0.0, segment->length);
+    if (since > 0.0) segment->mode->flow.apply(since, y.data(), work.data());
+    const Vector rate = segment->mode->flow.a() * y;
+    for (const auto& [row, signal] : shares) {
+      jets[signal].value += segment->mode->outputs.row(row).dot(y);
+      jets[signal].rate += segment->mode->outputs.row(row).dot(rate);
+    }
   }
   return jets;
 }
@@ -494,11 +488,7 @@ std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed,
   const auto& rule = linalg::gauss_legendre();
   std::vector<std::vector<double>> values(linalg::legendre_points, std::vector<double>(signals.size(), 0.0));
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const System& system = orbit_.stacking().system(island);
-    std::vector<std::pair<Eigen::Index, std::size_t>> shares;
-    for (std::size_t k = 0; k < system.output_signal.size(); ++k)
-      for (std::size_t j = 0; j < signals.size(); ++j)
-        if (system.output_signal[k] == signals[j]) shares.emplace_back(static_cast<Eigen::Index>(k), j);
+    const std::vector<Share> shares = shares_of(island, signals);
     const Segment* const segment = shares.empty() ? nullptr : segment_at(island, inside, Side::right);
     if (segment == nullptr) continue;
     const Mode& mode = *segment->mode;

@@ -118,6 +118,9 @@ class Sensitivity {
   void pass_change(std::size_t parameter, const engine::Change& change, const LinearChange& linear, double time, double shift,
                    Vector& xi) const;
   [[nodiscard]] const Segment* segment_at(std::size_t island, double time, Side side) const;
+  using Share = std::pair<Eigen::Index, std::size_t>;
+  /// Outputs of an island that are parts of signals: the output's row, and the place among `signals`.
+  [[nodiscard]] std::vector<Share> shares_of(std::size_t island, const std::vector<int>& signals) const;
 
   const engine::ExactModel& model_;
   const Trace& trace_;

@@ -9,25 +9,16 @@
 #include <numbers>
 #include <thread>
 
+#include "support/errors.hpp"
 #include "support/scratch.hpp"
 
 using namespace pwlsim;
 using Catch::Matchers::Contains;
+using pwlsim::test::id_of_error;
 
 namespace {
 
 constexpr double rounding = 1e-13;  ///< of a signal's largest value
-
-std::string id_of_error(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    INFO(error.what());
-    CHECK_THAT(error.what(), Contains("error[" + error.id() + "]"));
-    return error.id();
-  }
-  return "none";
-}
 
 }  // namespace
 

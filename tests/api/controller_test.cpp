@@ -6,21 +6,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "support/errors.hpp"
+
 using namespace pwlsim;
 using Catch::Matchers::Contains;
+using pwlsim::test::id_of_error;
 
 namespace {
 
 constexpr double rounding = 1e-13;  ///< of a signal's largest value
-
-std::string id_of_error(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.id();
-  }
-  return "none";
-}
 
 /// R = 1 kΩ from node a to C = 1 µF at b.
 Circuit low_pass() {

@@ -7,7 +7,10 @@
 #include <functional>
 #include <string>
 
+#include "support/errors.hpp"
+
 using namespace pwlsim;
+using pwlsim::test::id_of_error;
 
 namespace {
 
@@ -21,15 +24,6 @@ Circuit chopper() {
       "V1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b 1m\nR1 b 0 5\nVg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n"
       ".model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n");
   return circuit;
-}
-
-std::string id_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.id();
-  }
-  return "none";
 }
 
 }  // namespace
@@ -69,7 +63,7 @@ TEST_CASE("api: gradients that cannot be are refused by id", "[unit]") {
   Circuit circuit = chopper();
   circuit.measure("top", "MAX i(L1)");
   const Options options{.stop = 1e-3};
-  CHECK(id_of([&] { (void)circuit.gradient("bottom", {"V1"}, options); }) == "E-sens-no-measurement");
-  CHECK(id_of([&] { (void)circuit.gradient("top", {"V7"}, options); }) == "E-sens-unknown-parameter");
-  CHECK(id_of([&] { (void)circuit.gradient("top", {}, options); }) == "E-missing-value");
+  CHECK(id_of_error([&] { (void)circuit.gradient("bottom", {"V1"}, options); }) == "E-sens-no-measurement");
+  CHECK(id_of_error([&] { (void)circuit.gradient("top", {"V7"}, options); }) == "E-sens-unknown-parameter");
+  CHECK(id_of_error([&] { (void)circuit.gradient("top", {}, options); }) == "E-missing-value");
 }

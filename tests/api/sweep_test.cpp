@@ -6,20 +6,14 @@
 #include <cmath>
 #include <map>
 
+#include "support/errors.hpp"
+
 using namespace pwlsim;
+using pwlsim::test::id_of_error;
 
 namespace {
 
 constexpr double rounding = 1e-13;
-
-std::string id_of_error(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.id();
-  }
-  return "none";
-}
 
 /// 12 V behind r into R2: v = 12·R2/(r + R2).
 Circuit loaded() {

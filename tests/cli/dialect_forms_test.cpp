@@ -10,11 +10,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Finished run_deck(const Scratch& scratch, const std::string& deck) {
-  scratch.write("d.net", deck);
-  return run_in(scratch, {"d.net", "-o", "d.csv"});
-}
-
 /// The value of `name`; no number after an error.
 double measured(const std::string& deck, const std::string& name) {
   const Scratch scratch;

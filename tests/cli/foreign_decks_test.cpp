@@ -8,15 +8,6 @@
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
 
-namespace {
-
-Finished run_deck(const Scratch& scratch, const std::string& deck) {
-  scratch.write("d.net", deck);
-  return run_in(scratch, {"d.net", "-o", "d.csv"});
-}
-
-}  // namespace
-
 TEST_CASE("Id(M1) and Ic(Q1) are measured, and i(M1) is among the columns", "[unit]") {
   const Scratch scratch;
   // On for half of the time: 10 V over 10 Ω and Ron.

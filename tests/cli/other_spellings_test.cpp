@@ -8,15 +8,6 @@
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
 
-namespace {
-
-Finished run_deck(const Scratch& scratch, const std::string& deck) {
-  scratch.write("d.net", deck);
-  return run_in(scratch, {"d.net", "-o", "d.csv"});
-}
-
-}  // namespace
-
 TEST_CASE("a sign may stand before braces", "[unit]") {
   const Scratch scratch;
   const Finished finished = run_deck(scratch,

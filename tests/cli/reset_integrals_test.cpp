@@ -8,15 +8,6 @@
 using namespace pwlsim::test;
 using Catch::Matchers::Contains;
 
-namespace {
-
-Finished run_deck(const Scratch& scratch, const std::string& deck) {
-  scratch.write("d.net", deck);
-  return run_in(scratch, {"d.net", "-o", "d.csv"});
-}
-
-}  // namespace
-
 TEST_CASE("idt with a reset stands at its start while the reset holds", "[unit]") {
   const Scratch scratch;
   // Reset from 0.4 ms to 0.5 ms of each ms: a ramp of 1 V/ms from 0.5 V to 1.4 V (over the start of the period), held for 0.1 ms.

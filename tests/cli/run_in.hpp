@@ -16,6 +16,12 @@ inline Finished run_in(const Scratch& scratch, const std::vector<std::string>& a
   return finished;
 }
 
+/// The deck as d.net, its rows as d.csv.
+inline Finished run_deck(const Scratch& scratch, const std::string& deck) {
+  scratch.write("d.net", deck);
+  return run_in(scratch, {"d.net", "-o", "d.csv"});
+}
+
 /// Of a line `name = value` on standard output.
 inline double value_of(const std::string& text, const std::string& name) {
   const std::size_t at = text.find(name + " = ");

@@ -8,6 +8,7 @@
 
 #include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/start.hpp"
 #include "support/circuit.hpp"
 
 using namespace pwlsim;
@@ -71,7 +72,7 @@ engine::March march_on(const engine::ExactModel& model) {
   engine::March::Options options;
   options.merge = merge;
   engine::March march(model, options);
-  march.restart(engine::state_of(engine::start_from_initial_values(model)));
+  march.restart(engine::start_from_initial_values(model));
   return march;
 }
 
@@ -150,7 +151,7 @@ TEST_CASE("how close instants are one is given in seconds", "[unit]") {
     engine::March::Options options;
     options.merge = closest;
     engine::March march(*model, options);
-    march.restart(engine::state_of(engine::start_from_initial_values(*model)));
+    march.restart(engine::start_from_initial_values(*model));
     CountsEvents seen;
     REQUIRE(march.advance(1.0, &seen).outcome == engine::Outcome::completed);
     CHECK(seen.times.size() == static_cast<std::size_t>(instants));

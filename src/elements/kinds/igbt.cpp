@@ -42,11 +42,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (!values.has("Vdrive")) values.set("Vdrive", settings.gate_drive);
   if (values.has("Ron")) return;
   if (overdrive(model) > 0.0) return values.set("Ron", 1.0 / (values.get("KP") * overdrive(model)));
-  diagnostics.error(
-      "E-not-idealised", model.span,
-      fmt::format("the IGBT {} is not a switch: a drive of {} V does not reach its threshold VT = {} V; try Ron= on the model, or "
-                  ".options vdrive=",
-                  model.name, values.get("Vdrive"), values.get("VT")));
+  refuse_drive(model, "VT", diagnostics);
 }
 
 constexpr ModelKind n_channel{"NIGBT", "IGBT", model_parameters, complete, nullptr, true};

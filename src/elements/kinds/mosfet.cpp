@@ -234,11 +234,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (!values.has("Vdrive")) values.set("Vdrive", settings.gate_drive);
   take_body_diode(model, settings);
   if (values.has("Ron") || overdrive(model) > 0.0) return;
-  diagnostics.error(
-      "E-not-idealised", model.span,
-      fmt::format("the {} {} is not a switch: a drive of {} V does not reach its threshold Vto = {} V; try Ron= on the model, or "
-                  ".options vdrive=",
-                  model.kind->text, model.name, values.get("Vdrive"), values.get("Vto")));
+  refuse_drive(model, "Vto", diagnostics);
 }
 
 constexpr double levels[] = {1.0, 2.0, 3.0};

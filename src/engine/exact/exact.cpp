@@ -10,7 +10,8 @@ Answer run(const ExactModel& model, const Request& request, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
   const Start start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
   Selectors selectors(model, request.non_unique);
-  return run_from_start(request, began, start, [&](const Start& from) { return Transient(model, request, sink, selectors, {}).run(from); });
+  return run_from_start(request, began, start,
+                        [&](const RunState& from) { return Transient(model, request, sink, selectors, {}).run(from); });
 }
 
 OperatingPoint operating_point(const ExactModel& model) {

@@ -11,15 +11,6 @@ class NoSink : public RowSink {
   bool write(std::span<const double>, std::size_t) override { return true; }
 };
 
-Start start_from(const RunState& state) {
-  Start start;
-  start.xi = state.xi;
-  start.on = state.on;
-  start.active = state.active;
-  start.signals = state.signals;
-  return start;
-}
-
 }  // namespace
 
 Answer March::advance(double until, Observer* observer) {
@@ -29,8 +20,8 @@ Answer March::advance(double until, Observer* observer) {
   request.non_unique = options_.non_unique;
   request.interrupt = options_.interrupt;
   NoSink sink;
-  Transient transient(model_, request, sink, selectors_, {observer, true, state_.time, options_.merge});
-  Answer answer = transient.run(start_from(state_));
+  Transient transient(model_, request, sink, selectors_, {observer, true, options_.merge});
+  Answer answer = transient.run(state_);
   state_ = transient.state();
   return answer;
 }
@@ -40,13 +31,12 @@ Answer March::advance(RunState& state, double length, Observer* observer) {
   state_.time = 0.0;
   Answer answer = advance(length, observer);
   state = state_;
+  state.time = 0.0;
   return answer;
 }
 
 Answer March::run(const RunState& from, const Request& request, RowSink& sink) {
-  return Transient(model_, request, sink, selectors_, {}).run(start_from(from));
+  return Transient(model_, request, sink, selectors_, {}).run(from);
 }
-
-RunState state_of(const Start& start) { return {start.xi, start.on, {}, 0.0, start.signals}; }
 
 }  // namespace pwlsim::engine

@@ -6,7 +6,6 @@
 #include "engine/exact/observer.hpp"
 #include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
-#include "engine/exact/start.hpp"
 
 namespace pwlsim::engine {
 
@@ -28,7 +27,8 @@ class March {
   /// Where the last run has ended, or the next one starts.
   [[nodiscard]] const RunState& state() const { return state_; }
 
-  /// The same for `length` s with sources as from t = 0 on, whatever the state's time; `state` is the start and then the end.
+  /// The same for `length` s with sources as from t = 0 on, whatever the state's time; `state` is the start and then the end,
+  /// which is at t = 0 of the next such run.
   Answer advance(RunState& state, double length, Observer* observer);
   /// An ordinary run with rows from such a state.
   Answer run(const RunState& from, const Request& request, RowSink& sink);
@@ -41,8 +41,5 @@ class March {
   Selectors selectors_;
   RunState state_;
 };
-
-/// The state in which `start` begins a run.
-[[nodiscard]] RunState state_of(const Start& start);
 
 }  // namespace pwlsim::engine

@@ -13,7 +13,7 @@ struct RunState {
   std::vector<char> on;                        ///< switches of the model
   std::vector<model::IndexSet> active;         ///< of each island, the mode's active set: where selection begins. Empty: all diodes block.
   double time = 0.0;                           ///< s
-  std::vector<std::vector<double>> signals{};  ///< each island's share of its signals just before `time`: Start::signals. Empty: not known
+  std::vector<std::vector<double>> signals{};  ///< each island's share of its signals just before `time`; empty: not known
 };
 
 }  // namespace pwlsim::engine

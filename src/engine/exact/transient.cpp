@@ -52,7 +52,6 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
   sampled_.resize(request.sampler != nullptr ? rows_.width() : 0);
   for (auto& island : islands_) {
     island.set_tolerance(tolerance_);
-    island.start_sources(watching.begin);
     island.inject(request.faults);
   }
   is_slow_ = std::any_of(islands_.begin(), islands_.end(),
@@ -98,7 +97,7 @@ void Transient::make_groups() {
     if (const std::size_t to = place_of_switch(clock.driven()); to < order.size()) groups_[group_of[to]].clocks.push_back(&clock);
 }
 
-Answer Transient::run(const Start& start) {
+Answer Transient::run(const RunState& start) {
   const auto clock = Clock::now();
   answer_.outcome = Outcome::completed;
   if (begin(start)) march();
@@ -173,11 +172,13 @@ RunState Transient::state() const {
 }
 
 /// States as given, switches where the start has them, then the instant itself.
-bool Transient::begin(const Start& start) {
+bool Transient::begin(const RunState& start) {
   if (request_.sampler != nullptr) request_.sampler->begin();
+  begin_ = start.time;
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   pieces_.before_start(start.signals);
+  for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
@@ -189,9 +190,9 @@ bool Transient::begin(const Start& start) {
     const SwitchInfo& info = model_.switches[i];
     if (info.island >= 0) islands_[static_cast<std::size_t>(info.island)].set_switch(info.port, on_[i] != 0);
   }
-  for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0, watching_.begin);
+  for (model::Clock& clock : clocks_) clock.start(on_[static_cast<std::size_t>(clock.driven())] != 0, begin_);
   Instant instant;
-  instant.time = now_ = watching_.begin;
+  instant.time = now_ = begin_;
   for (IslandRun* island : running_) {
     island->evaluate_sources(instant.time);
     jump_recorder_.before(number_of(*island), island->x);
@@ -421,7 +422,7 @@ bool Transient::flip(Instant& instant) {
   for (const int s : last_flips_) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
-    if (instant.time > watching_.begin) thresholds_.changed(s);
+    if (instant.time > begin_) thresholds_.changed(s);
     const SwitchInfo& info = model_.switches[index];
     if (info.island < 0) continue;
     IslandRun& island = islands_[static_cast<std::size_t>(info.island)];

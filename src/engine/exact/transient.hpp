@@ -14,7 +14,6 @@
 #include "engine/exact/probe_impulses.hpp"
 #include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
-#include "engine/exact/start.hpp"
 #include "engine/remarks.hpp"
 #include "engine/row_feed.hpp"
 #include "engine/sampler.hpp"
@@ -25,15 +24,14 @@ namespace pwlsim::engine {
 class Transient : private RowSource {
  public:
   /// For runs within a run: who watches, whether what happens at `stop` is left to the next one (then there is no certificate but that of the guards),
-  /// when it begins, and how close instants are one, s.
+  /// and how close instants are one, s.
   struct Watching {
     Observer* observer = nullptr;
     bool leaves_end_open = false;
-    double begin = 0.0;
     double merge = 0.0;  ///< 0: a fraction of `stop`
   };
   Transient(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
-  Answer run(const Start& start);
+  Answer run(const RunState& start);
   /// Where the run has ended: left of `stop`, or right of the instant at which the observer ended it.
   [[nodiscard]] RunState state() const;
 
@@ -60,7 +58,7 @@ class Transient : private RowSource {
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
   void make_clocks();
   void make_groups();
-  bool begin(const Start& start);
+  bool begin(const RunState& start);
   void march();
   void stop_short();
   void close_others();
@@ -133,7 +131,7 @@ class Transient : private RowSource {
   std::uint64_t several_ = 0;  ///< selections that had a choice, and the first of them in words
   std::string several_text_;
   double tolerance_ = 0.0;  ///< instants closer than this are one
-  double now_ = 0.0;
+  double begin_ = 0.0, now_ = 0.0;
   RowFeed rows_;
   std::vector<double> row_before_, sampled_;
   std::vector<Sampler::Setting> settings_;

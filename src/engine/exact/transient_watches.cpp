@@ -198,11 +198,8 @@ void Transient::fail(Outcome outcome, std::string id, std::string text, std::vec
 }
 
 void Transient::fail(Ending ending) {
-  answer_.outcome = ending.outcome;
-  answer_.id = std::move(ending.id);
-  answer_.message = std::move(ending.text);
-  answer_.elements = std::move(ending.elements);
   answer_.mode = mode_text(ending.outcome);
+  end_run(answer_, std::move(ending));
 }
 
 /// Where no solution continues the mode before the instant at hand is meant, else that which holds.

@@ -286,13 +286,6 @@ std::vector<std::string> Block::names(const std::vector<int>& ports) const {
   return result;
 }
 
-void Block::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
-  failure_.outcome = outcome;
-  failure_.id = std::move(id);
-  failure_.message = std::move(text);
-  failure_.elements = std::move(elements);
-}
-
 bool Block::fail_step(Solved solved, double error) {
   if (!failure_.id.empty()) return false;
   const double time = point_.time;

@@ -97,8 +97,10 @@ class Block {
   bool fail_step(Solved solved, double error);
   bool look_back();
   bool give_up(const std::string& what);
-  void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements);
-  void fail(Ending ending) { fail(ending.outcome, std::move(ending.id), std::move(ending.text), std::move(ending.elements)); }
+  void fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
+    fail({outcome, std::move(id), std::move(text), std::move(elements)});
+  }
+  void fail(Ending ending) { end_run(failure_, std::move(ending)); }
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 

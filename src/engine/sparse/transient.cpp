@@ -273,10 +273,7 @@ bool Transient::take(bool accepted) {
 }
 
 void Transient::end(Ending ending) {
-  answer_.outcome = ending.outcome;
-  answer_.id = std::move(ending.id);
-  answer_.message = std::move(ending.text);
-  answer_.elements = std::move(ending.elements);
+  end_run(answer_, std::move(ending));
   answer_.mode = mode_text();
 }
 
@@ -306,9 +303,9 @@ void Transient::finish() {
   const bool has_segments = method_ == Block::Method::segments;
   const bool is_doubtful = worst > (has_segments ? broken_certificate : doubtful_tolerances * reltol_);
   if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
-    end({Outcome::no_solution, "E-certificate",
-         fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst)});
-    answer_.mode.clear();  // no mode of the run is meant
+    end_run(answer_,
+            {Outcome::no_solution, "E-certificate",
+             fmt::format("the worst residual of the run is {:.1e}: its rows do not satisfy the circuit; try --engine exact", worst)});
   } else if (is_doubtful) {
     answer_.remarks.push_back(doubtful_certificate(worst));
   }
