@@ -464,6 +464,7 @@ void Builder::add_decays(const Mode& whole, Mode& slow) const {
   auto decays = std::make_unique<Decays>();
   decays->time_constants = manifold_->time_constants;
   decays->slowest = manifold_->slowest;
+  decays->rate_doubt = manifold_->rate_doubt;
   decays->coordinates = manifold_->coordinates;
   decays->guards = whole.guards.leftCols(whole.n1) * (whole.constrained ? whole.basis.transpose() * manifold_->fast : manifold_->fast);
   decays->guard_rounding = whole.guard_noise.cwiseProduct(whole.guard_norm);

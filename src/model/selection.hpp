@@ -87,6 +87,8 @@ class Selector {
   [[nodiscard]] IndexSet by_rule(const double* x, const IndexSet& set);
   /// Numbers of the system's outputs that some visited mode leaves open (their least-norm value is what rows hold).
   [[nodiscard]] std::vector<std::size_t> open_outputs() const;
+  /// The largest doubt of a rate (Decays::rate_doubt) of the visited modes, 1/s.
+  [[nodiscard]] double rate_doubt() const;
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }

@@ -241,6 +241,9 @@ void Splitter::find_motion() {
   result_.projector = product(x, coordinates);
   result_.constraints.resize(fast_, size);
   result_.constraints << off_, -product(off_, lift_);
+  const WideMatrix a = system_.unrounded_matrices()->a.topLeftCorner(n_, n_);
+  const Wide change = linalg::absolute_product(w_, linalg::absolute_product(a, slow_)).norm();
+  result_.rate_doubt = tolerance::rate_rounding * static_cast<double>(change);
 }
 
 /// Each decay by itself. Where the mode holds states at zero, all of its fast motion counts as a jump: what is at rest there is.

@@ -33,6 +33,7 @@ struct SlowManifold {
   linalg::Matrix coordinates;      ///< ψ of x (r × size)
   linalg::Vector time_constants;   ///< of the decays, s (r); 0: that one is a jump
   double slowest = 0.0;            ///< of the time constants
+  double rate_doubt = 0.0;         ///< what rounding of A, entry by entry, may make of the slow rates, 1/s
 };
 
 /// Of `whole`, the mode of the active ports whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
