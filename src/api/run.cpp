@@ -48,7 +48,11 @@ void tell_cards_left(const circuit::Analyses& analyses, Result::Data& data) {
   add(analyses.small_signal.has_value(), ".ac (small_signals, in Python ac)");
   add(analyses.sensitivities.has_value(), ".sens (gradient)");
   if (!left.empty())
-    data.messages.push_back(api::message_of({Severity::note, "N-transient-only", {}, fmt::format("run starts as .tran says and leaves out what has a function of its own: {}", left)}));
+    data.messages.push_back(
+        api::message_of({Severity::note,
+                         "N-transient-only",
+                         {},
+                         fmt::format("run starts as .tran says and leaves out what has a function of its own: {}", left)}));
 }
 
 /// Instances are named "X1.R1"; users write "X1:R1", as in the names of signals.

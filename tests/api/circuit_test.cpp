@@ -263,7 +263,8 @@ TEST_CASE("api: a run tells which cards of the deck it leaves to functions of th
   circuit.voltage_source("V1", "a", "0", "PULSE(0 1 0 1u 1u 4u 10u) AC 1").resistor("R1", "a", "b", 1e3).capacitor("C1", "b", "0", 1e-9);
   const auto told = [&] {
     const Result result = circuit.run({.stop = 1e-5});
-    const auto note = std::find_if(result.messages().begin(), result.messages().end(), [](const Message& each) { return each.id == "N-transient-only"; });
+    const auto note =
+        std::find_if(result.messages().begin(), result.messages().end(), [](const Message& each) { return each.id == "N-transient-only"; });
     return note == result.messages().end() ? std::string() : note->text;
   };
   CHECK(told().empty());

@@ -91,6 +91,17 @@ TEST_CASE("api: what a controller throws is nested in the error, which has the r
   }
 }
 
+TEST_CASE("api: an output at a node that nothing uses is told", "[unit]") {
+  const auto is_told = [](const char* output) {
+    Circuit circuit = low_pass();
+    circuit.controller({.outputs = {output}, .every = 1e-3, .function = [](double, const auto&, auto& out) { out[0] = 1.0; }});
+    const Result result = circuit.run({.stop = 1e-2, .step = 1e-3});
+    return std::any_of(result.messages().begin(), result.messages().end(), [](const Message& each) { return each.id == "W-dangling"; });
+  };
+  CHECK_FALSE(is_told("a"));
+  CHECK(is_told("aa"));
+}
+
 TEST_CASE("api: controllers that are not complete are refused", "[unit]") {
   const auto answer = [](double, const std::vector<double>&, std::vector<double>&) {};
   const auto id_of = [](Controller controller) {
