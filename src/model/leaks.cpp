@@ -11,22 +11,18 @@ namespace pwlsim::model {
 
 namespace {
 
-/// √(L/C), or the least resistance.
-double impedance(const Network& network) {
+/// Smaller resistors are none. Without capacitors the rate R/L tells: beside a wire of 1 µΩ any load is large.
+double least_resistance(const Network& network) {
   LogMean capacitance, inductance;
   for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
   for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
-  if (!capacitance.empty()) return std::sqrt(inductance.value() / capacitance.value());
-  double least = INFINITY;
-  for (const auto& r : network.resistors)
-    if (r.resistance > 0.0) least = std::min(least, r.resistance);
-  return least;
+  return capacitance.empty() ? least_rate * inductance.value() : least_leak * std::sqrt(inductance.value() / capacitance.value());
 }
 
 class LeakFinder {
  public:
   explicit LeakFinder(const Network& network) : network_(network) {
-    const double least = least_leak * impedance(network);
+    const double least = least_resistance(network);
     for (const auto& r : network.resistors)
       if (r.p != r.n) (r.resistance > least ? leaks_ : firm_).push_back(&r);
     std::stable_sort(leaks_.begin(), leaks_.end(), [](const auto* a, const auto* b) { return a->resistance < b->resistance; });

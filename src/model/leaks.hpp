@@ -9,8 +9,10 @@
 
 namespace pwlsim::model {
 
-/// Of √(L/C), or of the least resistance where there is no C. Why: with smaller ones A is not stiff, and nothing is gained.
+/// Of √(L/C). Why: with smaller ones A is not stiff, and nothing is gained.
 inline constexpr double least_leak = 1e6;
+/// 1/s, of R/L where there is no C. Why: below it the rounding of extended precision leaves slow rates right to 10⁻¹⁰ 1/s.
+inline constexpr double least_rate = 1e9;
 
 /// A diode that blocks for good (Diode::blocks) is put beside each leak of a tree of leaks between parts that capacitors, sources, smaller resistors, diodes and
 /// contacts hold together, where an inductor crosses the cut that the leak closes. A network without diodes and switches stays as it is: it has one mode.
