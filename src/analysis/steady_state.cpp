@@ -285,6 +285,10 @@ class Finder {
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit touches, but does not cross, the threshold of {} at t = {}: multipliers are those of one side",
                       guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
+    for (const steady::Beside& beside : orbit.beside)
+      say(Severity::warning, "W-pss-graze",
+          fmt::format("the orbit reaches the threshold of {} at t = {} just when another event happens: multipliers are those of one side",
+                      guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
       for (const steady::Vector& direction : orbit.free_directions) names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);

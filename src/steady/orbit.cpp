@@ -258,6 +258,7 @@ class Search {
     orbit_.residual = f.norm() / orbit_.largest;
     const Variation v = variation(stacking_, lap_.trace);
     orbit_.kink = v.kink;
+    orbit_.beside = v.beside;
     orbit_.trace = std::move(lap_.trace);
     if (v.kink.empty()) take_multipliers(v);
     return std::move(orbit_);

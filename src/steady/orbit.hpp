@@ -48,6 +48,7 @@ struct Orbit {
   Trace trace;          ///< of one period, `multiple` periods of the sources
   Matrix monodromy;
   std::string kink;      ///< why there are no multipliers; "" where there are
+  std::vector<Beside> beside;  ///< guards passed together with other events: multipliers are those of one order
   double residual = 0.0;  ///< ‖φ(x) − x‖ against the largest state on the orbit
   double largest = 0.0;   ///< that state's norm, √J
   int iterations = 0, periods_simulated = 0;
