@@ -63,9 +63,9 @@ std::vector<double> beside(const Compiled& compiled, const std::function<Derivat
   for (const double weight : {2.0, -1.0}) {
     const DerivativeTable there = derivatives(moved_deck(compiled, parameter, weight > 0.0 ? step : 2.0 * step));
     for (std::size_t k = 0; k < values.size(); ++k) {
-      const bool is_known = k < there.size() && there.size() == wanted.size() && there[k].failure.empty() &&
-                            std::abs(there[k].measured - wanted[k]->measured) <=
-                                same_branch * (std::abs(there[k].measured) + std::abs(wanted[k]->measured));
+      const bool is_known =
+          k < there.size() && there.size() == wanted.size() && there[k].failure.empty() &&
+          std::abs(there[k].measured - wanted[k]->measured) <= same_branch * (std::abs(there[k].measured) + std::abs(wanted[k]->measured));
       values[k] += is_known ? weight * there[k].value : std::nan("");
     }
   }
@@ -110,7 +110,8 @@ void resolve_kinks(const Compiled& compiled, const std::function<DerivativeTable
       if (each.parameter == parameters[p].name) entries.push_back(&each);
     const auto is_open = [](const Derivative* each) { return each->is_kink && !each->failure.empty(); };
     if (!(step > 0.0) || std::none_of(entries.begin(), entries.end(), is_open)) continue;
-    const std::vector<double> left = beside(compiled, derivatives, entries, p, -step), right = beside(compiled, derivatives, entries, p, step);
+    const std::vector<double> left = beside(compiled, derivatives, entries, p, -step),
+                              right = beside(compiled, derivatives, entries, p, step);
     for (std::size_t k = 0; k < entries.size(); ++k)
       if (is_open(entries[k])) settle(*entries[k], left[k], right[k], parameters[p].value);
   }

@@ -41,8 +41,7 @@ class Columns {
     for (const std::size_t k : wanted)
       if (!free_.empty() && reads_free(functionals_.of(k)))
         for (auto& column : columns)
-          if (column[k].failure.empty())
-            column[k] = TwoSided::failed("it depends on an offset that the orbit leaves open (multiplier 1)");
+          if (column[k].failure.empty()) column[k] = TwoSided::failed("it depends on an offset that the orbit leaves open (multiplier 1)");
     return columns;
   }
 
@@ -106,8 +105,8 @@ class Columns {
   void take_forward(std::size_t parameter, const std::vector<std::size_t>& wanted, std::vector<TwoSided>& column) {
     const RunMotion::Forward forward = motion_.forward(parameter);
     const bool has_motion = forward.failure.empty();
-    const TwoSided failed = failed_at_kink(has_motion ? forward.followed.failure : forward.failure,
-                                           has_motion ? forward.followed.is_kink : forward.is_kink);
+    const TwoSided failed =
+        failed_at_kink(has_motion ? forward.followed.failure : forward.failure, has_motion ? forward.followed.is_kink : forward.is_kink);
     ForwardReader reader(run_, sensitivity_, forward.followed, parameter, forward.direct);
     for (const std::size_t k : wanted)
       column[k] = failed.failure.empty() ? two_sided(functionals_.of(k), [&](const MeasuredSum& sum) { return reader.read(sum); }) : failed;

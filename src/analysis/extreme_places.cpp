@@ -79,8 +79,7 @@ void MeasuredFunctionals::add_extreme(double weight, std::size_t number, bool is
   const auto known = run_.extremes.find(number);
   std::vector<double> times;
   if (known != run_.extremes.end()) times = is_largest ? known->second.largest : known->second.least;
-  if (times.size() < 2)
-    return sum.add(weight, of_extreme(measurement, is_largest ? place.largest_at : place.least_at, is_largest, place));
+  if (times.size() < 2) return sum.add(weight, of_extreme(measurement, is_largest ? place.largest_at : place.least_at, is_largest, place));
   MeasuredFunctional::Tie tie;
   tie.weight = weight;
   tie.is_largest = is_largest;
@@ -105,7 +104,8 @@ MeasuredSum shift_of(std::size_t instant) {
 
 /// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter. At an end of the window the
 /// value there counts, and on the side of the parameter on which an instant comes to lie within the window, what that makes of it.
-MeasuredFunctional MeasuredFunctionals::of_extreme(const Measurement& measurement, double time, bool is_largest, const measure::Place& place) {
+MeasuredFunctional MeasuredFunctionals::of_extreme(const Measurement& measurement, double time, bool is_largest,
+                                                   const measure::Place& place) {
   const double near = same_place * run_.stop;
   const auto instant = instant_at(time);
   const bool at_begin = time <= place.from + near, at_end = time >= place.to - near;

@@ -27,7 +27,7 @@ class ExtremeFinder {
  private:
   /// The values that tie so far.
   struct Best {
-    double sign = 1.0;  ///< −1: the least
+    double sign = 1.0;                              ///< −1: the least
     std::vector<std::pair<double, double>> places;  ///< (time, sign·value)
     double best = 0.0;
   };

@@ -21,8 +21,8 @@ namespace pwlsim::analysis {
 /// A derivative that is another one on the other side of a kink.
 struct TwoSided {
   double left = 0.0, right = 0.0;
-  std::string kink;     ///< why they differ
-  std::string failure;  ///< why there is none
+  std::string kink;      ///< why they differ
+  std::string failure;   ///< why there is none
   bool is_kink = false;  ///< there is one on each side, which is not known
   double noise = 0.0;    ///< left and right that differ by less, for a change by all of the parameter, are one: `measured`
   double measured = 0.0;
@@ -50,7 +50,7 @@ struct MeasuredPass {
   std::vector<std::string> failures;
   std::vector<measure::Place> places;
   std::vector<char> has_impulse;
-  std::vector<KeptPiece> pieces;  ///< over all windows of integrals
+  std::vector<KeptPiece> pieces;                  ///< over all windows of integrals
   std::map<std::size_t, ExtremePlaces> extremes;  ///< by measurement
 };
 

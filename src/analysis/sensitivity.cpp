@@ -396,7 +396,8 @@ DerivativeTable moved_derivatives(const Compiled& compiled, bool has_orbit, cons
 DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
   if (is_exact) {
     DerivativeTable table = exact_derivatives(compiled, state, interrupt);
-    resolve_kinks(compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
+    resolve_kinks(
+        compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
     return table;
   }
   const char* const why = "the sparse engine has no derivatives; try --engine exact";

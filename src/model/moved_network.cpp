@@ -54,8 +54,7 @@ double* number_of(Network& network, const NetworkMove& move) {
 void add(SourceFunction& sum, const SourceFunction& other, double factor) {
   if (auto* dc = std::get_if<Dc>(&sum)) add(dc->value, std::get<Dc>(other).value, factor);
   if (auto* f = std::get_if<Pulse>(&sum))
-    for (const auto member :
-         {&Pulse::initial, &Pulse::pulsed, &Pulse::delay, &Pulse::rise, &Pulse::fall, &Pulse::width, &Pulse::period})
+    for (const auto member : {&Pulse::initial, &Pulse::pulsed, &Pulse::delay, &Pulse::rise, &Pulse::fall, &Pulse::width, &Pulse::period})
       add(f->*member, std::get<Pulse>(other).*member, factor);
   if (auto* f = std::get_if<Sin>(&sum))
     for (const auto member : {&Sin::offset, &Sin::amplitude, &Sin::frequency, &Sin::delay, &Sin::damping, &Sin::phase})

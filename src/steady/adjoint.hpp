@@ -58,7 +58,7 @@ class Adjoint {
     Vector lambda;
     bool collects = true;
     std::map<std::pair<std::size_t, const model::Mode*>, Sums> sums;
-    std::vector<double> shifts;  ///< σ of each instant
+    std::vector<double> shifts;          ///< σ of each instant
     std::map<std::size_t, double> read;  ///< what the measurement reads of the instants' shifts
   };
   struct Injection {

@@ -35,8 +35,8 @@ struct LinearSegment {
 struct LinearChange {
   std::size_t island = 0;
   std::vector<const model::Mode*> by_way_of;
-  Vector d;           ///< (P f⁻ − f⁺): n
-  Vector outputs;     ///< y⁻ − y⁺ of its outputs
+  Vector d;        ///< (P f⁻ − f⁺): n
+  Vector outputs;  ///< y⁻ − y⁺ of its outputs
 };
 
 /// δt = on_state·δξ + on_w·w of a guard that is passed; zero where the time is fixed.
@@ -62,7 +62,8 @@ struct LinearInstant : LinearGuard {
 class LinearisedOrbit {
  public:
   /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: what happens there has the period's end on its left.
-  LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven, const std::vector<std::string>& inputs);
+  LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
+                  const std::vector<std::string>& inputs);
 
   [[nodiscard]] const Stacking& stacking() const { return stacking_; }
   [[nodiscard]] double period() const { return period_; }

@@ -375,7 +375,8 @@ void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
     const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
     if (apart * value <= rounding || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
-    followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter moves them apart", name_of(guard), time), true);
+    followed.fail(
+        fmt::format("{} changes at t = {} s together with another event, and the parameter moves them apart", name_of(guard), time), true);
   }
 }
 

@@ -250,8 +250,9 @@ TEST_CASE("an edge at the end of the run: the derivative is one-sided", "[unit]"
   // The pulse of 1 V ends at Tstop = 3 ms: a shorter one takes 1 V/3 ms of the mean, a longer one adds nothing. Values at its end jump.
   const Scratch scratch;
   const Json result = sensitivities_of(
-      scratch, "end\nV1 in 0 PULSE(0 1 1m 0 0 2m 20m)\nR1 in 0 1k\n.tran 1u 3m\n.meas tran v AVG v(in)\n.meas tran e FIND v(in) AT=3m\n"
-               ".sens param=V1:Ton,V1:Td\n.end\n");
+      scratch,
+      "end\nV1 in 0 PULSE(0 1 1m 0 0 2m 20m)\nR1 in 0 1k\n.tran 1u 3m\n.meas tran v AVG v(in)\n.meas tran e FIND v(in) AT=3m\n"
+      ".sens param=V1:Ton,V1:Td\n.end\n");
   check_sides(result, "v", "V1:Ton", 1000.0 / 3.0, 0.0);
   check_sides(result, "v", "V1:Td", 0.0, -1000.0 / 3.0);
   CHECK_THAT(entry(result, "e", "V1:Ton")["failure"].string, Contains("V1 has an edge at t = 0.003 s"));
@@ -261,9 +262,10 @@ TEST_CASE("a corner at the begin of a window: extremes are one-sided", "[unit]")
   // Ramps of 1 V/ms from 0 to 1 V at 2 ms, and back: its top lies at the begin of the window. Later it lies in the window, of the same height; earlier
   // the window begins behind it, 1 V/ms lower.
   const Scratch scratch;
-  const Json result = sensitivities_of(scratch,
-                                       "corner\nV1 in 0 PULSE(0 1 1m 1m 1m 0 20m)\nR1 in 0 1k\nL1 in x 1\nR2 x 0 1\n.tran 1u 4m\n"
-                                       ".meas tran m MAX v(in) FROM=2m TO=4m\n.meas tran n MIN v(in) FROM=1.5m TO=2m\n.sens param=V1:Td\n.end\n");
+  const Json result =
+      sensitivities_of(scratch,
+                       "corner\nV1 in 0 PULSE(0 1 1m 1m 1m 0 20m)\nR1 in 0 1k\nL1 in x 1\nR2 x 0 1\n.tran 1u 4m\n"
+                       ".meas tran m MAX v(in) FROM=2m TO=4m\n.meas tran n MIN v(in) FROM=1.5m TO=2m\n.sens param=V1:Td\n.end\n");
   check_sides(result, "m", "V1:Td", 1000.0, 0.0);
   CHECK(derivative(result, "n", "V1:Td") == Approx(-1000.0).epsilon(wanted));
 }
@@ -271,8 +273,9 @@ TEST_CASE("a corner at the begin of a window: extremes are one-sided", "[unit]")
 TEST_CASE("values that tie: the largest is one-sided", "[unit]") {
   // max(10 + Voff, 10 − Voff)
   const Scratch scratch;
-  scratch.write("deck.net", "tie\nV1 in 0 SIN(0 10 50)\nR1 in 0 1k\n.tran 1u 40m\n.meas tran m MAX abs(v(in))\n.meas tran p PP v(in)\n"
-                            ".meas tran h MAX v(in)\n.sens param=V1:Voff,V1:Vamp\n.end\n");
+  scratch.write("deck.net",
+                "tie\nV1 in 0 SIN(0 10 50)\nR1 in 0 1k\n.tran 1u 40m\n.meas tran m MAX abs(v(in))\n.meas tran p PP v(in)\n"
+                ".meas tran h MAX v(in)\n.sens param=V1:Voff,V1:Vamp\n.end\n");
   const Finished finished = run_in(scratch, {"deck.net", "--json"});
   const Json result = read_json(finished.out);
   check_sides(result, "m", "V1:Voff", -1.0, 1.0);
@@ -286,9 +289,10 @@ TEST_CASE("the current of a converter reaches zero just at an edge: the derivati
   // On the border of both conductions, V DT = E T. Discontinuous: every period has the mean (V − E) V D² T/(2 L E). Continuous: what a period adds
   // stays; a change of V raises the current by DT/L in each, in the mean of the n-th by (n + 1 − D/2) DT/L, and of E lowers it by T/L, n + 1/2.
   const Scratch scratch;
-  scratch.write("deck.net", "border\n.param D=0.5 fs=10k\nV1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b 1m\nV2 b 0 10\n"
-                            "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n.model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n.tran 1u 1m\n"
-                            ".meas tran m AVG i(L1)\n.sens param=L1,V1,V2\n.end\n");
+  scratch.write("deck.net",
+                "border\n.param D=0.5 fs=10k\nV1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b 1m\nV2 b 0 10\n"
+                "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n.model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n.tran 1u 1m\n"
+                ".meas tran m AVG i(L1)\n.sens param=L1,V1,V2\n.end\n");
   const Finished finished = run_in(scratch, {"deck.net", "--json"});
   const Json result = read_json(finished.out);
   const double V = 20.0, E = 10.0, D = 0.5, T = 1e-4, L = 1e-3, n = 4.5;
