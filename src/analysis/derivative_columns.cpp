@@ -1,14 +1,20 @@
 #include "analysis/derivative_columns.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace pwlsim::analysis {
 namespace {
 
 using Method = circuit::Sensitivities::Method;
+
+/// Of what is read of the start: less of a free direction is none.
+constexpr double no_reading = 1e-9;
 
 class Columns {
  public:
@@ -22,42 +28,88 @@ class Columns {
       if (run_.measurements->list[k].shown && card_.wants(run_.measurements->list[k].name)) wanted.push_back(k);
     std::vector<std::vector<TwoSided>> columns(parameters, std::vector<TwoSided>(count));
     const bool is_backward = goes_backward(wanted);
-    if (is_backward) adjoint_.emplace(sensitivity_, run_.measurements->probe_signals);
+    free_ = motion_.free_directions();
+    if (is_backward || !free_.empty()) adjoint_.emplace(sensitivity_, run_.measurements->probe_signals);
     for (const std::size_t k : is_backward ? wanted : std::vector<std::size_t>()) take_backward(k, columns);
     for (std::size_t p = 0; p < parameters; ++p) {
-      const std::string failure = failure_of(p);
-      if (!failure.empty())
-        for (TwoSided& each : columns[p]) each = TwoSided::failed(failure);
+      const TwoSided failed = failure_of(p);
+      if (!failed.failure.empty())
+        columns[p].assign(count, failed);
       else if (!is_backward || adjoint_->is_forward_only(p))
         take_forward(p, wanted, columns[p]);
     }
+    for (const std::size_t k : wanted)
+      if (!free_.empty() && reads_free(functionals_.of(k)))
+        for (auto& column : columns)
+          if (column[k].failure.empty()) column[k] = TwoSided::failed("it depends on an offset that the orbit leaves open (multiplier 1)");
     return columns;
   }
 
  private:
+  /// What a functional reads of a free direction, and of how much it is the sum; infinite where that depends on what is taken.
+  std::pair<double, double> read_along(const MeasuredFunctional& functional, const steady::Vector& free) const {
+    const auto reads = [&](const MeasuredSum& sum) {
+      const steady::Vector start = adjoint_->to_start(sum.run, {});
+      return std::pair(start.dot(free), start.norm() * free.norm());
+    };
+    auto [value, size] = reads(functional.sum);
+    const auto must_be_nothing = [&](const MeasuredSum& sum) {
+      const auto [read, of] = reads(sum);
+      if (std::abs(read) > no_reading * of) value = std::numeric_limits<double>::infinity();
+    };
+    for (const auto& kink : functional.kinks) must_be_nothing(kink.q);
+    for (const auto& obstacle : functional.obstacles) {
+      must_be_nothing(obstacle.moves);
+      must_be_nothing(obstacle.against);
+    }
+    for (const auto& tie : functional.ties) {
+      const auto [first, of] = read_along(tie.places.front(), free);
+      for (const MeasuredFunctional& place : tie.places)
+        if (std::abs(read_along(place, free).first - first) > no_reading * of) value = std::numeric_limits<double>::infinity();
+      value += tie.weight * first;
+      size += std::abs(tie.weight) * of;
+    }
+    return {value, size};
+  }
+
+  bool reads_free(const MeasuredFunctional& functional) const {
+    return std::any_of(free_.begin(), free_.end(), [&](const steady::Vector& free) {
+      const auto [value, size] = read_along(functional, free);
+      return !(std::abs(value) <= no_reading * size);
+    });
+  }
+
   /// As many runs backwards as there are sums, against one forward a parameter.
   bool goes_backward(const std::vector<std::size_t>& wanted) {
     if (card_.method != Method::automatic) return card_.method == Method::adjoint;
     std::size_t sums = 0;
     for (const std::size_t k : wanted) {
       const MeasuredFunctional& functional = functionals_.of(k);
-      if (functional.failure.empty()) sums += 1 + functional.kinks.size() + functional.obstacles.size();
+      if (functional.failure.empty()) sums += functional.sums();
     }
     return card_.parameters.size() > sums;
   }
 
-  std::string failure_of(std::size_t parameter) {
-    std::string failure = motion_.failure(parameter);
-    return failure.empty() && adjoint_ ? adjoint_->failure(parameter) : failure;
+  TwoSided failure_of(std::size_t parameter) {
+    TwoSided failed = TwoSided::failed(motion_.failure(parameter));
+    if (failed.failure.empty() && adjoint_) failed = failed_at_kink(adjoint_->failure(parameter), adjoint_->is_kink(parameter));
+    return failed;
+  }
+
+  static TwoSided failed_at_kink(std::string why, bool is_kink) {
+    TwoSided failed = TwoSided::failed(std::move(why));
+    failed.is_kink = is_kink;
+    return failed;
   }
 
   void take_forward(std::size_t parameter, const std::vector<std::size_t>& wanted, std::vector<TwoSided>& column) {
     const RunMotion::Forward forward = motion_.forward(parameter);
-    const std::string& failure = forward.failure.empty() ? forward.followed.failure : forward.failure;
+    const bool has_motion = forward.failure.empty();
+    const TwoSided failed =
+        failed_at_kink(has_motion ? forward.followed.failure : forward.failure, has_motion ? forward.followed.is_kink : forward.is_kink);
     ForwardReader reader(run_, sensitivity_, forward.followed, parameter, forward.direct);
     for (const std::size_t k : wanted)
-      column[k] = failure.empty() ? two_sided(functionals_.of(k), [&](const MeasuredSum& sum) { return reader.read(sum); })
-                                  : TwoSided::failed(failure);
+      column[k] = failed.failure.empty() ? two_sided(functionals_.of(k), [&](const MeasuredSum& sum) { return reader.read(sum); }) : failed;
   }
 
   void take_backward(std::size_t measurement, std::vector<std::vector<TwoSided>>& columns) {
@@ -78,6 +130,7 @@ class Columns {
   RunMotion& motion_;
   MeasuredFunctionals functionals_;
   std::optional<steady::Adjoint> adjoint_;
+  std::vector<steady::Vector> free_;
 };
 
 }  // namespace

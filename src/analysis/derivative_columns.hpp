@@ -17,10 +17,13 @@ class RunMotion {
     steady::Followed followed;
     DirectMoves direct;
     std::string failure;
+    bool is_kink = false;  ///< there is one on each side
   };
   virtual ~RunMotion() = default;
   /// Why there are no derivatives to the parameter; "" where there are.
   [[nodiscard]] virtual std::string failure(std::size_t parameter) = 0;
+  /// Directions in which the start is not determined: derivatives are those of measurements that they do not move.
+  [[nodiscard]] virtual std::vector<steady::Vector> free_directions() const { return {}; }
   [[nodiscard]] virtual Forward forward(std::size_t parameter) = 0;
   /// The sum for each parameter; those that fail do not matter.
   [[nodiscard]] virtual std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) = 0;

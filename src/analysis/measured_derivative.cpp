@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/extreme_places.hpp"
 #include "linalg/legendre.hpp"
 #include "measure/piece_view.hpp"
 
@@ -19,26 +20,45 @@ using measure::ExpressionGradient;
 using measure::GradientValue;
 using Kind = Measurement::Kind;
 
-constexpr double same_time = 1e-11;  ///< of the run: a place that near to an instant is at it
-constexpr double flat = 1e-12;       ///< of values on both sides of an instant: they are one
 constexpr double same_shift = 1e-9;  ///< of two shifts: they are one
 constexpr double same_side = 1e-7;   ///< of the derivatives to both sides: they are one
-
-class PieceKeeper : public engine::PieceSink {
- public:
-  explicit PieceKeeper(std::vector<KeptPiece>& pieces) : pieces_(pieces) {}
-  void before_start(std::span<const double>) override {}
-  void take(const engine::Piece& piece) override {
-    pieces_.push_back({piece.from, piece.to, piece.begin, piece.length, {piece.values.begin(), piece.values.end()}});
-  }
-
- private:
-  std::vector<KeptPiece>& pieces_;
-};
+constexpr double tie_noise = 1e-9;   ///< of values that tie: what derivatives by all of a parameter hold of their being not quite equal
 
 bool integrates(Kind kind) { return kind == Kind::average || kind == Kind::integral || kind == Kind::rms; }
 
 engine::Piece piece_of(const KeptPiece& kept) { return {kept.from, kept.to, kept.begin, kept.length, kept.values}; }
+
+/// Keeps the pieces of integrals, and looks for all places of extremes.
+class PieceKeeper : public engine::PieceSink {
+ public:
+  explicit PieceKeeper(MeasuredPass& run) : run_(run), view_(run.measurements->probe_signals.size()) {
+    for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
+      if (!run.failures[k].empty()) continue;
+      const Measurement& measurement = run.measurements->list[k];
+      if (is_extreme(measurement.kind)) finders_.push_back({k, ExtremeFinder(measurement, run.places[k])});
+      if (!integrates(measurement.kind)) continue;
+      from_ = to_ > from_ ? std::min(from_, run.places[k].from) : run.places[k].from;
+      to_ = std::max(to_, run.places[k].to);
+    }
+  }
+  void before_start(std::span<const double>) override {}
+  void take(const engine::Piece& piece) override {
+    if (piece.to > from_ && piece.from < to_)
+      run_.pieces.push_back({piece.from, piece.to, piece.begin, piece.length, {piece.values.begin(), piece.values.end()}});
+    if (finders_.empty()) return;
+    view_.set(piece);
+    for (auto& finder : finders_) finder.second.take(view_, run_.values);
+  }
+  void finish() {
+    for (auto& finder : finders_) run_.extremes[finder.first] = finder.second.found();
+  }
+
+ private:
+  MeasuredPass& run_;
+  measure::PieceView view_;
+  double from_ = 0.0, to_ = 0.0;
+  std::vector<std::pair<std::size_t, ExtremeFinder>> finders_;
+};
 
 }  // namespace
 
@@ -65,18 +85,25 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
   double from = 0.0, to = 0.0;
   for (std::size_t k = 0; k < measurements.list.size(); ++k) {
     run.has_impulse.push_back(measuring.met_impulse(k) ? 1 : 0);
-    if (!integrates(measurements.list[k].kind) || !run.failures[k].empty()) continue;
+    if (!(integrates(measurements.list[k].kind) || is_extreme(measurements.list[k].kind)) || !run.failures[k].empty()) continue;
     from = to > from ? std::min(from, run.places[k].from) : run.places[k].from;
     to = std::max(to, run.places[k].to);
   }
   if (!(to > from)) return run;
-  PieceKeeper keeper(run.pieces);
+  PieceKeeper keeper(run);
   request.probes = {measurements.probe_signals, from, to, &keeper};
   (void)simulate(request, rows);
+  keeper.finish();
   return run;
 }
 
 namespace {
+
+MeasuredSum shift_of_instant(std::size_t instant) {
+  MeasuredSum sum;
+  sum.run.shifts[instant] = 1.0;
+  return sum;
+}
 
 constexpr const char* only_fixed_derivatives = "DERIV has a derivative here only of sums of signals at a fixed time";
 
@@ -132,6 +159,10 @@ void MeasuredFunctional::add(double weight, const MeasuredFunctional& other) {
   sum.add(weight, other.sum);
   for (const Kink& kink : other.kinks) kinks.push_back({kink.q, weight * kink.weight, kink.sign, kink.why});
   obstacles.insert(obstacles.end(), other.obstacles.begin(), other.obstacles.end());
+  for (const Tie& tie : other.ties) {
+    ties.push_back(tie);
+    ties.back().weight *= weight;
+  }
   if (failure.empty()) failure = other.failure;
 }
 
@@ -180,6 +211,7 @@ MeasuredFunctionals::Jet MeasuredFunctionals::jet_of(const circuit::MeasuredExpr
     point.moved[static_cast<std::size_t>(gradient.probes()[k])] += at.signals[k];
   }
   jet.moved.sum.run.points.push_back(point);
+  if (at.has_kink) jet.moved.failure = fmt::format("a function of '{}' has a corner at its value of t = {} s", expression.text, time);
   add_results(1.0, at, jet.moved);
   jet.moved_rate.run.points.push_back({time, side, {}, std::move(point.moved)});
   return jet;
@@ -188,7 +220,7 @@ MeasuredFunctionals::Jet MeasuredFunctionals::jet_of(const circuit::MeasuredExpr
 /// The instant at that time, where there is one.
 std::optional<std::size_t> MeasuredFunctionals::instant_at(double time) const {
   const auto& instants = sensitivity_.orbit().instants();
-  const double near = same_time * std::max(run_.stop, time);
+  const double near = same_place * std::max(run_.stop, time);
   const auto found =
       std::lower_bound(instants.begin(), instants.end(), time - near, [](const steady::LinearInstant& i, double t) { return i.time < t; });
   if (found == instants.end() || found->time > time + near) return std::nullopt;
@@ -229,16 +261,6 @@ MeasuredFunctional MeasuredFunctionals::compute(std::size_t number) {
   }
 }
 
-namespace {
-
-MeasuredSum shift_of_instant(std::size_t instant) {
-  MeasuredSum sum;
-  sum.run.shifts[instant] = 1.0;
-  return sum;
-}
-
-}  // namespace
-
 MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
   const measure::Place& place = run_.places[number];
@@ -250,6 +272,8 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
     if (!measure::Program(measurement.expression).is_linear()) return failed_functional(only_fixed_derivatives);
     MeasuredFunctional result;
     result.sum = std::move(jet.moved_rate);
+    if (const auto instant = instant_at(place.at))
+      result.obstacles.push_back({shift_of_instant(*instant), moves.sum, fmt::format("the slope may jump there: {}", event_at(*instant))});
     if (!moves.sum.is_empty()) result.obstacles.push_back({std::move(moves.sum), {}, only_fixed_derivatives});
     return result;
   }
@@ -260,15 +284,16 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   }
   // The instant and the time move apart: what lies at the time is what was on the side that the instant leaves behind.
   Jet left = jet_of(measurement.expression, place.at, Side::left), right = jet_of(measurement.expression, place.at, Side::right);
-  const bool jumps = std::abs(left.value - right.value) > flat * (std::abs(left.value) + std::abs(right.value));
+  const bool jumps = std::abs(left.value - right.value) > same_value * (std::abs(left.value) + std::abs(right.value));
   MeasuredFunctional result = std::move(jumps && side == Side::left ? left.moved : right.moved);
   result.add(jumps && side == Side::left ? left.rate : right.rate, moves);
   MeasuredSum apart = shift_of_instant(*instant);
   apart.add(-1.0, moves.sum);
   if (jumps)
-    result.obstacles.push_back({shift_of_instant(*instant), std::move(moves.sum), "the value jumps at that very time"});
+    result.obstacles.push_back(
+        {shift_of_instant(*instant), std::move(moves.sum), fmt::format("the value jumps at that very time: {}", event_at(*instant))});
   else
-    result.kinks.push_back({std::move(apart), right.rate - left.rate, 1, fmt::format("an event lies at t = {} s", place.at)});
+    result.kinks.push_back({std::move(apart), right.rate - left.rate, 1, event_at(*instant)});
   return result;
 }
 
@@ -294,27 +319,30 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
   if (left.rate == 0.0) return failed_functional("what crosses there has no slope");
   MeasuredFunctional moves;
   moves.add(-1.0 / left.rate, left.moved);
+  if (!instant) return moves;
+  // Where it crosses after the instant, it does so with the slope behind it.
+  const double rate = jet_of(difference, time, Side::right).rate;
+  if (rate * left.rate <= 0.0) {
+    moves.obstacles.push_back({moves.sum, shift_of_instant(*instant), fmt::format("it turns back there: {}", event_at(*instant))});
+  } else {
+    MeasuredSum behind = moves.sum;
+    behind.add(-1.0, shift_of_instant(*instant));
+    moves.kinks.push_back({std::move(behind), left.rate / rate - 1.0, 1, event_at(*instant)});
+  }
   return moves;
 }
 
 MeasuredFunctional MeasuredFunctionals::of_window(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
   const measure::Place& place = run_.places[number];
-  if (place.to > run_.stop * (1.0 + same_time)) return failed_functional("its window reaches beyond the period");
+  if (place.to > run_.stop * (1.0 + same_place)) return failed_functional("its window reaches beyond the period");
   MeasuredFunctional result;
-  if (measurement.last_periods)
-    for (const double end : {place.from, place.to}) {
-      const auto instant = instant_at(end);
-      if (!instant) return failed_functional("its window counts periods that have no edge at its ends");
-      result.obstacles.push_back({shift_of_instant(*instant), {}, "its window counts periods, which move with it"});
-    }
   const bool is_range = measurement.kind == Kind::peak_to_peak;
-  if (measurement.kind == Kind::maximum || is_range) add_extreme(1.0, measurement, place.largest_at, true, place, result);
-  if (measurement.kind == Kind::minimum) add_extreme(1.0, measurement, place.least_at, false, place, result);
-  if (is_range) add_extreme(-1.0, measurement, place.least_at, false, place, result);
+  if (measurement.kind == Kind::maximum || is_range) add_extreme(1.0, number, true, result);
+  if (measurement.kind == Kind::minimum || is_range) add_extreme(is_range ? -1.0 : 1.0, number, false, result);
   if (measurement.kind == Kind::maximum || measurement.kind == Kind::minimum || is_range) return result;
-  if (measurement.kind == Kind::time_of_maximum) return of_extreme_time(measurement, place.largest_at, place);
-  if (measurement.kind == Kind::time_of_minimum) return of_extreme_time(measurement, place.least_at, place);
+  if (measurement.kind == Kind::time_of_maximum || measurement.kind == Kind::time_of_minimum)
+    return of_extreme_time(number, measurement.kind == Kind::time_of_maximum);
   if (run_.has_impulse[number] != 0) return failed_functional("an impulse lies in its window");
   const bool squares = measurement.kind == Kind::rms;
   const double length = place.to - place.from, value = run_.values[number];
@@ -426,7 +454,7 @@ void MeasuredFunctionals::add_integral(const Measurement& measurement, const mea
 void MeasuredFunctionals::add_instants(const Measurement& measurement, const measure::Place& place, bool squares, double scale,
                                        MeasuredFunctional& sum) {
   const auto& instants = sensitivity_.orbit().instants();
-  const double near = same_time * run_.stop;
+  const double near = same_place * run_.stop;
   for (std::size_t k = 0; k < instants.size(); ++k) {
     const double time = instants[k].time;
     if (time < place.from - near || time > place.to + near) continue;
@@ -438,7 +466,7 @@ void MeasuredFunctionals::add_instants(const Measurement& measurement, const mea
     const double left = jet_of(measurement.expression, is_wrap ? run_.stop : time, Side::left).value,
                  right = jet_of(measurement.expression, time, Side::right).value;
     const double weight = scale * (squares ? left * left - right * right : left - right);
-    if (std::abs(left - right) <= flat * (std::abs(left) + std::abs(right))) continue;
+    if (std::abs(left - right) <= same_value * (std::abs(left) + std::abs(right))) continue;
     MeasuredSum moved = shift_of_instant(k);
     // The begin of the period is its end, too.
     if ((is_wrap && place.to >= run_.stop - near) || !(at_from || at_to)) {
@@ -446,40 +474,8 @@ void MeasuredFunctionals::add_instants(const Measurement& measurement, const mea
       continue;
     }
     moved.add(-1.0, (at_from ? from_moves(measurement) : to_moves(measurement)).sum);
-    sum.kinks.push_back({std::move(moved), weight, at_from ? 1 : -1, "an event lies at an end of its window"});
+    sum.kinks.push_back({std::move(moved), weight, at_from ? 1 : -1, fmt::format("{}, an end of its window", event_at(k))});
   }
-}
-
-/// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter.
-void MeasuredFunctionals::add_extreme(double weight, const Measurement& measurement, double time, bool is_largest,
-                                      const measure::Place& place, MeasuredFunctional& sum) {
-  const double near = same_time * run_.stop;
-  const auto instant = instant_at(time);
-  const bool at_begin = time <= place.from + near, at_end = time >= place.to - near;
-  if (at_begin || at_end) {
-    const Jet jet = jet_of(measurement.expression, time, at_begin ? Side::right : Side::left);
-    sum.add(weight, jet.moved);
-    sum.add(weight * jet.rate, at_begin ? from_moves(measurement) : to_moves(measurement));
-    const bool has_begin = measurement.from || (measurement.when && measurement.when->delay);
-    if (instant && at_begin && !has_begin && time <= near) sum.sum.add(weight * jet.rate, shift_of_instant(*instant));
-    return;
-  }
-  if (!instant) return sum.add(weight, jet_of(measurement.expression, time, Side::right).moved);
-  const Jet left = jet_of(measurement.expression, time, Side::left), right = jet_of(measurement.expression, time, Side::right);
-  const Jet& taken = (left.value >= right.value) == is_largest ? left : right;
-  sum.add(weight, taken.moved);
-  sum.sum.add(weight * taken.rate, shift_of_instant(*instant));
-}
-
-MeasuredFunctional MeasuredFunctionals::of_extreme_time(const Measurement& measurement, double time, const measure::Place& place) {
-  const double near = same_time * run_.stop;
-  if (time <= place.from + near) return from_moves(measurement);
-  if (time >= place.to - near) return to_moves(measurement);
-  const auto instant = instant_at(time);
-  if (!instant) return failed_functional("the time of an extreme between events has no derivative here");
-  MeasuredFunctional moves;
-  moves.sum = shift_of_instant(*instant);
-  return moves;
 }
 
 double read_direct(const MeasuredSum& sum, const DirectMoves& direct) {
@@ -510,6 +506,34 @@ double ForwardReader::read(const steady::Functional& functional) {
   return static_cast<double>(sum);
 }
 
+namespace {
+
+/// The largest of equal values grows as fast as the fastest of them, and falls as slowly as the slowest.
+TwoSided of_tie(const MeasuredFunctional::Tie& tie, const std::function<double(const MeasuredSum&)>& read) {
+  TwoSided taken;
+  for (const MeasuredFunctional& place : tie.places) {
+    const TwoSided own = two_sided(place, read);
+    if (!own.failure.empty()) return own;
+    const bool is_first = &place == &tie.places.front();
+    taken.right = is_first ? own.right : tie.is_largest ? std::max(taken.right, own.right) : std::min(taken.right, own.right);
+    taken.left = is_first ? own.left : tie.is_largest ? std::min(taken.left, own.left) : std::max(taken.left, own.left);
+    taken.noise = std::max(taken.noise, own.noise);
+    if (is_first) taken.measured = own.right;
+  }
+  taken.noise = std::max(taken.noise, tie_noise * tie.size);
+  taken.kink = tie.why;
+  return taken;
+}
+
+}  // namespace
+
+std::size_t MeasuredFunctional::sums() const {
+  std::size_t count = 1 + kinks.size() + obstacles.size();
+  for (const Tie& tie : ties)
+    for (const MeasuredFunctional& place : tie.places) count += place.sums();
+  return count;
+}
+
 TwoSided two_sided(const MeasuredFunctional& functional, const std::function<double(const MeasuredSum&)>& read) {
   if (!functional.failure.empty()) return TwoSided::failed(functional.failure);
   for (const MeasuredFunctional::Obstacle& obstacle : functional.obstacles) {
@@ -517,17 +541,27 @@ TwoSided two_sided(const MeasuredFunctional& functional, const std::function<dou
     if (std::abs(moves - against) > same_shift * (std::abs(moves) + std::abs(against))) return TwoSided::failed(obstacle.why);
   }
   double left = read(functional.sum), right = left;
-  std::string why;
+  TwoSided result;
+  result.measured = left;
   for (const MeasuredFunctional::Kink& kink : functional.kinks) {
     const double q = read(kink.q);
     (q * kink.sign > 0.0 ? right : left) += kink.weight * q;
-    if (q != 0.0 && why.empty()) why = kink.why;
+    if (q != 0.0 && result.kink.empty()) result.kink = kink.why;
+  }
+  for (const MeasuredFunctional::Tie& tie : functional.ties) {
+    const TwoSided taken = of_tie(tie, read);
+    if (!taken.failure.empty()) return taken;
+    left += tie.weight * taken.left;
+    right += tie.weight * taken.right;
+    result.noise = std::max(result.noise, taken.noise * std::abs(tie.weight));
+    result.measured += tie.weight * taken.measured;
+    if (result.kink.empty()) result.kink = taken.kink;
   }
   if (!(std::isfinite(left) && std::isfinite(right))) return TwoSided::failed("the derivative is not a finite number");
-  TwoSided result = TwoSided::of(right);
-  if (std::abs(left - right) <= same_side * (std::abs(left) + std::abs(right))) return result;
-  result.left = left;
-  result.kink = std::move(why);
+  const bool is_one = std::abs(left - right) <= same_side * (std::abs(left) + std::abs(right));
+  result.right = right;
+  result.left = is_one ? right : left;
+  if (is_one) result.kink.clear();
   return result;
 }
 

@@ -21,16 +21,25 @@ namespace pwlsim::analysis {
 /// A derivative that is another one on the other side of a kink.
 struct TwoSided {
   double left = 0.0, right = 0.0;
-  std::string kink;     ///< why they differ
-  std::string failure;  ///< why there is none
-  [[nodiscard]] static TwoSided of(double value) { return {value, value, "", ""}; }
-  [[nodiscard]] static TwoSided failed(std::string why) { return {0.0, 0.0, "", std::move(why)}; }
+  std::string kink;      ///< why they differ
+  std::string failure;   ///< why there is none
+  bool is_kink = false;  ///< there is one on each side, which is not known
+  double noise = 0.0;    ///< left and right that differ by less, for a change by all of the parameter, are one: `measured`
+  double measured = 0.0;
+  [[nodiscard]] static TwoSided of(double value) { return {value, value, "", "", false, 0.0, value}; }
+  [[nodiscard]] static TwoSided failed(std::string why) { return {0.0, 0.0, "", std::move(why), false, 0.0, 0.0}; }
 };
 
 /// A piece of the run, kept.
 struct KeptPiece {
   double from = 0.0, to = 0.0, begin = 0.0, length = 0.0;
   std::vector<double> values;
+};
+
+/// Where the least and the largest value of a measurement lie, s, in order; more than one where they tie.
+struct ExtremePlaces {
+  std::vector<double> least, largest;
+  double size = 0.0;  ///< largest magnitude of the expression in the window
 };
 
 /// What measured the run, and where.
@@ -41,7 +50,8 @@ struct MeasuredPass {
   std::vector<std::string> failures;
   std::vector<measure::Place> places;
   std::vector<char> has_impulse;
-  std::vector<KeptPiece> pieces;  ///< over all windows of integrals
+  std::vector<KeptPiece> pieces;                  ///< over all windows of integrals
+  std::map<std::size_t, ExtremePlaces> extremes;  ///< by measurement
 };
 
 /// Measures: `simulate` runs over the whole.
@@ -75,9 +85,20 @@ struct MeasuredFunctional {
     std::string why;
   };
   std::vector<Obstacle> obstacles;
+  /// weight·(the largest, or the least, of values that are equal here).
+  struct Tie {
+    std::vector<MeasuredFunctional> places;
+    double weight = 1.0;
+    bool is_largest = true;
+    double size = 0.0;  ///< of the values
+    std::string why;
+  };
+  std::vector<Tie> ties;
   std::string failure;  ///< why there is none to any parameter; "" where there is
 
   void add(double weight, const MeasuredFunctional& other);
+  /// Number of sums that are to be read.
+  [[nodiscard]] std::size_t sums() const;
 };
 
 /// How one parameter moves what does not belong to the run.
@@ -121,9 +142,12 @@ class MeasuredFunctionals {
                   MeasuredFunctional& sum);
   void add_instants(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
                     MeasuredFunctional& sum);
-  void add_extreme(double weight, const circuit::Measurement& measurement, double time, bool is_largest, const measure::Place& place,
-                   MeasuredFunctional& sum);
-  [[nodiscard]] MeasuredFunctional of_extreme_time(const circuit::Measurement& measurement, double time, const measure::Place& place);
+  void add_extreme(double weight, std::size_t measurement, bool is_largest, MeasuredFunctional& sum);
+  [[nodiscard]] MeasuredFunctional of_extreme(const circuit::Measurement& measurement, double time, bool is_largest,
+                                              const measure::Place& place);
+  [[nodiscard]] MeasuredFunctional of_wrap(const circuit::Measurement& measurement, bool is_largest);
+  [[nodiscard]] MeasuredFunctional of_extreme_time(std::size_t measurement, bool is_largest);
+  [[nodiscard]] std::string event_at(std::size_t instant) const;
   [[nodiscard]] MeasuredFunctional of_place(std::size_t measurement);
   [[nodiscard]] MeasuredFunctional crossing_moves(const circuit::Crossing& crossing, double time);
   [[nodiscard]] MeasuredFunctional from_moves(const circuit::Measurement& measurement);

@@ -47,7 +47,7 @@ class Plane {
 };
 
 std::string multipliers_html(const SteadyState& state) {
-  constexpr std::size_t most_rows = 40;
+  constexpr std::size_t most_listed = 40;
   const steady::Orbit& orbit = state.orbit;
   if (orbit.multipliers.empty()) return "";
   constexpr double margin = 1.2;
@@ -56,7 +56,7 @@ std::string multipliers_html(const SteadyState& state) {
   for (std::size_t k = 0; k < orbit.multipliers.size(); ++k) {
     const steady::Multiplier& m = orbit.multipliers[k];
     plane.dot(m.value, m.trivial ? "#666666" : std::abs(m.value) > 1.0 + marginal_multiplier ? "#b3261e" : "#1f5fbf");
-    if (k >= most_rows) continue;
+    if (k >= most_listed) continue;
     const auto shares = shares_of(*state.model, m.direction);
     rows += fmt::format("<tr><td>{:.6g}{}</td><td>{:.6g}</td><td>{}</td></tr>\n", m.value.real(),
                         m.value.imag() == 0.0 ? "" : fmt::format(" {} {:.6g}j", m.value.imag() < 0.0 ? "−" : "+", std::abs(m.value.imag())), std::abs(m.value),

@@ -90,6 +90,20 @@ void append(const Diagnostics& more, Diagnostics& diagnostics) {
 
 }  // namespace
 
+PreparedEngine exact_engine_when_needed(const model::Network& network) {
+  const auto prepare = [network, model = std::make_shared<std::shared_ptr<const engine::ExactModel>>()] {
+    Diagnostics known;
+    if (!*model) *model = engine::prepare(network, known);
+    return *model;
+  };
+  return {"exact",
+          [prepare](const engine::Request& request, engine::RowSink& sink) { return engine::run(*prepare(), request, sink); },
+          [prepare] { return engine::operating_point(*prepare()); },
+          {}};
+}
+
+bool is_quick(const model::Network& network) { return engine::sparse::most_unknowns(network) <= quick_unknowns; }
+
 Simulate without_rows(Simulate simulate) {
   return [simulate = std::move(simulate)](engine::Request request, engine::RowSink& sink) {
     request.grid = {};
@@ -114,7 +128,7 @@ PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
                               const std::atomic<int>& interrupt) {
-  if (engine::sparse::most_unknowns(network) <= quick_unknowns) return prepare_engine(network, choice, reltol, diagnostics);
+  if (is_quick(network)) return prepare_engine(network, choice, reltol, diagnostics);
   struct Preparation {
     model::Network network;
     PreparedEngine engine;

@@ -34,6 +34,12 @@ struct PreparedEngine {
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
                                             const std::atomic<int>& interrupt);
 
+/// The exact engine, prepared when it is first used; for networks that are known to have a model.
+[[nodiscard]] PreparedEngine exact_engine_when_needed(const model::Network& network);
+
+/// Whether preparing an engine, and its steps, are over so soon that no signal needs to interrupt them.
+[[nodiscard]] bool is_quick(const model::Network& network);
+
 /// The same engine without rows.
 [[nodiscard]] Simulate without_rows(Simulate simulate);
 

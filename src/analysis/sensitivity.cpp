@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include <map>
 #include <memory>
 
+#include "analysis/beside_kinks.hpp"
 #include "analysis/derivative_columns.hpp"
 #include "analysis/sensitivity_inputs.hpp"
 #include "base/names.hpp"
@@ -29,12 +31,17 @@ using steady::Vector;
 
 /// Of I − Φ, against the larger of 1 and its norm.
 constexpr double singular_closing = 1e-11;
+/// Of a derivative: what I − Φ cannot give.
+constexpr double inconsistent = 1e-7;
+/// Of a run: so far it goes on, so that what happens at its end is seen.
+constexpr double beyond_end = 1e-9;
 
 /// The orbit's derivative to one parameter.
 struct OrbitMove {
   Vector start;         ///< of the stacked ξ left of t = 0
   double period = 0.0;  ///< s
   std::string failure;
+  bool is_kink = false;  ///< there is one on each side
 };
 
 class OrbitMoves : public RunMotion {
@@ -46,6 +53,8 @@ class OrbitMoves : public RunMotion {
     const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
     lu_.compute(closing);
     is_singular_ = n > 0 && !(lu_.rcond() * norm > singular_closing * std::max(1.0, norm));
+    if (is_singular_ || !state.orbit.free_directions.empty()) svd_.compute(closing, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    free_ = svd_.rows() > 0 ? (svd_.singularValues().array() <= singular_closing * std::max(1.0, svd_.singularValues()[0])).count() : 0;
   }
 
   [[nodiscard]] bool is_driven() const { return !state_.common.sources.empty(); }
@@ -54,37 +63,51 @@ class OrbitMoves : public RunMotion {
     OrbitMove move;
     move.failure = failure(parameter);
     if (!move.failure.empty()) return move;
+    return found(parameter);
+  }
+
+  /// Of an orbit that stays near where others are too: the one that is kept from the start.
+  OrbitMove found(std::size_t parameter) const {
+    OrbitMove move;
     if (is_driven()) move.period = period_share(parameter) * state_.orbit.period;
     const Eigen::Index n = variation_.flow.size();
     const Followed own = sensitivity_.follow(parameter, Vector::Zero(n));
-    if (!own.failure.empty()) return failed(own.failure);
+    if (!own.failure.empty()) return {{}, 0.0, own.failure, own.is_kink};
     const double end_shift = is_driven() ? move.period : own.shifts.back();
     const Vector right = own.end + variation_.flow * end_shift;
-    move.start = n > 0 ? Vector(lu_.solve(right)) : right;
+    if (free_ > 0 && (svd_.matrixU().rightCols(free_).transpose() * right).norm() > inconsistent * right.norm())
+      return {{}, 0.0, "the orbit is one of a family, and for other values of it there is none nearby (multiplier 1)", false};
+    move.start = solve(right, false);
     if (!is_driven()) move.period = end_shift + variation_.end_time.dot(move.start);
     return move;
   }
 
   std::string failure(std::size_t parameter) override {
     if (!variation_.kink.empty()) return "the orbit has no derivative: " + variation_.kink;
-    if (!state_.orbit.free_directions.empty() || is_singular_)
-      return "the orbit is one of a family, or not the only one nearby (multiplier 1)";
-    return is_driven() ? period_failure(parameter) : "";
+    if (free_ == 0 && is_singular_) return "the orbit is not the only one nearby (multiplier 1)";
+    if (free_ > 0 && !is_driven()) return "the orbit is one of a family (multiplier 1)";
+    std::string failure = is_driven() ? period_failure(parameter) : "";
+    return failure.empty() && free_ > 0 ? found(parameter).failure : failure;
+  }
+
+  std::vector<Vector> free_directions() const override {
+    std::vector<Vector> list;
+    for (Eigen::Index k = 0; k < free_; ++k) list.emplace_back(svd_.matrixV().col(svd_.cols() - 1 - k));
+    return list;
   }
 
   Forward forward(std::size_t parameter) override {
     const OrbitMove move = of(parameter);
-    if (!move.failure.empty()) return {{}, {}, move.failure};
-    return {sensitivity_.follow(parameter, move.start), {number_of(parameter), 0.0, move.period}, ""};
+    if (!move.failure.empty()) return {{}, {}, move.failure, move.is_kink};
+    return {sensitivity_.follow(parameter, move.start), {number_of(parameter), 0.0, move.period}, "", false};
   }
 
   /// What reads the start reads, through (I − Φ)⁻¹, the end of a run from a start that does not move.
   std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
-    const Eigen::Index n = variation_.flow.size();
     steady::Functional functional = sum.run;
     Vector start = adjoint.to_start(functional, Vector());
     if (!is_driven()) start += sum.stop_moves * variation_.end_time.transpose();
-    const Vector end = n > 0 ? Vector(lu_.transpose().solve(start)) : start;
+    const Vector end = solve(start, true);
     const double on_end_shift = end.dot(variation_.flow) + sum.stop_moves;
     if (!is_driven()) functional.shifts[sensitivity_.orbit().instants().size() - 1] += on_end_shift;
     std::vector<double> values = adjoint.read(functional, end).values;
@@ -96,7 +119,16 @@ class OrbitMoves : public RunMotion {
   }
 
  private:
-  static OrbitMove failed(std::string why) { return {{}, 0.0, std::move(why)}; }
+  /// (I − Φ)⁻¹, or its transpose; the least norm where it is singular.
+  [[nodiscard]] Vector solve(const Vector& right, bool transposed) const {
+    if (right.size() == 0) return right;
+    if (free_ == 0) return transposed ? Vector(lu_.transpose().solve(right)) : Vector(lu_.solve(right));
+    const Eigen::Index rank = svd_.cols() - free_;
+    const auto u = svd_.matrixU().leftCols(rank), v = svd_.matrixV().leftCols(rank);
+    const auto s = svd_.singularValues().head(rank);
+    if (transposed) return u * Vector(Vector(v.transpose() * right).cwiseQuotient(s));
+    return v * Vector(Vector(u.transpose() * right).cwiseQuotient(s));
+  }
 
   [[nodiscard]] int number_of(std::size_t parameter) const { return compiled_.analyses.sensitivities->parameters[parameter].number; }
 
@@ -125,10 +157,16 @@ class OrbitMoves : public RunMotion {
   const Sensitivity& sensitivity_;
   steady::Variation variation_;
   Eigen::PartialPivLU<Matrix> lu_;
+  Eigen::JacobiSVD<Matrix> svd_;  ///< where I − Φ is singular
+  Eigen::Index free_ = 0;         ///< directions in which there are other orbits
   bool is_singular_ = false;
 };
 
 Derivative entry_of(const std::string& measurement, const Sensitivities::Parameter& parameter, double value, TwoSided d) {
+  if (parameter.value != 0.0 && std::abs(d.left - d.right) * std::abs(parameter.value) < d.noise) {
+    d.left = d.right = d.measured;
+    d.kink.clear();
+  }
   Derivative entry;
   entry.measurement = measurement;
   entry.parameter = parameter.name;
@@ -138,6 +176,7 @@ Derivative entry_of(const std::string& measurement, const Sensitivities::Paramet
   entry.normalised = value != 0.0 ? d.right * parameter.value / value : std::numeric_limits<double>::quiet_NaN();
   entry.kink = std::move(d.kink);
   entry.failure = std::move(d.failure);
+  entry.is_kink = d.is_kink;
   return entry;
 }
 
@@ -222,9 +261,16 @@ class RunDerivatives : public RunMotion {
     if (!find_start(transient)) return failed_derivatives(compiled_, measurements, failure_);
     steady::TraceRecorder recorder(begin_.on);
     engine::RunState end = begin_;
-    const engine::Answer answer = march.advance(end, transient.stop.seconds, &recorder);
-    if (answer.outcome != engine::Outcome::completed) return failed_derivatives(compiled_, measurements, "the run did not complete");
+    const engine::Answer answer = march.advance(end, transient.stop.seconds * (1.0 + beyond_end), &recorder);
     trace_ = recorder.take();
+    steady::end_at(trace_, transient.stop.seconds);
+    if (answer.outcome != engine::Outcome::completed) {
+      end = begin_;
+      steady::TraceRecorder again(begin_.on);
+      if (march.advance(end, transient.stop.seconds, &again).outcome != engine::Outcome::completed)
+        return failed_derivatives(compiled_, measurements, "the run did not complete");
+      trace_ = again.take();
+    }
     const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
     const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
@@ -239,8 +285,8 @@ class RunDerivatives : public RunMotion {
 
   Forward forward(std::size_t p) override {
     const steady::StartDerivative& start = start_of(p);
-    if (!start.failure.empty()) return {{}, {}, start.failure};
-    return {sensitivity_->follow(p, start.xi), direct_of(p), ""};
+    if (!start.failure.empty()) return {{}, {}, start.failure, false};
+    return {sensitivity_->follow(p, start.xi), direct_of(p), "", false};
   }
 
   std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
@@ -327,17 +373,39 @@ DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* sta
   return RunDerivatives(compiled, state, interrupt).run();
 }
 
-DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
+namespace {
+
+DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
   DerivativeTable table;
-  const auto add = [&](DerivativeTable more) {
-    table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-  };
-  const char* const other_engine = "the sparse engine has no derivatives; try --engine exact";
-  if (state != nullptr)
-    add(is_exact ? orbit_derivatives(compiled, *state, interrupt)
-                 : failed_derivatives(compiled, compiled.orbit_measurements, other_engine));
-  if (compiled.analyses.transient)
-    add(is_exact ? run_derivatives(compiled, state, interrupt) : failed_derivatives(compiled, compiled.measurements, other_engine));
+  if (state != nullptr) table = orbit_derivatives(compiled, *state, interrupt);
+  if (!compiled.analyses.transient) return table;
+  DerivativeTable more = run_derivatives(compiled, state, interrupt);
+  table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  return table;
+}
+
+/// Of a deck that is another one than that of `state`.
+DerivativeTable moved_derivatives(const Compiled& compiled, bool has_orbit, const std::atomic<int>& interrupt) {
+  if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt);
+  const SteadyState state = find_steady_state(compiled, interrupt);
+  return state.is_found ? exact_derivatives(compiled, &state, interrupt) : DerivativeTable();
+}
+
+}  // namespace
+
+DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
+  if (is_exact) {
+    DerivativeTable table = exact_derivatives(compiled, state, interrupt);
+    resolve_kinks(
+        compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
+    return table;
+  }
+  const char* const why = "the sparse engine has no derivatives; try --engine exact";
+  DerivativeTable table;
+  if (state != nullptr) table = failed_derivatives(compiled, compiled.orbit_measurements, why);
+  if (!compiled.analyses.transient) return table;
+  DerivativeTable more = failed_derivatives(compiled, compiled.measurements, why);
+  table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   return table;
 }
 

@@ -20,6 +20,7 @@ struct Derivative {
   double left = 0.0, right = 0.0;  ///< towards smaller and larger p: differ at a kink
   std::string kink;                ///< why they differ; "" where they do not
   std::string failure;             ///< why there is none; "" where there is one
+  bool is_kink = false;            ///< events meet here: it may be known beside
 };
 
 using DerivativeTable = std::vector<Derivative>;

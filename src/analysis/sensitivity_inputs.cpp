@@ -13,6 +13,7 @@ steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const m
   steady::SensitivityInputs inputs = steady::add_parameter_inputs(network, moves);
   for (std::size_t p = 0; p < card.parameters.size(); ++p) {
     steady::ParameterInputs& own = inputs.parameters[p];
+    own.value = card.parameters[p].value;
     if (!card.parameters[p].failure.empty()) own.failure = card.parameters[p].failure;
     // Of a source that has always been periodic the function is that of the deck all the same.
     for (steady::Wave& wave : own.waves) {

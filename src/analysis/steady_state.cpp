@@ -79,7 +79,7 @@ class Finder {
       : compiled_(compiled), card_(*compiled.analyses.steady_state), interrupt_(interrupt) {}
 
   SteadyState run() {
-    if (!prepare() || !choose_period()) return std::move(state_);
+    if (!choose_period()) return std::move(state_);
     if (state_.common.seconds == 0.0 && task_.period == 0.0)
       find_self_timed();
     else
@@ -89,19 +89,8 @@ class Finder {
     return std::move(state_);
   }
 
- private:
-  bool fail(std::string id, std::string message, bool is_wrong_input = false) {
-    state_.id = std::move(id);
-    state_.message = std::move(message);
-    state_.is_wrong_input = is_wrong_input;
-    return false;
-  }
-  void say(Severity severity, std::string id, std::string text) {
-    state_.messages.push_back({severity, std::move(id), {}, std::move(text)});
-  }
-
-  bool prepare() {
-    Diagnostics diagnostics;
+  /// False: the circuit has no model.
+  bool prepare(Diagnostics& diagnostics) {
     state_.common = steady::common_period(needed_sources(compiled_.network));
     for (const std::string& name : state_.common.settled)
       say(Severity::note, "N-pss-source-settled", fmt::format("{} is not periodic: the steady state uses its final value", name));
@@ -122,11 +111,23 @@ class Finder {
       state_.compiled.measured_signals += state_.parameters->signals;
     }
     model_ = engine::prepare(state_.compiled.network, diagnostics);
+    if (!model_) return false;
     engine::March::Options options;
     options.interrupt = &interrupt_;
     options.non_unique = request_of_choice(compiled_.analyses.non_unique);
     march_ = std::make_shared<engine::March>(*model_, options);
     return true;
+  }
+
+ private:
+  bool fail(std::string id, std::string message, bool is_wrong_input = false) {
+    state_.id = std::move(id);
+    state_.message = std::move(message);
+    state_.is_wrong_input = is_wrong_input;
+    return false;
+  }
+  void say(Severity severity, std::string id, std::string text) {
+    state_.messages.push_back({severity, std::move(id), {}, std::move(text)});
   }
 
   /// Over a few periods of the guess, behind tstab.
@@ -285,6 +286,10 @@ class Finder {
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit touches, but does not cross, the threshold of {} at t = {}: multipliers are those of one side",
                       guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
+    for (const steady::Beside& beside : orbit.beside)
+      say(Severity::warning, "W-pss-graze",
+          fmt::format("the orbit reaches the threshold of {} at t = {} just when another event happens: multipliers are those of one side",
+                      guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
       for (const steady::Vector& direction : orbit.free_directions) names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);
@@ -344,7 +349,24 @@ class Finder {
 
 }  // namespace
 
-SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) { return Finder(compiled, interrupt).run(); }
+OrbitSearch prepare_orbit(const Compiled& compiled, const std::atomic<int>& interrupt, Diagnostics& diagnostics) {
+  const auto finder = std::make_shared<Finder>(compiled, interrupt);
+  if (!finder->prepare(diagnostics)) return {};
+  return [finder] { return finder->run(); };
+}
+
+SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) {
+  Diagnostics diagnostics;
+  if (const OrbitSearch search = prepare_orbit(compiled, interrupt, diagnostics)) return search();
+  SteadyState state;
+  const auto errors = diagnostics.all();
+  const auto error = std::find_if(errors.begin(), errors.end(), [](const Diagnostic& each) { return each.severity == Severity::error; });
+  if (error != errors.end()) {
+    state.id = error->id;
+    state.message = error->text;
+  }
+  return state;
+}
 
 std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state) {
   const engine::RunState& begin = state.orbit.begin;

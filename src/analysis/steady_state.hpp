@@ -2,6 +2,7 @@
 /// `.pss`: from a compiled deck to its periodic orbit, and what there is to say about it.
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,13 +35,19 @@ struct SteadyState {
   int multiple = 1;
   std::vector<NamedState> states;  ///< right of t = 0
   std::vector<OrbitMode> modes;
-  std::optional<SmallSignalInputs> inputs;  ///< of .ac, in the model
+  std::optional<SmallSignalInputs> inputs;              ///< of .ac, in the model
   std::optional<steady::SensitivityInputs> parameters;  ///< of .sens, likewise
-  circuit::Compiled compiled;  ///< of the orbit: settled sources, one period, its own measurements
-  Simulate simulate;           ///< runs over the period from the orbit
+  circuit::Compiled compiled;                           ///< of the orbit: settled sources, one period, its own measurements
+  Simulate simulate;                                    ///< runs over the period from the orbit
 };
 
-/// Networks beyond the exact engine's reach end with an error. `compiled.analyses.steady_state` must be there.
+/// A search whose model is there; empty where there is none.
+using OrbitSearch = std::function<SteadyState()>;
+
+/// `diagnostics` takes errors of structure. `compiled`, whose `analyses.steady_state` must be there, must outlive it.
+[[nodiscard]] OrbitSearch prepare_orbit(const circuit::Compiled& compiled, const std::atomic<int>& interrupt, Diagnostics& diagnostics);
+
+/// Both. Networks beyond the exact engine's reach end with an error. `compiled.analyses.steady_state` must be there.
 [[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, const std::atomic<int>& interrupt);
 
 /// The orbit's state in another model of the same circuit: its islands by name. Empty where one is not to be found.

@@ -46,7 +46,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (reporter.failed()) return std::nullopt;
   if (circuit.analyses.transient) {
     check_row_step(*network, *circuit.analyses.transient, reporter);
-    resolve_last_periods(*network, *circuit.analyses.transient, circuit.measurements, reporter);
+    resolve_last_periods(*network, circuit.analyses, circuit.measurements, reporter);
     if (reporter.failed()) return std::nullopt;
   }
   if (!options.measure && circuit.analyses.sweeps.runs() > 1)

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "base/names.hpp"
 
@@ -39,15 +41,45 @@ void check_row_step(const model::Network& network, const Transient& transient, R
 
 namespace {
 
-MeasuredExpression constant(double value) {
+MeasuredExpression constant(double value, std::vector<double> gradient) {
   MeasuredExpression expression;
-  expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = value});
+  expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = value, .gradient = std::move(gradient)});
   return expression;
+}
+
+/// How the period of a source moves with a parameter.
+double period_move(const model::Network& network, const model::Source& source, const Sensitivities::Parameter& parameter) {
+  for (const model::NetworkMove& move : parameter.moves) {
+    if (move.item != model::NetworkMove::Item::source) continue;
+    if (network.sources[static_cast<std::size_t>(move.index)].label.name != source.label.name) continue;
+    if (const auto* pulse = std::get_if<model::Pulse>(&*move.function)) return std::isfinite(pulse->period) ? pulse->period : 0.0;
+    const auto* sine = std::get_if<model::Sin>(&*move.function);
+    const double period = period_of(source.function);
+    return sine != nullptr ? -sine->frequency * period * period : 0.0;
+  }
+  return 0.0;
+}
+
+/// To each parameter: of the period of a source. Elements whose values move it get a number of their own.
+std::vector<double> period_gradient(const model::Network& network, const model::Source& source, std::optional<Sensitivities>& card) {
+  std::vector<double> gradient;
+  if (!card) return gradient;
+  int count = 0;
+  for (const Sensitivities::Parameter& parameter : card->parameters) count = std::max(count, parameter.number + 1);
+  for (Sensitivities::Parameter& parameter : card->parameters) {
+    const double move = period_move(network, source, parameter);
+    if (move == 0.0) continue;
+    if (parameter.number < 0) parameter.number = count++;
+    gradient.resize(static_cast<std::size_t>(count), 0.0);
+    gradient[static_cast<std::size_t>(parameter.number)] = move;
+  }
+  return gradient;
 }
 
 }  // namespace
 
-void resolve_last_periods(const model::Network& network, const Transient& transient, Measurements& measurements, Reporter& reporter) {
+void resolve_last_periods(const model::Network& network, Analyses& analyses, Measurements& measurements, Reporter& reporter) {
+  const Transient& transient = *analyses.transient;
   for (Measurement& measurement : measurements.list) {
     if (!measurement.last_periods) continue;
     const Measurement::LastPeriods& last = *measurement.last_periods;
@@ -64,8 +96,12 @@ void resolve_last_periods(const model::Network& network, const Transient& transi
                      fmt::format("measurement {}: the run holds {:.6g} periods of {} ({:.6g} s), not {}; try a later Tstop or a smaller n",
                                  measurement.name, stop / period, last.source, period, last.count));
     } else {
-      measurement.from = constant(std::max(from, 0.0));
-      measurement.to = constant(stop);
+      std::vector<double> moves = period_gradient(network, *source, analyses.sensitivities);
+      moves.resize(std::max(moves.size(), transient.stop.gradient.size()), 0.0);
+      for (double& move : moves) move *= -last.count;
+      for (std::size_t k = 0; k < transient.stop.gradient.size(); ++k) moves[k] += transient.stop.gradient[k];
+      measurement.from = constant(std::max(from, 0.0), std::move(moves));
+      measurement.to = constant(stop, transient.stop.gradient);
     }
   }
 }

@@ -14,7 +14,7 @@ void check_row_step(const model::Network& network, const Transient& transient, R
 /// The period of a source that repeats; infinite where it does not.
 [[nodiscard]] double period_of(const model::SourceFunction& function);
 
-/// Windows `LAST=n PERIODS OF V1` become times.
-void resolve_last_periods(const model::Network& network, const Transient& transient, Measurements& measurements, Reporter& reporter);
+/// Windows `LAST=n PERIODS OF V1` become times, which move with the period where a parameter of `.sens` moves it: that parameter then has a number.
+void resolve_last_periods(const model::Network& network, Analyses& analyses, Measurements& measurements, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

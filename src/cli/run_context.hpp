@@ -29,11 +29,12 @@ struct RunContext {
   std::vector<std::string> files;  ///< that were read
   std::optional<circuit::Compiled> compiled;
   analysis::PreparedEngine engine;
+  analysis::OrbitSearch orbit_search;  ///< of a deck with nothing but `.pss` and what goes around it; else empty
   double reltol = 0.0;
   std::optional<waveform::OutputFile> rows_file, report_file;
   PictureFile plot_file;
   std::optional<analysis::RunRecorder> recorder;  ///< of the rows that --plot and --report show
-  double seconds_search = 0.0;  ///< of what .pss simulates on its way to the orbit
+  double seconds_search = 0.0;                    ///< of what .pss simulates on its way to the orbit
   analysis::RunReport report;
   analysis::RunOutcome outcome;
 

@@ -61,6 +61,7 @@ class Session {
   }
 
   int prepare();
+  [[nodiscard]] bool is_orbit_alone() const;
   int open_files();
   int check_split();
   void warn_of_size();
@@ -100,7 +101,12 @@ int Session::prepare() {
     if (auto note = analysis::fit_diodes(*run_.compiled, run_.options.engine, run_.reltol, &caught_signal()))
       run_.messages.report(*note, run_.sources);
   analyses_ = analysis_sessions(run_.analyses());
-  run_.engine = analysis::prepare_engine(run_.compiled->network, run_.options.engine, run_.reltol, diagnostics, caught_signal());
+  if (is_orbit_alone()) {
+    run_.engine = analysis::exact_engine_when_needed(run_.compiled->network);
+    run_.orbit_search = analysis::prepare_orbit(*run_.compiled, caught_signal(), diagnostics);
+  } else {
+    run_.engine = analysis::prepare_engine(run_.compiled->network, run_.options.engine, run_.reltol, diagnostics, caught_signal());
+  }
   run_.report.engine = run_.engine.name;
   run_.report.seconds.model = run_.seconds() - model_start;
   run_.messages.report(diagnostics, run_.sources);
@@ -108,6 +114,14 @@ int Session::prepare() {
   if (!run_.engine.simulate || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
   if (run_.options.no_rows) run_.engine.simulate = analysis::without_rows(std::move(run_.engine.simulate));
   return 0;
+}
+
+/// The orbit has a model of its own: that of a run is not needed.
+bool Session::is_orbit_alone() const {
+  const circuit::Analyses& deck = run_.analyses();
+  const model::Network& network = run_.compiled->network;
+  return deck.steady_state && !deck.transient && !deck.operating_point && !run_.is_stepped() && analysis::is_quick(network) &&
+         analysis::runs_exactly(network, run_.options.engine);
 }
 
 int Session::check_split() {

@@ -15,7 +15,6 @@ using model::Mode;
 
 constexpr double same_length = 1e-12;     ///< of a length: intervals whose products are added up
 constexpr std::size_t most_lengths = 48;  ///< of one mode, before their sums are settled
-constexpr double same_instant = 1e-12;    ///< of the run and of a time, as forward
 
 /// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}.
 Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h) {
@@ -56,6 +55,7 @@ Adjoint::Adjoint(const Sensitivity& sensitivity, std::vector<int> signals) : alo
   const std::size_t count = along_.inputs_.parameters.size();
   failures_.resize(count);
   forward_only_.assign(count, 0);
+  kinks_.assign(count, 0);
   for (std::size_t p = 0; p < count; ++p) examine(p);
 }
 
@@ -67,6 +67,7 @@ void Adjoint::examine(std::size_t parameter) {
   for (std::size_t i = 0; i < along_.orbit_.instants().size() && scratch.failure.empty(); ++i) {
     const LinearInstant& instant = along_.orbit_.instants()[i];
     along_.check_changes(i, scratch);
+    if (!instant.beside.empty()) forward_only_[parameter] = 1;
     if (own.waves.empty() || !scratch.failure.empty()) continue;
     const auto edge = along_.edge_shift_of(parameter, instant.time, scratch);
     if (!edge) continue;
@@ -74,6 +75,7 @@ void Adjoint::examine(std::size_t parameter) {
     if (instant.island >= 0) forward_only_[parameter] = 1;
   }
   failures_[parameter] = scratch.failure;
+  kinks_[parameter] = scratch.is_kink ? 1 : 0;
 }
 
 const Sensitivity::Flow& Adjoint::flow(std::size_t island, const Mode& mode) const {
@@ -268,6 +270,7 @@ void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pas
 void Adjoint::run(const Functional& functional, const Vector& end, Pass& pass) const {
   pass.lambda = end.size() > 0 ? end : Vector(Vector::Zero(along_.orbit_.stacking().size()));
   pass.shifts.assign(along_.orbit_.instants().size(), 0.0);
+  pass.read = functional.shifts;
   Injections injections;
   take_points(functional, pass, injections);
   for (const auto& [number, interval] : functional.intervals) take_interval(interval, pass, injections);
@@ -336,6 +339,10 @@ double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
   if (own.waves.empty() && own.levels.empty()) return 0.0;
   double total = 0.0;
   Followed scratch;
+  for (const auto& [i, weight] : pass.read) {
+    const LinearInstant& instant = along_.orbit_.instants()[i];
+    if (!along_.edge_shift_of(parameter, instant.time, scratch)) total += weight * along_.corner_shift_of(parameter, instant);
+  }
   for (std::size_t i = 0; i < pass.shifts.size(); ++i) {
     if (pass.shifts[i] == 0.0) continue;
     const LinearInstant& instant = along_.orbit_.instants()[i];
@@ -343,9 +350,7 @@ double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
       total += pass.shifts[i] * *edge;
       continue;
     }
-    for (const LevelMove& level : own.levels)
-      if (level.number == instant.level_switch)
-        total += pass.shifts[i] * (instant.is_off_level ? level.off : level.on) / instant.level_rate;
+    total += pass.shifts[i] * along_.level_shift_of(parameter, instant);
     if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant);
   }
   return total;

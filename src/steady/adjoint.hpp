@@ -35,6 +35,8 @@ class Adjoint {
   [[nodiscard]] Read read(const Functional& functional, const Vector& end) const;
   /// Why a parameter cannot be followed; "" where it can.
   [[nodiscard]] const std::string& failure(std::size_t parameter) const { return failures_[parameter]; }
+  /// Whether it is because events that meet move apart: there is one derivative on each side.
+  [[nodiscard]] bool is_kink(std::size_t parameter) const { return kinks_[parameter] != 0; }
   /// Only forward: its edges lie where something else happens.
   [[nodiscard]] bool is_forward_only(std::size_t parameter) const { return forward_only_[parameter] != 0; }
 
@@ -56,7 +58,8 @@ class Adjoint {
     Vector lambda;
     bool collects = true;
     std::map<std::pair<std::size_t, const model::Mode*>, Sums> sums;
-    std::vector<double> shifts;  ///< σ of each instant
+    std::vector<double> shifts;          ///< σ of each instant
+    std::map<std::size_t, double> read;  ///< what the measurement reads of the instants' shifts
   };
   struct Injection {
     double since = 0.0;  ///< s from the begin of the segment
@@ -85,7 +88,7 @@ class Adjoint {
   const Sensitivity& along_;
   std::vector<int> signals_;
   std::vector<std::string> failures_;
-  std::vector<char> forward_only_;
+  std::vector<char> forward_only_, kinks_;
   mutable std::map<const model::Mode*, linalg::Exponential> backward_;  ///< of A′ of a mode's own coordinates
 };
 

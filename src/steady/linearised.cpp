@@ -80,15 +80,7 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
       continue;
     }
     // The wrap: what is left of t = 0 is the end of the period. In a self-timed orbit the last instant has been it already.
-    std::vector<Change> changes = step.changes;
-    for (Change& change : changes)
-      for (const TraceSegment& segment : trace.tail)
-        if (is_driven && segment.island == change.island) {
-          change.before = segment.mode;
-          change.y_before = segment.y1;
-          change.cause = Cause::time;
-        }
-    take_step(step, is_driven ? trace.steps.back().on : step.on, changes);
+    take_step(step, is_driven ? trace.steps.back().on : step.on, is_driven ? wrap_of(trace).changes : step.changes);
     if (is_driven) take_clocks(trace.steps.back().on, step.on, instants_.back());
   }
   for (const TraceSegment& s : trace.tail) tail_.push_back({s.island, s.mode, s.begin, s.length});
@@ -103,7 +95,8 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
   for (const Change& change : changes) {
     const System& system = stacking_.system(change.island);
     const int n = stacking_.count(change.island);
-    if (change.cause == Cause::guard && instant.island < 0 && passes_guard(system, change, on_before, step.on)) take_guard(change, instant);
+    if (change.cause == Cause::guard && instant.island < 0 && passes_guard(system, change, on_before, step.on))
+      take_guard(change, change.guard, instant);
     LinearChange& linear = instant.changes.emplace_back();
     linear.island = change.island;
     linear.by_way_of = change.by_way_of;
@@ -116,18 +109,33 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     linear.d = (before - state_speed(system, *change.after, change.y_after)).head(n);
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
+  for (const Change& change : changes) take_beside(change, instant);
 }
 
-void LinearisedOrbit::take_guard(const Change& change, LinearInstant& instant) {
+/// Guards that are passed by chance at the time of another one, or of an edge.
+void LinearisedOrbit::take_beside(const Change& change, LinearInstant& instant) const {
+  if (!depends_on_order(stacking_.system(change.island), change)) return;
+  for (const int row : guards_beside(change, same_instant * (period_ + instant.time))) {
+    if (static_cast<int>(change.island) == instant.island && row == instant.row) continue;
+    LinearGuard guard;
+    guard.on_w.assign(inputs_, 0.0);
+    guard.on_slope.assign(inputs_, 0.0);
+    take_guard(change, row, guard);
+    if (guard.island >= 0) instant.beside.push_back(std::move(guard));
+  }
+}
+
+void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& instant) const {
   const Mode& mode = *change.before;
-  const auto row = mode.guards.row(change.guard);
+  const auto row = mode.guards.row(number);
   const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
   if (fall == 0.0) return;
   instant.island = static_cast<int>(change.island);
+  instant.row = number;
   const System& system = stacking_.system(change.island);
-  if (change.guard >= system.diodes) {
-    instant.level_switch = system.controls[static_cast<std::size_t>(change.guard - system.diodes) / 2].driven;
-    instant.is_off_level = (change.guard - system.diodes) % 2 == 0;
+  if (number >= system.diodes) {
+    instant.level_switch = system.controls[static_cast<std::size_t>(number - system.diodes) / 2].driven;
+    instant.is_off_level = (number - system.diodes) % 2 == 0;
     instant.level_rate = instant.is_off_level ? fall : -fall;
   }
   const Eigen::RowVectorXd on_c = row.head(mode.n1) * (-1.0 / fall);

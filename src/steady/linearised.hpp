@@ -35,29 +35,35 @@ struct LinearSegment {
 struct LinearChange {
   std::size_t island = 0;
   std::vector<const model::Mode*> by_way_of;
-  Vector d;           ///< (P f⁻ − f⁺): n
-  Vector outputs;     ///< y⁻ − y⁺ of its outputs
+  Vector d;        ///< (P f⁻ − f⁺): n
+  Vector outputs;  ///< y⁻ − y⁺ of its outputs
 };
 
-/// δt = on_state·δξ + on_w·w of the guard that is passed; zero where the time is fixed.
-struct LinearInstant {
-  double time = 0.0;  ///< s
+/// δt = on_state·δξ + on_w·w of a guard that is passed; zero where the time is fixed.
+struct LinearGuard {
+  int island = -1;                     ///< whose deviation decides δt; −1: none
+  Eigen::RowVectorXd on_state;         ///< of that island's ξ
+  std::vector<double> on_w, on_slope;  ///< of each input and its derivative
+  int level_switch = -1;               ///< whose threshold is passed; −1: none
+  bool is_off_level = false;           ///< that where it opens
+  double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
+  int row = -1;                        ///< of the mode's guards
+};
+
+struct LinearInstant : LinearGuard {
+  double time = 0.0;                    ///< s
   std::vector<LinearSegment> segments;  ///< that end here
-  int island = -1;                      ///< whose deviation decides δt; −1: none
-  Eigen::RowVectorXd on_state;          ///< of that island's ξ
-  std::vector<double> on_w, on_slope;   ///< of each input and its derivative
   std::vector<int> flips;               ///< switches of the model that change here
-  int level_switch = -1;                ///< whose threshold is passed; −1: none
-  bool is_off_level = false;            ///< that where it opens
-  double level_rate = 0.0;              ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
   std::vector<LinearChange> changes;
+  std::vector<LinearGuard> beside;  ///< passed at the same time by chance, where the derivative depends on which is passed first
 };
 
 /// A whole period.
 class LinearisedOrbit {
  public:
   /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: what happens there has the period's end on its left.
-  LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven, const std::vector<std::string>& inputs);
+  LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
+                  const std::vector<std::string>& inputs);
 
   [[nodiscard]] const Stacking& stacking() const { return stacking_; }
   [[nodiscard]] double period() const { return period_; }
@@ -68,7 +74,8 @@ class LinearisedOrbit {
 
  private:
   void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
-  void take_guard(const engine::Change& change, LinearInstant& instant);
+  void take_guard(const engine::Change& change, int row, LinearGuard& guard) const;
+  void take_beside(const engine::Change& change, LinearInstant& instant) const;
   void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
 
   Stacking stacking_;

@@ -18,13 +18,16 @@ constexpr double least_gain = 0.5;       ///< of a residual that is close, or it
 constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
 constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
 constexpr double zero_multiplier = 1e-13;
-constexpr double lone_drift = 1e-6;  ///< of the residual: what else moves beside a drift
-constexpr double progress_per_phase = 0.1;  ///< of the residual
-constexpr int most_steps_without_progress = 5;
+constexpr double lone_drift = 1e-6;      ///< of the residual: what else moves beside a drift
 constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
 constexpr int points_inside = 7;
-constexpr double damping = 0.25;  ///< of a step, from one try to the next
-constexpr int most_tries = 3, most_drifts = 12;
+constexpr int most_drifts = 12;
+constexpr double much_better = 0.5;       ///< of a residual: a step that pays
+constexpr int bold_steps = 3;             ///< of Newton's method that need not pay
+constexpr int steps_followed = 6;         ///< implicit ones, before Newton's method is tried again
+constexpr int phases_before_periods = 4;  ///< such phases, before periods are simulated
+constexpr double first_pace = 4.0, slower = 0.25,
+                 faster = 4.0;  ///< periods of an implicit step, and what becomes of them from one to the next
 
 /// One period from a state.
 struct Lap {
@@ -45,24 +48,21 @@ class Search {
     if (!simulate(state, task_.periods_before * task_.multiple)) return std::move(orbit_);
     lap_ = lap(state);
     state_ = state;
-    int patience = 1;
     while (lap_.is_complete && orbit_.periods_simulated < task_.most_periods && orbit_.iterations < task_.most_iterations) {
       take_size();
       const Vector f = residual(state_, lap_);
-      orbit_.residuals.push_back(f.norm() / orbit_.largest);
+      if (std::exchange(counted_, orbit_.periods_simulated) != orbit_.periods_simulated)
+        orbit_.residuals.push_back(f.norm() / orbit_.largest);
       if (!keeps_switches()) {
         go_on();
         continue;
       }
       if (is_small(f)) return finish(f);
-      const Progress progress = wanders(f) ? Progress::stuck : step(f);
+      if (best_norm_ < 0.0 || f.norm() < much_better * best_norm_) keep(f);
+      const Progress progress = follows_ > 0 ? follow_on(f) : step(f);
       if (progress == Progress::done) return finish(f);
       if (progress == Progress::failed) return std::move(orbit_);
-      if (progress == Progress::stuck) {
-        if (!simulate_on(patience)) return std::move(orbit_);
-        patience *= 2;
-        steps_ = 0;
-      }
+      if (progress == Progress::stuck && !begin_to_follow(f)) return std::move(orbit_);
     }
     if (!lap_.is_complete) {
       fail(lap_);
@@ -158,7 +158,9 @@ class Search {
     orbit_.largest = std::max(orbit_.largest, std::sqrt(sum));
   }
 
-  [[nodiscard]] Vector residual(const RunState& from, const Lap& to) const { return stacking_.stacked(to.end.xi) - stacking_.stacked(from.xi); }
+  [[nodiscard]] Vector residual(const RunState& from, const Lap& to) const {
+    return stacking_.stacked(to.end.xi) - stacking_.stacked(from.xi);
+  }
 
   [[nodiscard]] bool is_small(const Vector& f) const {
     const double floor = rounding_levels * rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
@@ -172,7 +174,7 @@ class Search {
     return state;
   }
 
-  /// A damped step of Newton's method. `done`: no step lessens the residual, which is rounding.
+  /// A step of Newton's method. It must pass the natural test, or be one of a few that need not. `done`: no step lessens the residual, which is rounding.
   Progress step(const Vector& f) {
     const Variation v = variation(stacking_, lap_.trace);
     orbit_.kink = v.kink;
@@ -185,7 +187,8 @@ class Search {
     const Eigen::Index rank = (s.array() > least).count();
     if (rank < n) {
       const Vector outside = svd.matrixU().rightCols(n - rank).transpose() * f;
-      if (outside.norm() > inconsistent * orbit_.largest) return drift(f, svd.matrixU().rightCols(n - rank), svd.matrixV().rightCols(n - rank));
+      if (outside.norm() > inconsistent * orbit_.largest)
+        return drift(f, svd.matrixU().rightCols(n - rank), svd.matrixV().rightCols(n - rank));
     }
     const auto solve = [&](const Vector& b) {
       const Vector c = (svd.matrixU().leftCols(rank).transpose() * b).cwiseQuotient(s.head(rank));
@@ -193,30 +196,76 @@ class Search {
     };
     ++orbit_.iterations;
     const Vector delta = solve(f);
-    double lambda = 1.0;
-    for (int tries = 0; tries < most_tries; ++tries, lambda *= damping) {
-      RunState trial = moved(lambda * delta);
-      Lap next = lap(trial);
-      if (next.answer.outcome == engine::Outcome::interrupted) {
-        fail(next);
-        return Progress::failed;
-      }
-      if (!next.is_complete || next.end.on != trial.on) continue;
-      const Vector f_next = residual(trial, next);
-      if (f.norm() <= close * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
-      if (solve(f_next).norm() > (1.0 - lambda / 4.0) * delta.norm()) continue;
-      return accept(std::move(trial), std::move(next));
+    RunState trial = moved(delta);
+    Lap next = lap(trial);
+    if (next.answer.outcome == engine::Outcome::interrupted) {
+      fail(next);
+      return Progress::failed;
     }
-    return Progress::stuck;
+    if (!next.is_complete || next.end.on != trial.on) return Progress::stuck;
+    const Vector f_next = residual(trial, next);
+    if (f.norm() <= close * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
+    const bool passes = solve(f_next).norm() <= 0.75 * delta.norm();
+    if (!passes && bold_-- <= 0) return Progress::stuck;
+    return accept(std::move(trial), std::move(next));
   }
 
-  /// Steps that pass the test one by one may still go round in a circle, from one sequence of modes to another.
-  bool wanders(const Vector& f) {
-    if (steps_++ == 0 || f.norm() <= progress_per_phase * phase_residual_) {
-      phase_residual_ = f.norm();
-      steps_ = 1;
+  /// Where Newton's method is stuck. Its steps that did not pay are taken back.
+  bool begin_to_follow(const Vector& f) {
+    if (f.norm() > best_norm_) {
+      state_ = best_state_;
+      lap_ = best_lap_;
     }
-    return steps_ > most_steps_without_progress;
+    follows_ = steps_followed;
+    if (++phases_ % phases_before_periods != 0) return true;
+    patience_ *= 2;
+    return simulate_on(patience_);
+  }
+
+  Progress follow_on(const Vector& f) {
+    if (--follows_ == 0) best_norm_ = -1.0;
+    const Progress progress = follow(f);
+    if (progress != Progress::stuck) return progress;
+    return simulate_on(1) ? Progress::stepped : Progress::failed;
+  }
+
+  void keep(const Vector& f) {
+    best_state_ = state_;
+    best_lap_ = lap_;
+    best_norm_ = f.norm();
+    bold_ = bold_steps;
+  }
+
+  /// One step of the implicit Euler method along x' = φ(x) − x, x a function of the number of periods, over `pace_` of them: where Newton's method fails,
+  /// the way that the circuit goes, several periods at a time. Its pace grows as the residual falls.
+  Progress follow(const Vector& f) {
+    if (pace_ == 0.0) pace_ = first_pace;
+    const Variation v = variation(stacking_, lap_.trace);
+    if (!v.kink.empty()) return Progress::stuck;
+    const Eigen::Index n = stacking_.size();
+    const Matrix phi = is_driven() ? v.x : v.return_map();
+    const Eigen::PartialPivLU<Matrix> lu((1.0 + 1.0 / pace_) * Matrix::Identity(n, n) - phi);
+    RunState trial = moved(lu.solve(f));
+    Lap next = lap(trial);
+    ++orbit_.iterations;
+    if (next.answer.outcome == engine::Outcome::interrupted) {
+      fail(next);
+      return Progress::failed;
+    }
+    if (!next.is_complete) {
+      pace_ = std::max(1.0, pace_ * slower);
+      return Progress::stuck;
+    }
+    if (next.end.on != trial.on) {
+      // Switches that hold their state are others after the period: the circuit goes on from there.
+      pace_ = std::max(1.0, pace_ * slower);
+      state_ = next.end;
+      lap_ = lap(state_);
+      return Progress::stepped;
+    }
+    const double ratio = f.norm() / std::max(residual(trial, next).norm(), 1e-300);
+    pace_ = std::max(1.0, pace_ * std::clamp(ratio, slower, faster));
+    return accept(std::move(trial), std::move(next));
   }
 
   Progress accept(RunState state, Lap next) {
@@ -258,6 +307,7 @@ class Search {
     orbit_.residual = f.norm() / orbit_.largest;
     const Variation v = variation(stacking_, lap_.trace);
     orbit_.kink = v.kink;
+    orbit_.beside = v.beside;
     orbit_.trace = std::move(lap_.trace);
     if (v.kink.empty()) take_multipliers(v);
     return std::move(orbit_);
@@ -295,9 +345,13 @@ class Search {
   Orbit orbit_;
   RunState state_;
   Lap lap_;
+  RunState best_state_;  ///< of the steps of Newton's method since the last implicit one
+  Lap best_lap_;
+  double best_norm_ = -1.0;
+  int bold_ = 0, follows_ = 0, phases_ = 0, patience_ = 1;
+  double pace_ = 0.0;  ///< periods of an implicit step; 0: there has been none
+  int counted_ = -1;   ///< periods simulated when the last residual was noted
   double last_residual_ = -1.0;
-  double phase_residual_ = 0.0;  ///< the least that counted as progress
-  int steps_ = 0;                ///< since then
   int drifts_ = 0;
 };
 

@@ -2,7 +2,9 @@
 /// Periodic orbits: Newton's method on the exact map over a period, with its exact derivative.
 ///
 /// Driven: x ↦ φ_T(x) from t = 0⁻ to T⁻, T the common period of the sources, times k. Self-timed: the return map of an event, right of it.
-/// Globalised by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, §3.3) and by periods that are simulated.
+/// A step counts that passes the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, §3.3), or after a few that need not.
+/// Where Newton's method does not get on, x' = φ(x) − x is followed by the implicit Euler method, several periods a step (pseudo-transient continuation:
+/// Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998)); where that does not, periods are simulated.
 
 #include <complex>
 #include <functional>
@@ -22,9 +24,9 @@ struct Section {
 };
 
 struct OrbitTask {
-  double period = 0.0;  ///< s, of a driven circuit: k times the common period; 0: self-timed
-  int multiple = 1;     ///< k
-  Section section;      ///< self-timed
+  double period = 0.0;   ///< s, of a driven circuit: k times the common period; 0: self-timed
+  int multiple = 1;      ///< k
+  Section section;       ///< self-timed
   double longest = 0.0;  ///< s, self-timed: without an event for this long there is none
   int most_iterations = 100;
   int most_periods = 4000;  ///< simulated
@@ -47,9 +49,10 @@ struct Orbit {
   double period = 0.0;  ///< s
   Trace trace;          ///< of one period, `multiple` periods of the sources
   Matrix monodromy;
-  std::string kink;      ///< why there are no multipliers; "" where there are
-  double residual = 0.0;  ///< ‖φ(x) − x‖ against the largest state on the orbit
-  double largest = 0.0;   ///< that state's norm, √J
+  std::string kink;            ///< why there are no multipliers; "" where there are
+  std::vector<Beside> beside;  ///< guards passed together with other events: multipliers are those of one order
+  double residual = 0.0;       ///< ‖φ(x) − x‖ against the largest state on the orbit
+  double largest = 0.0;        ///< that state's norm, √J
   int iterations = 0, periods_simulated = 0;
   double least_singular = 1.0;          ///< smallest singular value of I − Φ
   std::vector<Vector> free_directions;  ///< of a family of orbits

@@ -1,5 +1,6 @@
 #include "steady/orbit_trace.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace pwlsim::steady {
@@ -8,6 +9,15 @@ std::size_t Trace::segments() const {
   std::size_t count = tail.size();
   for (const TraceStep& step : steps) count += step.segments.size();
   return count;
+}
+
+void end_at(Trace& trace, double end) {
+  constexpr double at_end = 1e-12;  // of it
+  auto& steps = trace.steps;
+  const auto behind = std::find_if(steps.begin(), steps.end(), [&](const TraceStep& step) { return step.time > end * (1.0 + at_end); });
+  if (behind == steps.end()) return;
+  trace.tail = std::move(behind->segments);
+  steps.erase(behind, steps.end());
 }
 
 void TraceRecorder::segment(const engine::SegmentView& view) {

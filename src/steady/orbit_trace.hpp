@@ -30,6 +30,9 @@ struct Trace {
   [[nodiscard]] std::size_t segments() const;
 };
 
+/// Leaves out instants behind `end`, s. One at the end stays, with what the run does behind it.
+void end_at(Trace& trace, double end);
+
 /// Whether the run is to end at this instant, given the switches left of it.
 using EndsAt = std::function<bool(const engine::InstantView&, const std::vector<char>& on_before)>;
 

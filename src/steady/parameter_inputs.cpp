@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "linalg/dense.hpp"
+#include "model/moved_network.hpp"
 #include "steady/linearised.hpp"
 
 namespace pwlsim::steady {
@@ -197,31 +198,7 @@ class Adder {
     if (known == result.waves.end())
       result.waves.push_back(std::move(wave));
     else
-      add(known->derivative, wave.derivative);
-  }
-
-  static void add(model::SourceFunction& sum, const model::SourceFunction& other) {
-    if (auto* dc = std::get_if<model::Dc>(&sum)) dc->value += std::get<model::Dc>(other).value;
-    if (auto* f = std::get_if<model::Pulse>(&sum)) {
-      const auto& o = std::get<model::Pulse>(other);
-      for (const auto member : {&model::Pulse::initial, &model::Pulse::pulsed, &model::Pulse::delay, &model::Pulse::rise,
-                                &model::Pulse::fall, &model::Pulse::width, &model::Pulse::period})
-        f->*member += o.*member;
-    }
-    if (auto* f = std::get_if<model::Sin>(&sum)) {
-      const auto& o = std::get<model::Sin>(other);
-      for (const auto member : {&model::Sin::offset, &model::Sin::amplitude, &model::Sin::frequency, &model::Sin::delay,
-                                &model::Sin::damping, &model::Sin::phase})
-        f->*member += o.*member;
-    }
-    if (auto* f = std::get_if<model::Pwl>(&sum)) {
-      const auto& o = std::get<model::Pwl>(other);
-      for (std::size_t k = 0; k < f->points.size(); ++k) {
-        f->points[k].time += o.points[k].time;
-        f->points[k].value += o.points[k].value;
-      }
-      f->repeat_from += o.repeat_from;
-    }
+      model::add(known->derivative, wave.derivative);
   }
 
   int source(int index) {

@@ -50,6 +50,7 @@ struct ParameterInputs {
   std::vector<LevelMove> levels;
   std::vector<StartMove> starts;
   std::string failure;  ///< why the parameter cannot be followed; "" where it can
+  double value = 0.0;   ///< of the parameter, for what counts as rounding; 0: not known
 };
 
 /// The inputs of all parameters in one network.

@@ -19,6 +19,8 @@ using model::System;
 constexpr double same_time = 1e-12;
 /// Two shifts of one instant that differ by less are one.
 constexpr double same_shift = 1e-9;
+/// Two shifts that differ by less of the run, for a change by all of the parameter, are one.
+constexpr double no_shift = 1e-11;
 
 Vector vector_of(const std::vector<double>& y) { return Eigen::Map<const Vector>(y.data(), static_cast<Eigen::Index>(y.size())); }
 
@@ -53,6 +55,7 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   first_.push_back(segments_.size());
   for (const TraceSegment& segment : trace.tail) add(segment);
   add_static_parts();
+  if (is_settled && !trace.steps.empty()) wrap_ = wrap_of(trace);
   for (const engine::IslandModel& island : model.islands) {
     const model::StoreValues values(island.island, island.extraction);
     auto& rows = stores_.emplace_back();
@@ -284,8 +287,8 @@ std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double t
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
     const std::optional<double> own = edge_shift(wave, time, near, is_settled_);
     if (!own) continue;
-    if (shift && std::abs(*own - *shift) > same_shift * (std::abs(*own) + std::abs(*shift)) && followed.failure.empty())
-      followed.failure = fmt::format("two edges at t = {} s move differently", time);
+    if (shift && std::abs(*own - *shift) > same_shift * (std::abs(*own) + std::abs(*shift)))
+      followed.fail(fmt::format("edges of {} at t = {} s move differently", wave.name, time), true);
     if (!shift) shift = own;
   }
   return shift;
@@ -294,14 +297,19 @@ std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double t
 /// An edge that moves must be alone at its instant.
 void Sensitivity::check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const {
   const auto& waves = inputs_.parameters[parameter].waves;
-  if (instant.island >= 0 && followed.failure.empty())
-    followed.failure = fmt::format("an edge that moves meets another event at t = {} s", instant.time);
+  if (instant.island >= 0)
+    followed.fail(fmt::format("an edge that moves meets another event, {}, at t = {} s", name_of(instant), instant.time), true);
   for (const Wave& other : jumping_) {
     const bool is_own = std::any_of(waves.begin(), waves.end(), [&](const Wave& wave) { return wave.name == other.name; });
-    if (is_own || !edge_shift(other, instant.time, same_time * (length_ + instant.time), is_settled_) || !followed.failure.empty())
-      continue;
-    followed.failure = fmt::format("an edge that moves meets one of {} at t = {} s, which does not", other.name, instant.time);
+    if (is_own || !edge_shift(other, instant.time, same_time * (length_ + instant.time), is_settled_)) continue;
+    followed.fail(fmt::format("an edge that moves meets one of {} at t = {} s, which does not", other.name, instant.time), true);
   }
+}
+
+/// The diode or switch behind a guard.
+std::string Sensitivity::name_of(const LinearGuard& guard) const {
+  if (guard.level_switch >= 0) return model_.switches[static_cast<std::size_t>(guard.level_switch)].name;
+  return orbit_.stacking().system(static_cast<std::size_t>(guard.island)).port[static_cast<std::size_t>(guard.row)].name;
 }
 
 /// Of an instant that a clock decides, or nothing that moves.
@@ -319,30 +327,57 @@ double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& i
 
 double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const {
   const LinearInstant& instant = orbit_.instants()[number];
-  const ParameterInputs& own = inputs_.parameters[parameter];
   if (const auto edge = edge_shift_of(parameter, instant.time, followed)) {
     if (*edge != 0.0) check_others(parameter, instant, followed);
     return *edge;
   }
+  const double level = level_shift_of(parameter, instant);
+  return level + (instant.island < 0 ? clock_shift_of(parameter, instant) : passage_of(parameter, number, instant, xi));
+}
+
+double Sensitivity::corner_shift_of(std::size_t parameter, const LinearInstant& instant) const {
+  if (instant.island >= 0 || instant.level_switch >= 0) return 0.0;
+  for (const Wave& wave : inputs_.parameters[parameter].waves)
+    if (const auto shift = corner_shift(wave, instant.time, same_time * (length_ + instant.time), is_settled_)) return *shift;
+  return 0.0;
+}
+
+double Sensitivity::level_shift_of(std::size_t parameter, const LinearGuard& guard) const {
   double shift = 0.0;
-  for (const LevelMove& level : own.levels)
-    if (level.number == instant.level_switch) shift += (instant.is_off_level ? level.off : level.on) / instant.level_rate;
-  if (instant.island < 0) return shift + clock_shift_of(parameter, instant);
-  const auto island = static_cast<std::size_t>(instant.island);
+  for (const LevelMove& level : inputs_.parameters[parameter].levels)
+    if (level.number == guard.level_switch) shift += (guard.is_off_level ? level.off : level.on) / guard.level_rate;
+  return shift;
+}
+
+double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const {
+  const auto island = static_cast<std::size_t>(guard.island);
   const Stacking& stacking = orbit_.stacking();
-  shift += instant.on_state * xi.segment(stacking.first(island), stacking.count(island));
-  for (const Change& change : trace_.steps[number].changes) {
+  const double time = orbit_.instants()[number].time;
+  double shift = guard.on_state * xi.segment(stacking.first(island), stacking.count(island));
+  const bool is_wrap = number == 0 && is_settled_;
+  for (const Change& change : is_wrap ? wrap_.changes : trace_.steps[number].changes) {
     if (change.island != island || change.before == nullptr) continue;
     const Flow& flow = flow_of(parameter, island, *change.before);
     Vector yz(flow.ny + flow.nz);
-    yz << seen(island, *change.before, change.y_before.data()),
-        waves_at(flow, parameter, instant.time, instant.time - same_time * (length_ + instant.time));
+    yz << seen(island, *change.before, change.y_before.data()), waves_at(flow, parameter, time, time - same_time * (length_ + time));
     const Vector rate = flow.source * yz;
     for (std::size_t k = 0; k < flow.rows.size(); ++k)
-      if (flow.rows[k].size() > 0) shift += instant.on_w[k] * flow.rows[k].dot(yz) + instant.on_slope[k] * flow.rows[k].dot(rate);
+      if (flow.rows[k].size() > 0) shift += guard.on_w[k] * flow.rows[k].dot(yz) + guard.on_slope[k] * flow.rows[k].dot(rate);
     break;
   }
   return shift;
+}
+
+/// What is passed at the same time by chance is passed apart for other values of the parameter, in one order or the other.
+void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const {
+  const double value = std::abs(inputs_.parameters[parameter].value), rounding = no_shift * length_;
+  const double time = orbit_.instants()[number].time;
+  for (const LinearGuard& guard : orbit_.instants()[number].beside) {
+    const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
+    if (apart * value <= rounding || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
+    followed.fail(
+        fmt::format("{} changes at t = {} s together with another event, and the parameter moves them apart", name_of(guard), time), true);
+  }
 }
 
 /// y in each mode that a change goes by way of, where it is constrained. Where one is entered for no time, its sources are those of the mode after.
@@ -384,17 +419,18 @@ void Sensitivity::pass_change(std::size_t parameter, const Change& change, const
 void Sensitivity::check_changes(std::size_t number, Followed& followed) const {
   const double time = orbit_.instants()[number].time;
   for (const Change& change : trace_.steps[number].changes) {
-    if (change.cause == engine::Cause::accumulation) followed.failure = fmt::format("events accumulate at t = {} s", time);
-    if (change.cause == engine::Cause::undecided && change.before != change.after && followed.failure.empty())
-      followed.failure = fmt::format("the event at t = {} s could not be told from others", time);
+    if (change.cause == engine::Cause::accumulation) followed.fail(fmt::format("events accumulate at t = {} s", time), false);
+    if (change.cause == engine::Cause::undecided && change.before != change.after)
+      followed.fail(fmt::format("the event at t = {} s could not be told from others", time), false);
   }
 }
 
 void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const {
   const LinearInstant& instant = orbit_.instants()[number];
   const double shift = shift_of(parameter, number, xi, followed);
-  followed.shifts[number] = shift;
+  followed.shifts[number] = shift != 0.0 ? shift : corner_shift_of(parameter, instant);
   check_changes(number, followed);
+  check_beside(parameter, number, shift, xi, followed);
   const auto& changes = trace_.steps[number].changes;
   for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
 }

@@ -26,6 +26,13 @@ struct Followed {
   std::vector<double> shifts;  ///< dt/dp of each instant, s
   Vector end;                  ///< derivative of the stacked ξ at the end, whose time is fixed
   std::string failure;         ///< why there is none; "" where there is one
+  bool is_kink = false;        ///< there is one for larger and one for smaller values: events that meet here move apart
+
+  void fail(std::string why, bool kink) {
+    if (!failure.empty()) return;
+    failure = std::move(why);
+    is_kink = kink;
+  }
 };
 
 /// A signal at one time and its derivative to time.
@@ -55,6 +62,8 @@ class Sensitivity {
   [[nodiscard]] std::vector<std::vector<double>> moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                                           double inside, double begin, double length) const;
   [[nodiscard]] const LinearisedOrbit& orbit() const { return orbit_; }
+  /// "S1 opens at t = 2e-3 s".
+  [[nodiscard]] std::string instant_text(std::size_t instant) const;
   [[nodiscard]] bool is_settled() const { return is_settled_; }
 
  private:
@@ -110,8 +119,14 @@ class Sensitivity {
   void pass_segment(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
   void pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
   [[nodiscard]] double shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const;
+  /// Of an instant at which nothing happens but a corner of a source: it moves what is measured there, and no state.
+  [[nodiscard]] double corner_shift_of(std::size_t parameter, const LinearInstant& instant) const;
+  [[nodiscard]] double level_shift_of(std::size_t parameter, const LinearGuard& guard) const;
+  [[nodiscard]] double passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const;
+  void check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const;
   [[nodiscard]] std::optional<double> edge_shift_of(std::size_t parameter, double time, Followed& followed) const;
   [[nodiscard]] double clock_shift_of(std::size_t parameter, const LinearInstant& instant) const;
+  [[nodiscard]] std::string name_of(const LinearGuard& guard) const;
   void check_changes(std::size_t number, Followed& followed) const;
   [[nodiscard]] std::vector<Vector> states_by_way(const engine::Change& change) const;
   void check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const;
@@ -127,6 +142,7 @@ class Sensitivity {
   const LinearisedOrbit& orbit_;
   const SensitivityInputs& inputs_;
   bool is_settled_;
+  TraceStep wrap_;                               ///< the begin of a period, with its end on the left
   std::vector<std::vector<Eigen::Index>> kept_;  ///< of each island: sources that are no inputs
   ParameterInputs all_;                          ///< waves alone
   std::vector<char> sound_;                      ///< parameters that can be followed

@@ -6,10 +6,10 @@
 namespace pwlsim::steady {
 namespace {
 
-constexpr double same_state = 1e-8;      ///< of the largest state
-constexpr int periods_of_long_run = 50;  ///< times k
-constexpr double push = 1e-2;            ///< of the largest state
-constexpr int periods_after_push = 20;   ///< times k
+constexpr double same_state = 1e-8;                                 ///< of the largest state
+constexpr int periods_of_long_run = 50;                             ///< times k
+constexpr double push = 1e-2;                                       ///< of the largest state
+constexpr int few_periods_after_push = 4, periods_after_push = 20;  ///< times k
 
 /// The orbit moved along its most unstable direction.
 engine::RunState beside(const engine::March& march, const Orbit& orbit) {
@@ -48,7 +48,8 @@ Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, con
     other.periods_simulated += orbit.periods_simulated;
     return other;
   };
-  Orbit other = again(start, periods_of_long_run);
+  Orbit other = again(beside(march, orbit), few_periods_after_push);
+  if (other.verdict != Verdict::found || repeats_sooner(march, other, task)) other = again(start, periods_of_long_run);
   if (other.verdict != Verdict::found || repeats_sooner(march, other, task)) other = again(beside(march, orbit), periods_after_push);
   if (other.verdict == Verdict::found && !repeats_sooner(march, other, task)) return other;
   orbit.periods_simulated = other.periods_simulated;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -15,6 +16,11 @@ using model::System;
 constexpr double touching = 1e-9;
 /// What a direction does to a guard below this is rounding.
 constexpr double still = 1e-9;
+
+/// Of ξ′ before and after a change, and of two shifts: they are one.
+constexpr double same_speed = 1e-9, same_row = 1e-7;
+/// A shift, by all of the state, below this share of the run is rounding.
+constexpr double no_row = 1e-12;
 
 /// ∂ξ in coordinates of the mode, and back.
 Matrix to_coordinates(const Mode& mode, const Matrix& x) { return mode.constrained ? Matrix(mode.basis.transpose() * x) : x; }
@@ -35,7 +41,7 @@ class Propagators {
 
 class Walk {
  public:
-  explicit Walk(const Stacking& stacking) : stacking_(stacking) {
+  Walk(const Stacking& stacking, double length) : stacking_(stacking), length_(length) {
     result_.x = Matrix::Identity(stacking.size(), stacking.size());
     result_.end_time = Eigen::RowVectorXd::Zero(stacking.size());
     result_.flow = Vector::Zero(stacking.size());
@@ -52,9 +58,13 @@ class Walk {
   void step(const TraceStep& step) {
     const Eigen::RowVectorXd shift = time_shift(step);
     result_.end_time = shift;
+    take_beside(step, shift);
     for (const engine::Change& change : step.changes) pass(change, own_shift(change, shift));
     on_ = &step.on;
   }
+
+  /// The end of the period, whose time is fixed.
+  void look_at(const TraceStep& wrap) { take_beside(wrap, Eigen::RowVectorXd::Zero(stacking_.size())); }
 
   void take_flow(std::size_t island, const Mode& mode, const std::vector<double>& y) {
     result_.flow.segment(stacking_.first(island), stacking_.count(island)) =
@@ -82,6 +92,20 @@ class Walk {
     return Eigen::RowVectorXd::Zero(stacking_.size());
   }
 
+  /// Guards that pass at the same time by chance: another deviation passes them apart.
+  void take_beside(const TraceStep& step, const Eigen::RowVectorXd& shift) {
+    for (const engine::Change& change : step.changes) {
+      const System& system = stacking_.system(change.island);
+      if (change.before == nullptr || change.before->n1 == 0 || !depends_on_order(system, change)) continue;
+      for (const int row : guards_beside(change, same_instant * (length_ + step.time))) {
+        const Eigen::RowVectorXd own = shift_of(*change.before, row, change);
+        const double state = Eigen::Map<const Vector>(change.y_before.data(), change.before->n1).norm();
+        if (own.norm() * state <= no_row * length_) continue;
+        if ((own - shift).norm() > same_row * (own.norm() + shift.norm())) result_.beside.push_back({step.time, change.island, row});
+      }
+    }
+  }
+
   Eigen::RowVectorXd own_shift(const engine::Change& change, const Eigen::RowVectorXd& shift) {
     return change.cause == engine::Cause::time ? Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(stacking_.size())) : shift;
   }
@@ -96,6 +120,12 @@ class Walk {
       kink(fmt::format("a guard is touched, not passed, at t = {} s", time));
       return Eigen::RowVectorXd::Zero(stacking_.size());
     }
+    return shift_of(mode, change.guard, change);
+  }
+
+  Eigen::RowVectorXd shift_of(const Mode& mode, int guard, const engine::Change& change) {
+    const auto row = mode.guards.row(guard);
+    const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
     const auto block = result_.x.middleRows(stacking_.first(change.island), stacking_.count(change.island));
     return row.head(mode.n1) * to_coordinates(mode, block) * (-1.0 / fall);
   }
@@ -118,6 +148,7 @@ class Walk {
   }
 
   const Stacking& stacking_;
+  double length_;
   Propagators propagators_;
   Variation result_;
   const std::vector<char>* on_ = nullptr;  ///< switches left of the instant
@@ -161,8 +192,52 @@ Vector state_speed(const model::System& system, const model::Mode& mode, const s
   return x;
 }
 
+std::vector<int> guards_beside(const engine::Change& change, double near) {
+  std::vector<int> rows;
+  if (change.before == nullptr || change.y_before.empty()) return rows;
+  const Mode& mode = *change.before;
+  const Eigen::Map<const Vector> y(change.y_before.data(), mode.ny);
+  if (mode.n1 == 0) return rows;
+  const Vector rate = mode.flow.a() * y;
+  for (int row = 0; row < mode.guards.rows(); ++row) {
+    if (mode.guard_constant[static_cast<std::size_t>(row)] != 0 || mode.guard_norm[row] == 0.0) continue;
+    const double fall = mode.guards.row(row).dot(rate);
+    if (!(fall < -touching * mode.guard_norm[row] * rate.norm())) continue;
+    if (std::abs(mode.guards.row(row).dot(y)) <= -fall * near) rows.push_back(row);
+  }
+  return rows;
+}
+
+bool depends_on_order(const System& system, const engine::Change& change) {
+  if (change.before == nullptr || change.y_before.empty()) return false;
+  Vector before = state_speed(system, *change.before, change.y_before);
+  const Vector after = state_speed(system, *change.after, change.y_after);
+  bool projects = false;
+  for (const Mode* mode : change.by_way_of) {
+    if (!mode->constrained) continue;
+    before = mode->projector * before;
+    projects |= mode != change.before;
+  }
+  return projects || (before - after).head(system.n).norm() > same_speed * (before.head(system.n).norm() + after.head(system.n).norm());
+}
+
+TraceStep wrap_of(const Trace& trace) {
+  TraceStep wrap = trace.steps.front();
+  for (engine::Change& change : wrap.changes)
+    for (const TraceSegment& segment : trace.tail)
+      if (segment.island == change.island) {
+        change.before = segment.mode;
+        change.y_before = segment.y1;
+        change.cause = engine::Cause::time;
+      }
+  return wrap;
+}
+
 Variation variation(const Stacking& stacking, const Trace& trace) {
-  Walk walk(stacking);
+  double length = 0.0;
+  for (const TraceSegment& segment : trace.tail) length = std::max(length, segment.begin + segment.length);
+  if (!trace.steps.empty()) length = std::max(length, trace.steps.back().time);
+  Walk walk(stacking, length);
   for (const TraceStep& step : trace.steps) {
     for (const TraceSegment& segment : step.segments) walk.segment(segment);
     walk.step(step);
@@ -171,6 +246,7 @@ Variation variation(const Stacking& stacking, const Trace& trace) {
     walk.segment(segment);
     walk.take_flow(segment.island, *segment.mode, segment.y1);
   }
+  if (!trace.tail.empty() && !trace.steps.empty()) walk.look_at(wrap_of(trace));
   return walk.take();
 }
 

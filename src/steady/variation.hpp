@@ -36,11 +36,19 @@ class Stacking {
   int size_ = 0;
 };
 
+/// A guard that is passed at the very instant at which something else happens, which another run nearby need not do.
+struct Beside {
+  double time = 0.0;  ///< s
+  std::size_t island = 0;
+  int guard = -1;  ///< row of the guards
+};
+
 struct Variation {
   Matrix x;                     ///< ∂(state at the end)/∂(state at the start), the time of the end being fixed
   Eigen::RowVectorXd end_time;  ///< ∂(time of the last instant)/∂(start)
   Vector flow;                  ///< ξ′ right of the end
   std::string kink;             ///< why there is no derivative; "" where there is one
+  std::vector<Beside> beside;   ///< guards for which, or without which, there is another derivative
   /// ∂(state at the last instant)/∂(start): of the map from event to event.
   [[nodiscard]] Matrix return_map() const { return x + flow * end_time; }
 };
@@ -51,6 +59,16 @@ struct Variation {
 /// Whether the guard of a change is passed rather than touched: the mode changes, or, where the switch lies in another island, the switch.
 [[nodiscard]] bool passes_guard(const model::System& system, const engine::Change& change, const std::vector<char>& on_before,
                                 const std::vector<char>& on_after);
+
+/// Rows of guards that `change.before` passes within `near` (s) of the instant.
+[[nodiscard]] std::vector<int> guards_beside(const engine::Change& change, double near);
+/// Instants this near (of a run and of a time) are one.
+inline constexpr double same_instant = 1e-12;
+/// Whether what a change makes of a deviation depends on when exactly its guards are passed: ξ′ is another one after it, or a jump projects ξ.
+[[nodiscard]] bool depends_on_order(const model::System& system, const engine::Change& change);
+
+/// The start of a driven period, with the end of the period on its left.
+[[nodiscard]] TraceStep wrap_of(const Trace& trace);
 
 [[nodiscard]] Variation variation(const Stacking& stacking, const Trace& trace);
 

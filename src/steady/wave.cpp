@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace pwlsim::steady {
 namespace {
@@ -99,19 +100,39 @@ Line line_of(const Wave& wave, double inside, bool is_settled) {
 
 bool is_sine(const Wave& wave) { return std::holds_alternative<model::Sin>(wave.derivative); }
 
+/// How the part of a pulse that begins `begin` after the cycle's begin moves, where it lies at `time`; `moved`: of `begin`.
+std::optional<double> part_shift(const model::Pulse& f, const model::Pulse& d, double begin, double moved, double time, double near,
+                                 bool is_settled) {
+  if (!(begin < forever)) return std::nullopt;
+  // The cycle whose part is nearest.
+  const Place place = place_of(f, time - begin + near, is_settled);
+  if (place.is_before || std::abs(place.since - near) > near) return std::nullopt;
+  return cycle_shift(d, place) + moved;
+}
+
 std::optional<double> edge_shift(const model::Pulse& f, const model::Pulse& d, double time, double near, bool is_settled) {
-  const auto at_edge = [&](double edge, double moved) -> std::optional<double> {
-    if (!(edge < forever)) return std::nullopt;
-    // The cycle whose edge is nearest.
-    const Place place = place_of(f, time - edge + near, is_settled);
-    if (place.is_before || std::abs(place.since - near) > near) return std::nullopt;
-    return cycle_shift(d, place) + moved;
-  };
   if (f.initial == f.pulsed) return std::nullopt;
   if (f.rise == 0.0)
-    if (const auto shift = at_edge(0.0, 0.0)) return shift;
-  if (f.fall == 0.0) return at_edge(f.rise + f.width, number(d.rise) + number(d.width));
+    if (const auto shift = part_shift(f, d, 0.0, 0.0, time, near, is_settled)) return shift;
+  if (f.fall == 0.0) return part_shift(f, d, f.rise + f.width, number(d.rise) + number(d.width), time, near, is_settled);
   return std::nullopt;
+}
+
+std::optional<double> corner_shift(const model::Pulse& f, const model::Pulse& d, double time, double near, bool is_settled) {
+  if (f.initial == f.pulsed) return std::nullopt;
+  double begin = 0.0, moved = 0.0;
+  std::optional<double> shift;
+  const auto take = [&](double length, double length_p, bool is_ramp) {
+    if (is_ramp)
+      for (const auto& [at, by] : {std::pair(begin, moved), std::pair(begin + length, moved + number(length_p))})
+        if (!shift) shift = part_shift(f, d, at, by, time, near, is_settled);
+    begin += length;
+    moved += number(length_p);
+  };
+  take(f.rise, d.rise, f.rise > 0.0);
+  take(f.width, d.width, false);
+  take(f.fall, d.fall, f.fall > 0.0);
+  return shift;
 }
 
 std::optional<double> edge_shift(const model::Pwl& f, const model::Pwl& d, double time, double near, bool is_settled) {
@@ -188,6 +209,11 @@ std::optional<double> edge_shift(const Wave& wave, double time, double near, boo
   if (const auto* d = std::get_if<model::Pwl>(&wave.derivative))
     return edge_shift(std::get<model::Pwl>(wave.function), *d, time, near, is_settled);
   return std::nullopt;
+}
+
+std::optional<double> corner_shift(const Wave& wave, double time, double near, bool is_settled) {
+  const auto* d = std::get_if<model::Pulse>(&wave.derivative);
+  return d == nullptr ? std::nullopt : corner_shift(std::get<model::Pulse>(wave.function), *d, time, near, is_settled);
 }
 
 double period_share(const Wave& wave) {

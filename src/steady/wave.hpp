@@ -23,6 +23,8 @@ using linalg::Vector;
 [[nodiscard]] Vector wave_state(const Wave& wave, double time, double inside, bool is_settled);
 /// How a jump of the function at `time` moves, where it has one within `near` of it.
 [[nodiscard]] std::optional<double> edge_shift(const Wave& wave, double time, double near, bool is_settled);
+/// Likewise a corner, where the function does not jump.
+[[nodiscard]] std::optional<double> corner_shift(const Wave& wave, double time, double near, bool is_settled);
 /// Of a periodic function: how its period moves, as a share of it; 0 where it has none.
 [[nodiscard]] double period_share(const Wave& wave);
 /// Of a function that does not repeat: the derivative of its last value, which is what a steady state takes it for (steady/period.hpp).

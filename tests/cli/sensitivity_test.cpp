@@ -226,10 +226,93 @@ TEST_CASE("an edge at the start counts as a passage", "[unit]") {
   const Scratch scratch;
   const std::string deck =
       "edges\n.param f=100k\nVg g 0 PULSE(0 1 0 0 0 4u {1/f})\nR1 g 0 1k\n.tran 0 100.5u\n.meas tran w WHEN v(g)=0.5 RISE=3\n"
-      ".meas tran a AVG v(g) LAST=5 PERIODS OF Vg\n.sens param=f\n.end\n";
+      ".meas tran a AVG v(g) LAST=5 PERIODS OF Vg\n.sens param=f,Vg:Tper\n.end\n";
   const Json result = sensitivities_of(scratch, deck);
   CHECK(derivative(result, "w", "f") == Approx(-2e-10).epsilon(wanted));
-  CHECK_THAT(entry(result, "a", "f")["failure"].string, Contains("counts periods"));
+  // Five pulses of 4 µs in 5/f: 4 µs·f; the window's begin moves with the period.
+  CHECK(derivative(result, "a", "f") == Approx(4e-6).epsilon(wanted));
+  CHECK(derivative(result, "a", "Vg:Tper") == Approx(-4e-6 * 1e10).epsilon(wanted));
+}
+
+namespace {
+
+void check_sides(const Json& result, const std::string& measurement, const std::string& parameter, double left, double right) {
+  const Json d = entry(result, measurement, parameter);
+  INFO(measurement << " to " << parameter << ": " << d["failure"].string);
+  CHECK(d["failure"].string.empty());
+  CHECK(d["left"].number == Approx(left).epsilon(wanted).margin(1e-12));
+  CHECK(d["right"].number == Approx(right).epsilon(wanted).margin(1e-12));
+}
+
+}  // namespace
+
+TEST_CASE("an edge at the end of the run: the derivative is one-sided", "[unit]") {
+  // The pulse of 1 V ends at Tstop = 3 ms: a shorter one takes 1 V/3 ms of the mean, a longer one adds nothing. Values at its end jump.
+  const Scratch scratch;
+  const Json result = sensitivities_of(
+      scratch,
+      "end\nV1 in 0 PULSE(0 1 1m 0 0 2m 20m)\nR1 in 0 1k\n.tran 1u 3m\n.meas tran v AVG v(in)\n.meas tran e FIND v(in) AT=3m\n"
+      ".sens param=V1:Ton,V1:Td\n.end\n");
+  check_sides(result, "v", "V1:Ton", 1000.0 / 3.0, 0.0);
+  check_sides(result, "v", "V1:Td", 0.0, -1000.0 / 3.0);
+  CHECK_THAT(entry(result, "e", "V1:Ton")["failure"].string, Contains("V1 has an edge at t = 0.003 s"));
+}
+
+TEST_CASE("a corner at the begin of a window: extremes are one-sided", "[unit]") {
+  // Ramps of 1 V/ms from 0 to 1 V at 2 ms, and back: its top lies at the begin of the window. Later it lies in the window, of the same height; earlier
+  // the window begins behind it, 1 V/ms lower.
+  const Scratch scratch;
+  const Json result =
+      sensitivities_of(scratch,
+                       "corner\nV1 in 0 PULSE(0 1 1m 1m 1m 0 20m)\nR1 in 0 1k\nL1 in x 1\nR2 x 0 1\n.tran 1u 4m\n"
+                       ".meas tran m MAX v(in) FROM=2m TO=4m\n.meas tran n MIN v(in) FROM=1.5m TO=2m\n.sens param=V1:Td\n.end\n");
+  check_sides(result, "m", "V1:Td", 1000.0, 0.0);
+  CHECK(derivative(result, "n", "V1:Td") == Approx(-1000.0).epsilon(wanted));
+}
+
+TEST_CASE("values that tie: the largest is one-sided", "[unit]") {
+  // max(10 + Voff, 10 − Voff)
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "tie\nV1 in 0 SIN(0 10 50)\nR1 in 0 1k\n.tran 1u 40m\n.meas tran m MAX abs(v(in))\n.meas tran p PP v(in)\n"
+                ".meas tran h MAX v(in)\n.sens param=V1:Voff,V1:Vamp\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  const Json result = read_json(finished.out);
+  check_sides(result, "m", "V1:Voff", -1.0, 1.0);
+  CHECK_THAT(finished.err, Contains("W-sens-one-sided") && Contains("its largest value occurs at t ="));
+  CHECK(derivative(result, "m", "V1:Vamp") == Approx(1.0).epsilon(wanted));
+  CHECK(derivative(result, "p", "V1:Vamp") == Approx(2.0).epsilon(wanted));
+  CHECK(derivative(result, "h", "V1:Voff") == Approx(1.0).epsilon(wanted));
+}
+
+TEST_CASE("the current of a converter reaches zero just at an edge: the derivative is one-sided", "[unit]") {
+  // On the border of both conductions, V DT = E T. Discontinuous: every period has the mean (V − E) V D² T/(2 L E). Continuous: what a period adds
+  // stays; a change of V raises the current by DT/L in each, in the mean of the n-th by (n + 1 − D/2) DT/L, and of E lowers it by T/L, n + 1/2.
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "border\n.param D=0.5 fs=10k\nV1 in 0 20\nS1 in a g 0 SX\nD1 0 a DX\nL1 a b 1m\nV2 b 0 10\n"
+                "Vg g 0 PULSE(0 1 0 0 0 {D/fs} {1/fs})\n.model SX SW(Ron=0 Vt=0.5 Vh=0)\n.model DX D\n.tran 1u 1m\n"
+                ".meas tran m AVG i(L1)\n.sens param=L1,V1,V2\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--json"});
+  const Json result = read_json(finished.out);
+  const double V = 20.0, E = 10.0, D = 0.5, T = 1e-4, L = 1e-3, n = 4.5;
+  check_sides(result, "m", "V1", (2.0 * V - E) * D * D * T / (2.0 * L * E), (n + 1.0 - 0.5 * D) * D * T / L);
+  check_sides(result, "m", "V2", -(n + 0.5) * T / L, -V * V * D * D * T / (2.0 * L * E * E));
+  CHECK_THAT(finished.err, Contains("W-sens-one-sided") && Contains("D1"));
+  CHECK(derivative(result, "m", "L1") == Approx(-0.25 / L).epsilon(wanted));
+}
+
+TEST_CASE("a family of orbits: measurements that the free offset does not move have derivatives", "[unit]") {
+  // A coil across a source: Ohm's law and V/(2πfL) hold at any offset.
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "family\n.param L=10m f=50\nV1 a 0 SIN(0 1 {f})\nL1 a 0 {L}\nR1 a b 1k\nC1 b 0 1u\n.pss uic\n"
+                                       ".meas pss m RMS v(b)\n.meas pss pp PP i(L1)\n.meas pss a AVG i(L1)\n.sens param=C1,L,f\n.end\n");
+  const double pi = std::acos(-1.0), w = 2.0 * pi * 50.0, x = w * 1e3 * 1e-6, m = std::sqrt(0.5 / (1.0 + x * x)), pp = 2.0 / (w * 0.01);
+  CHECK(derivative(result, "m", "C1") == Approx(-m * x * x / (1.0 + x * x) / 1e-6).epsilon(wanted));
+  CHECK(derivative(result, "pp", "L") == Approx(-pp / 0.01).epsilon(wanted));
+  CHECK(derivative(result, "pp", "f") == Approx(-pp / 50.0).epsilon(wanted));
+  CHECK_THAT(entry(result, "a", "L")["failure"].string, Contains("multiplier 1"));
 }
 
 TEST_CASE("a table, a file, and messages that say what to write", "[unit]") {

@@ -1,0 +1,186 @@
+#include "analysis/extreme_places.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/legendre.hpp"
+
+namespace pwlsim::analysis {
+namespace {
+
+using circuit::Measurement;
+using Kind = Measurement::Kind;
+
+/// Values that differ by less, of the largest magnitude, tie.
+constexpr double equal_values = 1e-11;
+
+bool is_of_largest(Kind kind) { return kind == Kind::maximum || kind == Kind::time_of_maximum || kind == Kind::peak_to_peak; }
+
+}  // namespace
+
+bool is_extreme(Kind kind) { return is_of_largest(kind) || kind == Kind::minimum || kind == Kind::time_of_minimum; }
+
+ExtremeFinder::ExtremeFinder(const Measurement& measurement, const measure::Place& place)
+    : program_(measurement.expression), from_(place.from), to_(place.to) {}
+
+void ExtremeFinder::take(measure::PieceView& view, const std::vector<double>& results) {
+  const double from = std::max(view.piece().from, from_), to = std::min(view.piece().to, to_);
+  if (from < to) (void)view.resolve(program_, results, from, to, size_, [&](const measure::Part& part) { take(part); });
+}
+
+void ExtremeFinder::take(const measure::Part& part) {
+  for (const double value : part.values) size_ = std::max(size_, std::abs(value));
+  const double mean = part.series.mean(), reach = part.series.variation(), near = equal_values * size_;
+  const auto may_hold = [&](const Best& best) { return best.places.empty() || best.sign * mean + reach >= best.best - near; };
+  if (!may_hold(least_) && !may_hold(largest_)) return;
+  const linalg::Extremes found = linalg::extremes(part.series);
+  const bool is_flat = found.largest - found.least <= near;
+  for (Best* best : {&least_, &largest_}) {
+    const bool is_least = best == &least_;
+    if (!is_flat) add(*best, part.time(is_least ? found.least_at : found.largest_at), is_least ? found.least : found.largest);
+    // What is level here need not be so for other values of a parameter.
+    if (!is_flat) continue;
+    add(*best, part.from, part.series(-1.0));
+    add(*best, part.to, part.series(1.0));
+  }
+}
+
+void ExtremeFinder::add(Best& best, double time, double value) const {
+  const double near = equal_values * size_;
+  value *= best.sign;
+  if (!best.places.empty() && value < best.best - near) return;
+  if (best.places.empty() || value > best.best) best.best = value;
+  if (!best.places.empty() && std::abs(best.places.back().first - time) <= same_place * (to_ + time)) {
+    best.places.back().second = std::max(best.places.back().second, value);
+    return;
+  }
+  best.places.emplace_back(time, value);
+  if (best.places.front().second < best.best - near)
+    std::erase_if(best.places, [&](const auto& each) { return each.second < best.best - near; });
+}
+
+ExtremePlaces ExtremeFinder::found() const {
+  ExtremePlaces found;
+  found.size = size_;
+  for (const Best* best : {&least_, &largest_})
+    for (const auto& [time, value] : best->places)
+      if (value >= best->best - equal_values * size_) (best == &least_ ? found.least : found.largest).push_back(time);
+  return found;
+}
+
+std::string MeasuredFunctionals::event_at(std::size_t instant) const { return sensitivity_.instant_text(instant); }
+
+/// Values that tie count all.
+void MeasuredFunctionals::add_extreme(double weight, std::size_t number, bool is_largest, MeasuredFunctional& sum) {
+  const Measurement& measurement = run_.measurements->list[number];
+  const measure::Place& place = run_.places[number];
+  const auto known = run_.extremes.find(number);
+  std::vector<double> times;
+  if (known != run_.extremes.end()) times = is_largest ? known->second.largest : known->second.least;
+  if (times.size() < 2) return sum.add(weight, of_extreme(measurement, is_largest ? place.largest_at : place.least_at, is_largest, place));
+  MeasuredFunctional::Tie tie;
+  tie.weight = weight;
+  tie.is_largest = is_largest;
+  tie.size = known->second.size;
+  tie.why = fmt::format("its {} value occurs at t = {} s and at t = {} s", is_largest ? "largest" : "least", times.front(), times.back());
+  // The one that was measured comes first.
+  const double measured = is_largest ? place.largest_at : place.least_at;
+  std::stable_sort(times.begin(), times.end(), [&](double a, double b) { return std::abs(a - measured) < std::abs(b - measured); });
+  for (const double time : times) tie.places.push_back(of_extreme(measurement, time, is_largest, place));
+  sum.ties.push_back(std::move(tie));
+}
+
+namespace {
+
+MeasuredSum shift_of(std::size_t instant) {
+  MeasuredSum sum;
+  sum.run.shifts[instant] = 1.0;
+  return sum;
+}
+
+}  // namespace
+
+/// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter. At an end of the window the
+/// value there counts, and on the side of the parameter on which an instant comes to lie within the window, what that makes of it.
+MeasuredFunctional MeasuredFunctionals::of_extreme(const Measurement& measurement, double time, bool is_largest,
+                                                   const measure::Place& place) {
+  const double near = same_place * run_.stop;
+  const auto instant = instant_at(time);
+  const bool at_begin = time <= place.from + near, at_end = time >= place.to - near;
+  const bool is_period = sensitivity_.is_settled() && place.from <= near && place.to >= run_.stop - near;
+  if (is_period && (at_begin || at_end) && sensitivity_.orbit().instants().back().time < run_.stop - near)
+    return of_wrap(measurement, is_largest);
+  MeasuredFunctional result;
+  if (!(at_begin || at_end)) {
+    Jet left = jet_of(measurement.expression, time, instant ? Side::left : Side::right);
+    if (!instant) return std::move(left.moved);
+    Jet right = jet_of(measurement.expression, time, Side::right);
+    Jet& taken = (left.value >= right.value) == is_largest ? left : right;
+    result = std::move(taken.moved);
+    result.sum.add(taken.rate, shift_of(*instant));
+    return result;
+  }
+  const MeasuredFunctional moves = at_begin ? from_moves(measurement) : to_moves(measurement);
+  Jet inside = jet_of(measurement.expression, time, at_begin ? Side::right : Side::left);
+  result = std::move(inside.moved);
+  result.add(inside.rate, moves);
+  if (!instant) return result;
+  if (time <= near) {
+    result.obstacles.push_back({shift_of(*instant), moves.sum, "an edge at t = 0 moves"});
+    return result;
+  }
+  const Jet outside = jet_of(measurement.expression, time, at_begin ? Side::left : Side::right);
+  const double step = outside.value - inside.value, towards = is_largest ? 1.0 : -1.0;
+  const bool jumps = std::abs(step) > same_value * (std::abs(outside.value) + std::abs(inside.value));
+  const std::string why = fmt::format("{}, an end of its window", event_at(*instant));
+  if (jumps && step * towards > 0.0) {
+    result.obstacles.push_back({shift_of(*instant), moves.sum, "its value jumps: " + why});
+    return result;
+  }
+  // The value outside is no rival where it jumps; else it is one where it grows away from the instant.
+  const double away = at_begin ? -outside.rate : outside.rate, rival = !jumps && away * towards > 0.0 ? outside.rate : 0.0;
+  MeasuredSum apart = shift_of(*instant);
+  apart.add(-1.0, moves.sum);
+  result.kinks.push_back({std::move(apart), inside.rate - rival, at_begin ? 1 : -1, why});
+  return result;
+}
+
+/// At the begin of the period, which is its end.
+MeasuredFunctional MeasuredFunctionals::of_wrap(const Measurement& measurement, bool is_largest) {
+  Jet left = jet_of(measurement.expression, run_.stop, Side::left), right = jet_of(measurement.expression, 0.0, Side::right);
+  const bool is_end = (left.value >= right.value) == is_largest;
+  Jet& taken = is_end ? left : right;
+  MeasuredFunctional result = std::move(taken.moved);
+  result.sum.add(taken.rate, shift_of(0));
+  if (is_end) result.sum.stop_moves += taken.rate;
+  return result;
+}
+
+MeasuredFunctional MeasuredFunctionals::of_extreme_time(std::size_t number, bool is_largest) {
+  const Measurement& measurement = run_.measurements->list[number];
+  const measure::Place& place = run_.places[number];
+  const double near = same_place * run_.stop, time = is_largest ? place.largest_at : place.least_at;
+  MeasuredFunctional moves;
+  const auto known = run_.extremes.find(number);
+  const std::size_t ties = known == run_.extremes.end() ? 1 : (is_largest ? known->second.largest : known->second.least).size();
+  const auto instant = instant_at(time);
+  const bool at_end = time <= place.from + near || time >= place.to - near;
+  if (ties > 1)
+    moves.failure = "the extreme value occurs more than once";
+  else if (instant)
+    moves.sum = shift_of(*instant);
+  else if (at_end)
+    return time <= place.from + near ? from_moves(measurement) : to_moves(measurement);
+  else
+    moves.failure = "the time of an extreme between events has no derivative here";
+  if (instant && at_end) {
+    MeasuredFunctional end = time <= place.from + near ? from_moves(measurement) : to_moves(measurement);
+    end.obstacles.push_back({shift_of(*instant), end.sum, fmt::format("{}, an end of its window", event_at(*instant))});
+    return end;
+  }
+  return moves;
+}
+
+}  // namespace pwlsim::analysis

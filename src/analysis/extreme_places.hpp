@@ -1,0 +1,43 @@
+#pragma once
+/// All places at which a measured expression takes its least and its largest value in a window.
+
+#include <vector>
+
+#include "analysis/measured_derivative.hpp"
+#include "measure/piece_view.hpp"
+
+namespace pwlsim::analysis {
+
+/// Of the run: a place that near to an instant is at it.
+inline constexpr double same_place = 1e-11;
+/// Of values on both sides of an instant: they are one.
+inline constexpr double same_value = 1e-12;
+
+[[nodiscard]] bool is_extreme(circuit::Measurement::Kind kind);
+
+class ExtremeFinder {
+ public:
+  /// `measurement` must outlive it.
+  ExtremeFinder(const circuit::Measurement& measurement, const measure::Place& place);
+
+  /// Pieces of the run in order.
+  void take(measure::PieceView& view, const std::vector<double>& results);
+  [[nodiscard]] ExtremePlaces found() const;
+
+ private:
+  /// The values that tie so far.
+  struct Best {
+    double sign = 1.0;                              ///< −1: the least
+    std::vector<std::pair<double, double>> places;  ///< (time, sign·value)
+    double best = 0.0;
+  };
+  void add(Best& best, double time, double value) const;
+  void take(const measure::Part& part);
+
+  measure::Program program_;
+  double from_, to_;
+  double size_ = 0.0;
+  Best least_{-1.0, {}, 0.0}, largest_{1.0, {}, 0.0};
+};
+
+}  // namespace pwlsim::analysis
