@@ -402,9 +402,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_builtin(const Expression
 std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression& expression, const std::vector<Sum>& values) {
   const std::string key = without_case(expression.text);
   const auto piecewise = [](Sum value) { return Meaning{std::move(value), std::nullopt}; };
-  if (key == "u" || key == "uramp") {
+  if (key == "u" || key == "stp" || key == "uramp") {
     if (!count_is(expression, 1, 1)) return std::nullopt;
-    return piecewise(key == "u" ? builder_.step(values[0]) : builder_.positive(values[0]));
+    return piecewise(key == "uramp" ? builder_.positive(values[0]) : builder_.step(values[0]));
   }
   const BuiltinFunction* builtin = find_builtin(key);
   if (builtin == nullptr) {

@@ -148,3 +148,29 @@ TEST_CASE("what describes a capacitor has no effect, and an empty value is none"
           "X1 b c gain \"\"\nR2 c 0 1\n.subckt gain in out\nE1 out 0 in 0 2\n.ends\n.tran 1u 1m uic\n.meas v FIND V(c) AT=1m\n");
   CHECK(value_of(finished.out, "v") == Approx(2.0 * (1.0 - std::exp(-1.0))).epsilon(1e-6));
 }
+
+TEST_CASE("PSpice's step, and cards of PSpice and Xyce that ask for nothing here", "[unit]") {
+  // A sine is above zero for half of its period.
+  const Finished finished =
+      ran("step\nV1 a 0 SIN(0 10 50)\nB1 b 0 V={3*STP(V(a))}\nR1 b 0 1\n.tran 1u 40m\n.WATCH TRAN V(b)\n.PREPROCESS REPLACEGROUND TRUE\n"
+          ".VECTOR b\n.RESULT {V(b)}\n.FFT V(b)\n.meas b AVG V(b)\n.meas c PARAM stp(b)+stp(-b)\n");
+  CHECK(value_of(finished.out, "b") == Approx(1.5).epsilon(1e-9));
+  CHECK(value_of(finished.out, "c") == Approx(1.0).epsilon(1e-9));
+  for (const char* card : {".WATCH", ".PREPROCESS", ".VECTOR", ".RESULT", ".FFT"}) {
+    INFO(card);
+    CHECK_THAT(finished.err, Contains("warning[W-ignored-card]: " + std::string(card) + " is ignored"));
+  }
+}
+
+TEST_CASE("a run in which nothing moves says so, where something could switch", "[unit]") {
+  // A relaxation oscillator started at zero, where both inputs of its comparator are equal; 1 mV beside it, it swings.
+  const std::string deck =
+      "rest\nV1 vp 0 15\nV2 vn 0 -15\nR1 o p 5k\nR2 p 0 5k\nR3 o m 10k\nC1 m 0 20n\nXU1 p m vp vn o LT1001\n.tran 1u 2m uic\n.meas high "
+      "MAX V(o)\n";
+  CHECK_THAT(ran(deck).err, Contains("note[N-at-rest]"));
+  const Finished moved = ran(deck + ".ic V(m)=1m\n");
+  CHECK_THAT(moved.err, !Contains("N-at-rest"));
+  CHECK(value_of(moved.out, "high") > 10.0);
+  CHECK_THAT(ran("passive\nV1 a 0 5\nR1 a b 1\nC1 b 0 1\n.tran 1u 1m\n").err, !Contains("N-at-rest"));
+  CHECK_THAT(ran("moving\nV1 a 0 5\nD1 a b DX\nR1 b c 1\nC1 c 0 1m\n.model DX D(Ron=1m)\n.tran 1u 1m uic\n").err, !Contains("N-at-rest"));
+}
