@@ -29,6 +29,7 @@ class FileSink : public engine::RowSink {
   bool write(std::span<const double> values, std::size_t count) override {
     const auto start = Clock::now();
     const std::size_t good = finite_rows(values, count);
+    watch(values.first(good * columns_));
     rows_ += good;
     if (good != 0) last_time_ = values[(good - 1) * columns_];
     const bool written = writer_.write(values.first(good * columns_));
@@ -47,8 +48,21 @@ class FileSink : public engine::RowSink {
   [[nodiscard]] double seconds() const { return seconds_; }
   /// Column of the first value that was not finite; 0 where all were.
   [[nodiscard]] std::size_t bad_column() const { return bad_column_; }
+  /// All rows hold the values of the first, up to the error of an operating point.
+  [[nodiscard]] bool is_still() const { return is_still_ && rows_ > 1 && columns_ > 1; }
 
  private:
+  void watch(std::span<const double> values) {
+    if (!is_still_ || values.empty()) return;
+    if (first_.empty()) {
+      first_.assign(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(columns_));
+      for (std::size_t column = 1; column < columns_; ++column) scale_ = std::max(scale_, std::abs(first_[column]));
+    }
+    constexpr double still_within = 1e-9;  // of the largest value
+    for (std::size_t index = 0; index < values.size() && is_still_; ++index)
+      is_still_ = index % columns_ == 0 || std::abs(values[index] - first_[index % columns_]) <= still_within * scale_;
+  }
+
   std::size_t finite_rows(std::span<const double> values, std::size_t count) {
     for (std::size_t index = 0; index < count * columns_; ++index) {
       if (std::isfinite(values[index])) continue;
@@ -62,6 +76,9 @@ class FileSink : public engine::RowSink {
   std::size_t columns_;
   std::uint64_t rows_ = 0;
   std::size_t bad_column_ = 0;
+  std::vector<double> first_;  ///< row
+  double scale_ = 0.0;         ///< its largest value
+  bool is_still_ = true;
   double last_time_ = 0.0;
   double seconds_ = 0.0;
 };
@@ -109,6 +126,25 @@ void judge(TransientRun& run, const FileSink& sink, const std::vector<std::strin
                     names[sink.bad_column()], quantity(sink.last_time(), "s"));
   }
   if (!run.message.empty() && !run.answer.mode.empty()) run.message += "; mode: " + run.answer.mode;
+}
+
+bool has_constant_sources(const model::Network& network) {
+  return std::all_of(network.sources.begin(), network.sources.end(),
+                     [](const model::Source& source) { return std::holds_alternative<model::Dc>(source.function); });
+}
+
+/// An oscillator without noise does not leave an unstable equilibrium. Passive circuits have none.
+void note_rest(engine::Answer& answer, const circuit::Compiled& compiled, const FileSink& sink) {
+  const engine::Statistics& counted = answer.statistics;
+  const bool may_switch = counted.states > 0 && counted.ports + counted.switches > 0 && counted.events + counted.jumps == 0;
+  const bool may_leave = answer.certificate.has_passivity && !answer.certificate.passive;
+  if (answer.outcome != engine::Outcome::completed || !may_switch || !may_leave || !sink.is_still() ||
+      !has_constant_sources(compiled.network))
+    return;
+  answer.remarks.push_back(
+      {"N-at-rest",
+       "no signal moves: all sources are constant, and the run starts in an equilibrium; if an oscillation should start from there, "
+       "add an initial value (.ic) or a source with a step"});
 }
 
 void complete(TransientRun& run, waveform::OutputFile& file) {
@@ -270,6 +306,7 @@ TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulat
   try {
     run.answer = measured.run(request_of(compiled.analyses, control), sink);
     judge(run, sink, names);
+    note_rest(run.answer, compiled, sink);
   } catch (const std::bad_alloc&) {
     broken("E-out-of-memory", "no memory is left");
   } catch (...) {  // a defect of the program: the rows up to it are still worth keeping

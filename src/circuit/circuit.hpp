@@ -71,6 +71,7 @@ class Circuit {
   std::vector<SaveRequest> saves;  ///< none: all
   DrawnNames drawn;                ///< of what a picture shows besides
   HiddenParts hidden;
+  std::unordered_set<model::NodeIndex> unread_nodes;  ///< of parts that were left out: no row shows them
   std::vector<GateOutput> gate_outputs;
   Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
   std::vector<SaveRequest> probes;   ///< signals that measurements read

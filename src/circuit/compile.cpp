@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "base/names.hpp"
 #include "circuit/assemble.hpp"
@@ -24,6 +26,30 @@ void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
     }
 }
 
+/// By its .control section, or the title that KiCad gives its netlists.
+bool is_for_ngspice(const Circuit& circuit, const Diagnostics& told) {
+  const auto is_section = [](const Diagnostic& diagnostic) { return diagnostic.id == "N-control-skipped"; };
+  return circuit.title.find("KiCad") != std::string::npos || std::any_of(told.all().begin(), told.all().end(), is_section);
+}
+
+/// What ngspice takes otherwise: a pulse without a top lasts there, and a diode without numbers is SPICE's default one.
+void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
+  for (const elements::Instance& instance : circuit.instances) {
+    const auto* const pulse = instance.waveform ? std::get_if<model::Pulse>(&*instance.waveform) : nullptr;
+    if (pulse == nullptr || pulse->width != 0.0 || pulse->initial == pulse->pulsed) continue;
+    reporter.note("N-pulse-without-top", instance.span,
+                  fmt::format("{}: Ton = 0 is a pulse without a top, as in LTspice; ngspice takes it as the time to the end of the run",
+                              instance.name));
+  }
+  for (const elements::Model& each : circuit.models) {
+    if (each.kind == nullptr || each.kind->type != "D" || !each.values.all().empty()) continue;
+    reporter.note(
+        "N-ideal-diode", each.span,
+        fmt::format("the model {} has no numbers: its diodes are ideal, without a drop; in SPICE IS is 1e-14 then: try D(IS=1e-14)",
+                    each.name));
+  }
+}
+
 }  // namespace
 
 std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
@@ -40,6 +66,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   hold_sources(options.held, circuit);
+  if (is_for_ngspice(circuit, diagnostics)) tell_of_ngspice(circuit, reporter);
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);

@@ -149,7 +149,7 @@ void Expander::give_parameters(Place& place, const Card& card, const Item& name,
     const Item& item = card.items[k];
     if (item.kind == ItemKind::assignment) {
       give(place, card, item, inner);
-    } else if (!same_name(item.text, "params:")) {
+    } else if (!same_name(item.text, "params:") && reporter().text(item.span) != "\"\"") {  // an empty value of a schematic's symbol
       reporter().error("E-unexpected", item.span, fmt::format("unexpected '{}'; usage: {}", reporter().text(item.span), call_usage));
     }
   }

@@ -20,7 +20,6 @@ using Kind = Expression::Kind;
 
 constexpr int deepest_formula = 3000;
 constexpr int largest_power = 16;  ///< of a function of time
-constexpr double quarter_turn = 1.5707963267948966;
 
 bool is_signal(const Expression& call) {
   const bool named = same_name(call.text, "v") || same_name(call.text, "i");
@@ -255,7 +254,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_quotient(const Expressio
 std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
   const double times = exponent.is_constant() ? exponent.constant : 0.0;
   if (times == 1.0) return Meaning{base, std::nullopt};
-  if (times < 2.0 || times > largest_power || times != std::floor(times)) return refuse(operation, "a power of a signal");
+  if (times < 2.0 || times > largest_power || times != std::floor(times)) return of_smooth(operation, *find_builtin("pow"), base, exponent);
   Sum power = base;
   for (int k = 1; k < static_cast<int>(times); ++k) power = product(operation, power, base);
   return Meaning{std::move(power), std::nullopt};
@@ -403,9 +402,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_builtin(const Expression
 std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression& expression, const std::vector<Sum>& values) {
   const std::string key = without_case(expression.text);
   const auto piecewise = [](Sum value) { return Meaning{std::move(value), std::nullopt}; };
-  if (key == "u" || key == "uramp") {
+  if (key == "u" || key == "stp" || key == "uramp") {
     if (!count_is(expression, 1, 1)) return std::nullopt;
-    return piecewise(key == "u" ? builder_.step(values[0]) : builder_.positive(values[0]));
+    return piecewise(key == "uramp" ? builder_.positive(values[0]) : builder_.step(values[0]));
   }
   const BuiltinFunction* builtin = find_builtin(key);
   if (builtin == nullptr) {
@@ -441,12 +440,33 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
       extreme = key == "min" ? builder_.minimum(extreme, values[k]) : builder_.maximum(extreme, values[k]);
     return piecewise(std::move(extreme));
   }
-  std::optional<Sum> of_time = rounded(key, values);
-  if (key == "sin") of_time = builder_.sine(values[0], 0.0);
-  if (key == "cos") of_time = builder_.sine(values[0], quarter_turn);
-  if (key == "exp") of_time = builder_.exponential(values[0]);
-  if (!of_time) return refuse(expression, fmt::format("{} of a signal", expression.text));
-  return piecewise(std::move(*of_time));
+  if (std::optional<Sum> of_time = rounded(key, values)) return piecewise(std::move(*of_time));
+  if (key == "tanh") return of_saturation(expression, values[0]);
+  return of_smooth(expression, *builtin, values[0], values.size() > 1 ? values[1] : Sum{});
+}
+
+/// The lines that tanh has at 0 and far away.
+FormulaReader::Meaning FormulaReader::of_saturation(const Expression& expression, const Sum& x) {
+  if (reporter().first_time("tanh:" + instance_.name))
+    reporter().note("N-idealised", expression.span,
+                    fmt::format("{}: tanh(x) of a signal is read as limit(x,-1,1), which is up to 0.24 off about x = 1", instance_.name));
+  return {builder_.limit(x, constant_sum(-1.0), constant_sum(1.0)), std::nullopt};
+}
+
+/// What has no form by itself may have one when all elements are there: V(m) may be a number.
+FormulaReader::Meaning FormulaReader::of_smooth(const Expression& expression, const BuiltinFunction& function, const Sum& a, const Sum& b) {
+  using Form = elements::SmoothFunction::Form;
+  static constexpr std::pair<std::string_view, Form> forms[] = {
+      {"sin", Form::sine},        {"cos", Form::cosine},      {"exp", Form::exponential},   {"asin", Form::arc_sine},
+      {"arcsin", Form::arc_sine}, {"acos", Form::arc_cosine}, {"arccos", Form::arc_cosine},
+  };
+  elements::SmoothFunction called{function.name, function.value, function.most == 1 ? 1U : 2U};
+  for (const auto& [name, form] : forms)
+    if (name == function.name) called.form = form;
+  if (std::optional<Sum> value = builder_.call(called, a, b)) return {std::move(*value), std::nullopt};
+  Sum open = builder_.open_call(called, a, b);
+  open_products_.emplace_back(open.terms[0].first, expression.span);
+  return {std::move(open), std::nullopt};
 }
 
 /// Of straight lines in time.

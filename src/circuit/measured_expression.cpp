@@ -25,8 +25,9 @@ Step function_step(const BuiltinFunction* function, std::size_t operands) {
 
 /// Those that depend on parameters of .sens stay apart.
 bool are_numbers(const std::vector<Step>& steps, std::size_t first, std::size_t count) {
-  return steps.size() == first + count && std::all_of(steps.end() - static_cast<std::ptrdiff_t>(count), steps.end(),
-                                                      [](const Step& step) { return step.kind == StepKind::number && step.gradient.empty(); });
+  return steps.size() == first + count && std::all_of(steps.end() - static_cast<std::ptrdiff_t>(count), steps.end(), [](const Step& step) {
+           return step.kind == StepKind::number && step.gradient.empty();
+         });
 }
 
 }  // namespace
@@ -162,7 +163,7 @@ bool MeasuredExpressionReader::add_builtin(const Expression& expression, Scope& 
                                            Steps& steps) {
   const std::string key = without_case(expression.text);
   const bool is_choice = key == "if" || key == "ternary_fcn";
-  const bool is_step = key == "u" || key == "uramp";
+  const bool is_step = key == "u" || key == "stp" || key == "uramp";
   const BuiltinFunction* builtin = find_builtin(key);
   if (!is_choice && !is_step && builtin == nullptr)
     return fail("E-unknown-function", expression, fmt::format("unknown function '{}'", expression.text));
@@ -176,7 +177,7 @@ bool MeasuredExpressionReader::add_builtin(const Expression& expression, Scope& 
     steps.push_back({.kind = StepKind::choose});
   } else if (is_step) {
     steps.push_back(number_step(0.0));
-    steps.push_back(key == "u" ? operation_step(">") : function_step(find_builtin("max"), 2));
+    steps.push_back(key == "uramp" ? function_step(find_builtin("max"), 2) : operation_step(">"));
   } else if (are_numbers(steps, first, count)) {
     std::vector<double> values;
     for (std::size_t k = 0; k < count; ++k) values.push_back(steps[first + k].number);

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "circuit/unread_parts.hpp"
+
 namespace pwlsim::circuit {
 namespace {
 
@@ -178,8 +180,11 @@ class NodeLevels {
 
 constexpr std::string_view refused_derivative = "the derivative of a product that jumps has no piecewise-linear form";
 
-std::string_view refusal(const Formula& formula, int part) {
-  return formula.parts[static_cast<std::size_t>(part)].kind == PartKind::quotient
+std::string refusal(const FormulaPart& part) {
+  if (part.kind == PartKind::call)
+    return fmt::format("{} has no piecewise-linear form",
+                       part.called.name == "pow" ? "a power of a signal" : fmt::format("{} of a signal", part.called.name));
+  return part.kind == PartKind::quotient
              ? "a division by a signal has no piecewise-linear form, unless that is a voltage of two levels, neither of them zero"
              : "a product of signals has no piecewise-linear form, unless one of them is a voltage of two levels";
 }
@@ -188,22 +193,55 @@ class Products {
  public:
   Products(Circuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), levels_(circuit) {}
 
-  void resolve(Instance& instance) {
+  void resolve() {
+    for (std::size_t k = 0; k < circuit_.instances.size(); ++k) resolve(static_cast<int>(k));
+    std::vector<int> sources;
+    for (const Refusal& refusal : refusals_) sources.push_back(refusal.source);
+    const std::vector<UnreadPart> parts = circuit_.written_by_ltspice ? leave_out_unread(circuit_, sources) : std::vector<UnreadPart>{};
+    for (const Refusal& refusal : refusals_) {
+      const std::string text = fmt::format("{}: {}", circuit_.instances[static_cast<std::size_t>(refusal.source)].name, refusal.text);
+      const auto part = std::find_if(parts.begin(), parts.end(), [&](const UnreadPart& each) { return each.source == refusal.source; });
+      if (part == parts.end())
+        reporter_.error("E-not-piecewise-linear", refusal.span, text);
+      else
+        reporter_.warning("W-unread-part", refusal.span, fmt::format("{}; {}", text, what_is_left_out(*part)));
+    }
+  }
+
+ private:
+  struct Refusal {
+    int source = -1;
+    SourceSpan span;
+    std::string text;
+  };
+
+  static std::string what_is_left_out(const UnreadPart& part) {
+    const std::string with = part.elements.empty() ? "" : fmt::format(", with {}", fmt::join(part.elements, ", "));
+    return fmt::format("nothing reads what it makes, so V({}) {} left out{}; try the expression in .meas", fmt::join(part.nodes, "), V("),
+                       part.nodes.size() == 1 ? "is" : "are", with);
+  }
+
+  void resolve(int source) {
+    Instance& instance = circuit_.instances[static_cast<std::size_t>(source)];
     if (!instance.formula || instance.formula->open_products.empty()) return;
     const auto levels = [&](int pair) { return of(instance, pair); };
     int failed = -1;
-    std::optional<Formula> formula = elements::without_products(*instance.formula, levels, failed);
+    const auto constant = [&](int pair) -> std::optional<double> {
+      const MaybeTaken found = levels_.of(instance.control_nodes[static_cast<std::size_t>(pair)]);
+      return found && found->values.size() == 1 ? std::optional(found->values.front()) : std::nullopt;
+    };
+    std::optional<Formula> formula = elements::without_products(*instance.formula, levels, constant, failed);
     if (formula) {
       instance.formula = std::move(formula);
       return;
     }
     const auto& open = instance.formula->open_products;
     const auto found = std::find_if(open.begin(), open.end(), [&](const auto& product) { return product.first == failed; });
-    reporter_.error("E-not-piecewise-linear", found != open.end() ? found->second : instance.span,
-                    fmt::format("{}: {}", instance.name, found != open.end() ? refusal(*instance.formula, failed) : refused_derivative));
+    refusals_.push_back(
+        {source, found != open.end() ? found->second : instance.span,
+         found != open.end() ? refusal(instance.formula->parts[static_cast<std::size_t>(failed)]) : std::string(refused_derivative)});
   }
 
- private:
   std::optional<elements::Levels> of(const Instance& instance, int pair) {
     const MaybeTaken found = levels_.of(instance.control_nodes[static_cast<std::size_t>(pair)]);
     if (!found) return std::nullopt;
@@ -223,6 +261,7 @@ class Products {
   Circuit& circuit_;
   Reporter& reporter_;
   NodeLevels levels_;
+  std::vector<Refusal> refusals_;
 };
 
 }  // namespace
@@ -231,7 +270,7 @@ void resolve_products(Circuit& circuit, Reporter& reporter) {
   const auto is_open = [](const Instance& instance) { return instance.formula && !instance.formula->open_products.empty(); };
   if (std::none_of(circuit.instances.begin(), circuit.instances.end(), is_open)) return;
   Products products(circuit, reporter);
-  for (Instance& instance : circuit.instances) products.resolve(instance);
+  products.resolve();
 }
 
 }  // namespace pwlsim::circuit

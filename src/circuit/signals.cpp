@@ -58,16 +58,19 @@ class SignalList {
 
   void add_all() {
     for (std::size_t k = 0; k < circuit_.nodes().size(); ++k) {
-      if (circuit_.hidden.hold(circuit_.nodes()[k].name)) continue;
+      if (circuit_.hidden.hold(circuit_.nodes()[k].name) || is_unread(static_cast<model::NodeIndex>(k))) continue;
       add({fmt::format("v({})", circuit_.nodes()[k].name), static_cast<model::NodeIndex>(k), model::ground, -1, ' ', 0});
     }
     for (std::size_t k = 0; k < circuit_.instances.size(); ++k) {
       const elements::Instance& instance = circuit_.instances[k];
       if (instance.raw_system != nullptr) add_all_of(instance, static_cast<int>(k));
       if (instance.kind == nullptr || !instance.kind->saved_by_default || circuit_.hidden.hold(instance.name)) continue;
+      if (std::any_of(instance.nodes.begin(), instance.nodes.end(), [&](model::NodeIndex node) { return is_unread(node); })) continue;
       add({fmt::format("i({})", instance.name), model::ground, model::ground, static_cast<int>(k), ' ', 0});
     }
   }
+
+  [[nodiscard]] bool is_unread(model::NodeIndex node) const { return circuit_.unread_nodes.contains(node); }
 
   void add_all_of(const elements::Instance& instance, int element) {
     const elements::RawSystem& raw = *instance.raw_system;

@@ -11,6 +11,7 @@
 #include "base/names.hpp"
 #include "circuit/logic_subcircuit.hpp"
 #include "circuit/models.hpp"
+#include "circuit/xspice_oscillators.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
@@ -23,7 +24,7 @@ using ItemKind = Item::Kind;
 
 /// A block, and the device that stands for it.
 struct Block {
-  enum class Shape { into_bits, out_of_bits, single, gate, flip_flop, toggle, jk, latch, data_latch, contact };
+  enum class Shape { into_bits, out_of_bits, single, gate, flip_flop, toggle, jk, latch, data_latch, contact, oscillator };
   std::string_view type;
   Shape shape;
   std::string_view device{};
@@ -47,12 +48,17 @@ constexpr Block blocks[] = {
     {"d_srlatch", Block::Shape::latch, "srflop"},
     {"d_dlatch", Block::Shape::data_latch, "srflop"},
     {"aswitch", Block::Shape::contact, {}},
+    {"triangle", Block::Shape::oscillator, {}},
+    {"square", Block::Shape::oscillator, {}},
+    {"sine", Block::Shape::oscillator, {}},
+    {"d_osc", Block::Shape::oscillator, {}},
+    {"d_pwm", Block::Shape::oscillator, {}},
 };
 
 /// What the model of a block may give, apart from what is read: loads, edges, the level of the unknown state.
-constexpr std::string_view without_use[] = {"input_load",     "data_load", "clk_load", "set_load",   "reset_load", "t_rise",
-                                            "t_fall",         "out_undef", "log",      "limit",      "family",     "t_load",
-                                            "inertial_delay", "jk_load",   "sr_load",  "enable_load"};
+constexpr std::string_view without_use[] = {"input_load",     "data_load", "clk_load", "set_load",    "reset_load", "t_rise",
+                                            "t_fall",         "out_undef", "log",      "limit",       "family",     "t_load",
+                                            "inertial_delay", "jk_load",   "sr_load",  "enable_load", "rise_time",  "fall_time"};
 
 const Block* find_block(std::string_view type) {
   const auto* found = std::find_if(std::begin(blocks), std::end(blocks), [&](const Block& block) { return same_name(block.type, type); });
@@ -133,6 +139,9 @@ class XspiceReplacement {
       case Block::Shape::contact:
         contact();
         break;
+      case Block::Shape::oscillator:
+        oscillator();
+        break;
       default:
         stateful(inverted);
     }
@@ -180,8 +189,12 @@ class XspiceReplacement {
   void check_parameters() {
     static constexpr std::string_view known[] = {"in_low", "in_high", "out_low",    "out_high",   "cntl_on",   "cntl_off",
                                                  "r_on",   "r_off",   "rise_delay", "fall_delay", "clk_delay", "ic"};
+    static constexpr std::string_view known_to_oscillators[] = {"cntl_array", "freq_array", "dc_array",  "out_low",
+                                                                "out_high",   "duty_cycle", "frequency", "init_phase"};
+    const bool is_oscillator = block_->shape == Block::Shape::oscillator;
     for (const Item* item : text_->parameters) {
-      if (item->kind != ItemKind::assignment || is_one_of(known, item->text) || is_one_of(without_use, item->text)) continue;
+      if (item->kind != ItemKind::assignment || is_one_of(without_use, item->text)) continue;
+      if (is_oscillator ? is_one_of(known_to_oscillators, item->text) : is_one_of(known, item->text)) continue;
       if (same_name(item->text, own_delay())) continue;
       reporter_.warning("W-ignored-parameter", item->text_span, fmt::format("{}= of XSPICE's {} is ignored", item->text, block_->type));
     }
@@ -422,7 +435,18 @@ class XspiceReplacement {
     calls_.push_back(std::move(made));
   }
 
+  /// A voltage controls it, and a voltage or a bit is what it gives.
+  void oscillator() {
+    const auto is_voltage = [](const Port& port) { return !port.is_current && (port.nodes.size() == 1 || port.nodes.size() == 2); };
+    if (ports_.size() != 2 || !is_voltage(ports_[0]) || !is_voltage(ports_[1]))
+      return fail(fmt::format("needs the voltage that controls it and an output; usage: {} control output {}", card_.name,
+                              card_.items.back().text));
+    calls_.push_back(
+        oscillator_card(card_, block_->type, ports_[0].nodes, ports_[1].nodes, [&](std::string_view name) { return given(name); }));
+  }
+
   void note_idealisation() {
+    if (block_->shape == Block::Shape::oscillator) return;
     if (block_->shape == Block::Shape::contact) {
       if (reporter_.first_time("XSPICE's switch"))
         reporter_.note("N-idealised", span(), "XSPICE's aswitch is idealised: it switches in the middle between cntl_off and cntl_on");

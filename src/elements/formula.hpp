@@ -8,13 +8,15 @@
 ///     choice     one of two sums, as a control with thresholds says (a driven switch, no port)
 ///     integral, derivative, transfer   of an affine sum, in time: states; an integral may be held at a value while a control says so,
 ///                and may go on at the other end of a range where it comes to its end
-///     product, quotient   of two sums whose signals may turn out to take two values: without_products replaces them
+///     product, quotient, call   of sums whose signals may turn out to be numbers or to take two values: without_products replaces them
 ///
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,20 +45,31 @@ struct Fraction {
   bool operator==(const Fraction&) const = default;
 };
 
+/// A function that has no piecewise-linear form, except of numbers and, some of them, of time.
+struct SmoothFunction {
+  enum class Form { other, sine, cosine, exponential, arc_sine, arc_cosine };
+  std::string_view name{};
+  double (*value)(std::span<const double> arguments) = nullptr;
+  std::size_t count = 1;  ///< of arguments, at most two
+  Form form = Form::other;
+  bool operator==(const SmoothFunction&) const = default;
+};
+
 struct FormulaPart {
-  enum class Kind { voltage, current, time, positive, step, choice, integral, derivative, transfer, product, quotient };
+  enum class Kind { voltage, current, time, positive, step, choice, integral, derivative, transfer, product, quotient, call };
   Kind kind = Kind::voltage;
   int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
   AffineSum argument{};              ///< what a nonlinearity or a part with states acts on; the control of a choice
   AffineSum above{},
-      below{};  ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product, of a quotient its two terms
+      below{};  ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product, of a quotient its two terms, the arguments of a call
   double on_level = 0.0, off_level = 0.0;
   double at_zero = 0.5;         ///< step: its value where the argument, in no loop, rests at 0
   double start = 0.0;           ///< integral: its value at the start, and while it is held
   bool is_held = false;         ///< integral: it stands at `start` while `above` is above on_level
   double from = 0.0, to = 0.0;  ///< integral: its range, none where they are equal
   Fraction fraction{};          ///< transfer
+  SmoothFunction called{};      ///< call
 
   bool operator==(const FormulaPart&) const = default;
 };
@@ -65,7 +78,7 @@ struct FormulaPart {
 struct Formula {
   std::vector<FormulaPart> parts;
   AffineSum value;
-  std::vector<std::pair<int, SourceSpan>> open_products;  ///< parts of kind product, and where they stand
+  std::vector<std::pair<int, SourceSpan>> open_products;  ///< parts of kind product, quotient or call, and where they stand
 };
 
 /// What a voltage is at any time: one of the two, or the one number that both are.
@@ -74,6 +87,8 @@ struct Levels {
 };
 /// Of a pair of control nodes; empty where it takes other values, too.
 using LevelsOf = std::function<std::optional<Levels>(int control_pair)>;
+/// Of a pair of control nodes; empty where it is no number.
+using ConstantOf = std::function<std::optional<double>(int control_pair)>;
 
 struct TablePoint {
   double x = 0.0, y = 0.0;
@@ -91,7 +106,7 @@ struct Condition {
 class FormulaBuilder {
  public:
   FormulaBuilder() = default;
-  explicit FormulaBuilder(LevelsOf levels) : levels_(std::move(levels)) {}
+  FormulaBuilder(LevelsOf levels, ConstantOf constant) : levels_(std::move(levels)), constant_(std::move(constant)) {}
 
   [[nodiscard]] AffineSum voltage(int control_pair) { return part({.kind = FormulaPart::Kind::voltage, .index = control_pair}); }
   [[nodiscard]] AffineSum current(int reference) { return part({.kind = FormulaPart::Kind::current, .index = reference}); }
@@ -139,6 +154,10 @@ class FormulaBuilder {
   /// Of two sums that product() has no form for, as long as nothing is known of the levels of voltages.
   [[nodiscard]] AffineSum open_product(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] AffineSum open_quotient(const AffineSum& a, const AffineSum& b);
+  /// Of sums of which call() has no form, as long as nothing is known of voltages.
+  [[nodiscard]] AffineSum open_call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b);
+  /// Of numbers, and where its form is one of time; empty otherwise, and where a number is not finite.
+  [[nodiscard]] std::optional<AffineSum> call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b);
   using Translation = std::function<AffineSum(const AffineSum&)>;
   [[nodiscard]] std::optional<AffineSum> same_part(const FormulaPart& part, const Translation& now);
   /// 1/x of a sum of few parts that take two values each: a choice of reciprocals. Empty otherwise, and where a value is zero.
@@ -146,6 +165,8 @@ class FormulaBuilder {
   /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
   [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
+  /// asin(x), x a sinusoid in time of amplitude 1: a triangle. Empty otherwise.
+  [[nodiscard]] std::optional<AffineSum> arc_sine(const AffineSum& x);
 
   [[nodiscard]] Formula finish(AffineSum value) && { return {std::move(parts_), std::move(value), {}}; }
   [[nodiscard]] const std::vector<FormulaPart>& parts() const { return parts_; }
@@ -176,9 +197,11 @@ class FormulaBuilder {
 
   std::vector<FormulaPart> parts_;
   LevelsOf levels_;
+  ConstantOf constant_;
 };
 
 /// The formula with switched forms in place of its products. Empty where part number `failed` has none.
-[[nodiscard]] std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, int& failed);
+[[nodiscard]] std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, const ConstantOf& constant,
+                                                      int& failed);
 
 }  // namespace pwlsim::elements

@@ -61,6 +61,7 @@ class FormulaEmission {
                           form(part.below));
       case PartKind::product:  // they are gone by now
       case PartKind::quotient:
+      case PartKind::call:
         return {};
       case PartKind::integral:
         return add_integral(emission_, next_name("integral"), form(part.argument), {part.start}, resets_of(part));

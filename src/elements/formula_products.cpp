@@ -1,4 +1,8 @@
-/// Products and quotients of signals, of which one takes two values only: that is known when all elements are there.
+/// Products, quotients and functions of signals that are numbers or take two values only: that is known when all elements are there.
+#include <array>
+#include <cmath>
+#include <numbers>
+
 #include "elements/formula.hpp"
 
 namespace pwlsim::elements {
@@ -12,6 +16,37 @@ AffineSum FormulaBuilder::open_product(const AffineSum& a, const AffineSum& b) {
   return part({.kind = Kind::product, .above = a, .below = b});
 }
 
+AffineSum FormulaBuilder::open_call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b) {
+  return part({.kind = Kind::call, .above = a, .below = b, .called = called});
+}
+
+std::optional<AffineSum> FormulaBuilder::call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b) {
+  using Form = SmoothFunction::Form;
+  if (a.is_constant() && b.is_constant()) {
+    const std::array<double, 2> numbers{a.constant, b.constant};
+    const double value = called.value(std::span(numbers).first(called.count));
+    return std::isfinite(value) ? std::optional(constant_sum(value)) : std::nullopt;
+  }
+  constexpr double quarter_turn = 0.5 * std::numbers::pi;
+  switch (called.form) {
+    case Form::sine:
+      return sine(a, 0.0);
+    case Form::cosine:
+      return sine(a, quarter_turn);
+    case Form::exponential:
+      return exponential(a);
+    case Form::arc_sine:
+      return arc_sine(a);
+    case Form::arc_cosine: {
+      const std::optional<AffineSum> complement = arc_sine(a);
+      return complement ? std::optional(constant_sum(quarter_turn) - *complement) : std::nullopt;
+    }
+    case Form::other:
+      break;
+  }
+  return std::nullopt;
+}
+
 AffineSum FormulaBuilder::open_quotient(const AffineSum& a, const AffineSum& b) {
   return part({.kind = Kind::quotient, .above = a, .below = b});
 }
@@ -20,6 +55,8 @@ AffineSum FormulaBuilder::open_quotient(const AffineSum& a, const AffineSum& b) 
 std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, const Translation& now) {
   switch (part.kind) {
     case Kind::voltage:
+      if (const std::optional<double> constant = constant_ ? constant_(part.index) : std::nullopt) return constant_sum(*constant);
+      return this->part(part);
     case Kind::current:
     case Kind::time:
       return this->part(part);
@@ -43,12 +80,14 @@ std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, cons
       const std::optional<AffineSum> inverse = reciprocal(now(part.below));
       return inverse ? product(now(part.above), *inverse) : std::nullopt;
     }
+    case Kind::call:
+      return call(part.called, now(part.above), now(part.below));
   }
   return std::nullopt;
 }
 
-std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, int& failed) {
-  FormulaBuilder builder(levels);
+std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, const ConstantOf& constant, int& failed) {
+  FormulaBuilder builder(levels, constant);
   std::vector<AffineSum> sums;
   const auto now = [&](const AffineSum& old) {
     AffineSum sum = constant_sum(old.constant);

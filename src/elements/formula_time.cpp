@@ -105,6 +105,27 @@ std::optional<AffineSum> FormulaBuilder::exponential(const AffineSum& x) {
   return oscillation(std::exp(x.constant), 0.0, -x.terms[0].second, 0.5 * half_turn);
 }
 
+/// From its value at time 0 to the first corner, then between the corners for ever.
+std::optional<AffineSum> FormulaBuilder::arc_sine(const AffineSum& x) {
+  if (x.is_constant()) return constant_sum(std::asin(x.constant));
+  if (x.constant != 0.0 || x.terms.size() != 1 || std::abs(x.terms[0].second) != 1.0) return std::nullopt;
+  const model::Sin* wave = oscillation_of(parts_[static_cast<std::size_t>(x.terms[0].first)]);
+  if (wave == nullptr || wave->damping != 0.0 || wave->delay != 0.0 || wave->offset != 0.0 || std::abs(wave->amplitude) != 1.0 ||
+      std::isfinite(wave->cycles))
+    return std::nullopt;
+  const double period = 1.0 / wave->frequency, corner = 0.5 * half_turn;
+  const double turns = (wave->phase - corner) / half_turn;  // half turns since the last corner
+  const double behind = turns - std::floor(turns);
+  const bool falls = std::remainder(std::floor(turns), 2.0) == 0.0;  // behind a corner at +π/2
+  const double last = falls ? corner : -corner;
+  const double begin = last * (1.0 - 2.0 * behind), first = 0.5 * period * (1.0 - behind);
+  model::Pwl triangle;
+  triangle.points = {{0.0, begin}, {first, -last}, {first + 0.5 * period, last}, {first + period, -last}};
+  triangle.repeats = model::forever;
+  triangle.repeat_from = first;
+  return x.terms[0].second * wave->amplitude * function_of_time(std::move(triangle));
+}
+
 /// sin α · sin β = ½ (cos(α − β) − cos(α + β)), dampings added.
 std::optional<AffineSum> FormulaBuilder::product_of_parts(int a, int b) {
   const model::Sin* first = oscillation_of(parts_[static_cast<std::size_t>(a)]);

@@ -45,6 +45,7 @@ class FormulaTwin {
         return choice(part);
       case PartKind::product:  // they are gone by now
       case PartKind::quotient:
+      case PartKind::call:
         return "0";
       case PartKind::integral:
         return text_of_integral(part);

@@ -23,6 +23,8 @@ constexpr Parameter parameters[] = {
     temperature_difference,
     {"V", "V", 0.0, Range::any, false, "Rated voltage.", Use::ignored},
     {"Irms", "A", 0.0, Range::any, false, "Rated current.", Use::ignored},
+    {"MTBF", "h", 0.0, Range::any, true, "Life of the part.", Use::ignored},
+    {"ppPkg", "", 0.0, Range::any, true, "Parts in a package.", Use::ignored},
     maker,
     part_number,
     part_type,

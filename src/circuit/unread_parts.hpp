@@ -1,0 +1,21 @@
+#pragma once
+/// Parts of a circuit that only show something: a source of V(a)*I(b) with a resistor and a capacitor behind it, which no other element, card or measurement reads.
+
+#include <string>
+#include <vector>
+
+#include "circuit/circuit.hpp"
+
+namespace pwlsim::circuit {
+
+/// What was left out with one source.
+struct UnreadPart {
+  int source = -1;                    ///< within Circuit::instances
+  std::vector<std::string> nodes;     ///< by full name
+  std::vector<std::string> elements;  ///< the others
+};
+
+/// Of sources without a form, those that only such parts hold: they become 0, and no row shows the nodes.
+[[nodiscard]] std::vector<UnreadPart> leave_out_unread(Circuit& circuit, const std::vector<int>& sources);
+
+}  // namespace pwlsim::circuit
