@@ -26,6 +26,8 @@ struct DeckRun {
 [[nodiscard]] DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Request::Faults& faults);
 /// The same on the sparse engine.
 [[nodiscard]] DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events = false);
+/// The same by exact segments (`--engine krylov`).
+[[nodiscard]] DeckRun run_deck_segments(const std::filesystem::path& path);
 /// The same for a deck in memory.
 [[nodiscard]] DeckRun run_text(const std::string& text, bool events = false);
 [[nodiscard]] DeckRun run_text_sparse(const std::string& text, double reltol, bool events = false);
