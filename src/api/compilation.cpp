@@ -12,9 +12,15 @@
 #include "api/element_value.hpp"
 #include "api/messages.hpp"
 #include "base/names.hpp"
+#include "circuit/dangling.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim {
+namespace {
+
+constexpr std::string_view of_node = "Vheld_";  ///< begins the name of the source that an output at a node adds
+
+}  // namespace
 
 analysis::EngineChoice api::choice_of(Engine engine) {
   return engine == Engine::exact    ? analysis::EngineChoice::exact
@@ -34,9 +40,11 @@ Compilation::Compilation(const Circuit& circuit, const Options& options, const W
   compile(options, wanted);
   if (held_.empty()) return;
   check_outputs();
-  if (!saves_inputs(circuit.controllers_)) return;
-  diagnostics_ = of_reading_;
-  compile(options, wanted);
+  if (saves_inputs(circuit.controllers_)) {
+    diagnostics_ = of_reading_;
+    compile(options, wanted);
+  }
+  warn_of_idle_outputs();
 }
 
 void Compilation::compile(const Options& options, const Wanted& wanted) {
@@ -44,7 +52,7 @@ void Compilation::compile(const Options& options, const Wanted& wanted) {
                                {.analysis_required = wanted.analysis_required,
                                 .measure = true,
                                 .run = options.run,
-                                .keep_circuit = wanted.keeps_circuit,
+                                .keep_circuit = wanted.keeps_circuit || !held_.empty(),
                                 .held = held_});
   check();
 }
@@ -72,7 +80,7 @@ void Compilation::hold_outputs(const std::vector<Controller>& controllers) {
         throw api::error("E-controller",
                          fmt::format("the output {} of a controller is {}; try a source of constant value of the deck itself, or a node",
                                      output, is_element ? "an element that is no source" : "within a subcircuit"));
-      const std::string name = is_source ? output : "Vheld_" + output;
+      const std::string name = is_source ? output : std::string(of_node) + output;
       if (std::any_of(held_.begin(), held_.end(), [&](const std::string& other) { return same_name(other, name); }))
         throw api::error("E-controller", fmt::format("two outputs of controllers set {}", output));
       held_.push_back(name);
@@ -89,6 +97,14 @@ void Compilation::check_outputs() const {
     if (found[k] == 0)
       throw api::error("E-controller",
                        fmt::format("a controller cannot set {}, which has a waveform; try a constant value for it", held_[k]));
+}
+
+void Compilation::warn_of_idle_outputs() {
+  for (const std::string& name : held_)
+    if (name.starts_with(of_node) && circuit::hangs_alone(*compiled_->circuit, std::string_view(name).substr(of_node.size())))
+      diagnostics_.warning("W-dangling", {},
+                           fmt::format("a controller sets the node {}, to which nothing else connects and which nothing reads",
+                                       name.substr(of_node.size())));
 }
 
 /// The runs that find tangents would call the functions of controllers.

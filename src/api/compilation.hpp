@@ -53,6 +53,7 @@ class Compilation {
   void read(const Circuit& circuit, const Options& options);
   void hold_outputs(const std::vector<Controller>& controllers);
   void check_outputs() const;
+  void warn_of_idle_outputs();
   void check_tangents() const;
   bool saves_inputs(const std::vector<Controller>& controllers);
   void load(const std::string& path);

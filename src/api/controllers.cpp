@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "analysis/quantity.hpp"
@@ -127,7 +128,8 @@ std::string sentence_of(const std::exception_ptr& thrown, double time) {
   try {
     std::rethrow_exception(thrown);
   } catch (const std::exception& exception) {
-    what = std::string(": ") + exception.what();
+    const std::string_view text = exception.what();  // of Python with where it was thrown, line by line
+    what = fmt::format(": {}", text.substr(0, text.find('\n')));
   } catch (...) {
   }
   return fmt::format("the function of a controller ended the run at t = {} by an exception{}", analysis::quantity(time, "s"), what);

@@ -38,6 +38,23 @@ void check_run(std::size_t run, const circuit::Sweeps& sweeps) {
   }
 }
 
+/// Tells which cards of the deck a run leaves to other functions: the program starts `.tran` on the orbit of `.pss`, `run` does not.
+void tell_cards_left(const circuit::Analyses& analyses, Result::Data& data) {
+  std::string left;
+  const auto add = [&](bool is_there, std::string_view card) {
+    if (is_there) left += fmt::format("{}{}", left.empty() ? "" : ", ", card);
+  };
+  add(analyses.steady_state.has_value(), ".pss (steady_state)");
+  add(analyses.small_signal.has_value(), ".ac (small_signals, in Python ac)");
+  add(analyses.sensitivities.has_value(), ".sens (gradient)");
+  if (!left.empty())
+    data.messages.push_back(
+        api::message_of({Severity::note,
+                         "N-transient-only",
+                         {},
+                         fmt::format("run starts as .tran says and leaves out what has a function of its own: {}", left)}));
+}
+
 /// Instances are named "X1.R1"; users write "X1:R1", as in the names of signals.
 std::string with_colons(std::string name) {
   std::replace(name.begin(), name.end(), '.', ':');
@@ -56,6 +73,7 @@ Result Circuit::run(const Options& options) const {
   analysis::PreparedEngine engine = compilation.engine(options);
   const auto data = api::begin_result(compilation, engine);
   take_sweep(compilation.compiled().analyses.sweeps, options.run, *data);
+  tell_cards_left(compilation.compiled().analyses, *data);
   if (!controllers_.empty() && engine.name != "exact")
     throw api::error("E-controller", "controllers need the exact engine; try engine exact");
   const auto controllers =

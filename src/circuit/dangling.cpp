@@ -78,4 +78,9 @@ void warn_of_dangling(const Circuit& circuit, Reporter& reporter) {
   }
 }
 
+bool hangs_alone(const Circuit& circuit, std::string_view node) {
+  const auto found = circuit.find_node(node);
+  return found && *found != model::ground && uses(circuit)[static_cast<std::size_t>(*found)] == 1;
+}
+
 }  // namespace pwlsim::circuit

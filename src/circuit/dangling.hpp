@@ -1,6 +1,8 @@
 #pragma once
 /// Nodes that only one element of the deck touches and whose name is nearly that of another: most often a slip.
 
+#include <string_view>
+
 #include "circuit/circuit.hpp"
 #include "circuit/reporter.hpp"
 
@@ -8,5 +10,8 @@ namespace pwlsim::circuit {
 
 /// A warning for each R, C, L, D, S of the deck itself that hangs on such a node: it carries no current. Nodes that something reads or saves are meant.
 void warn_of_dangling(const Circuit& circuit, Reporter& reporter);
+
+/// Whether one element touches the node and nothing reads or saves it.
+[[nodiscard]] bool hangs_alone(const Circuit& circuit, std::string_view node);
 
 }  // namespace pwlsim::circuit

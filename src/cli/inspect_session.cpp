@@ -26,7 +26,7 @@ struct Work {
   std::optional<analysis::Inspection> inspection;
 
   void run() {
-    const auto model = engine::prepare(compiled.network, diagnostics);
+    const auto model = engine::prepare(compiled.network, diagnostics, engine::Leaks::as_written);
     if (model != nullptr && caught_signal() == 0) inspection = analysis::inspect(compiled, *model, options.mode, diagnostics);
   }
 };

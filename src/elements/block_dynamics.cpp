@@ -13,12 +13,6 @@ namespace {
 
 using model::LinearForm;
 
-LinearForm scaled(const LinearForm& form, double factor) {
-  LinearForm result;
-  model::accumulate(result, form, factor);
-  return result;
-}
-
 /// max(form, least) and min(form, most), where these are finite.
 LinearForm limited(Emission& emission, LinearForm form, double least, double most) {
   if (!std::isinf(least)) {
@@ -116,9 +110,7 @@ constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
 
 }  // namespace
 
-Integral integral_of(const Values& values) {
-  return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")};
-}
+Integral integral_of(const Values& values) { return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")}; }
 
 Fraction fraction_of(const Values& values) { return {values.list("num_coeff"), values.list("den_coeff")}; }
 

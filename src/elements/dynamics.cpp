@@ -10,12 +10,6 @@ namespace {
 
 using model::LinearForm;
 
-LinearForm scaled(const LinearForm& form, double factor) {
-  LinearForm result;
-  model::accumulate(result, form, factor);
-  return result;
-}
-
 std::string name_of(std::string_view part, std::string_view role) { return fmt::format("{}{}{}", part, part.empty() ? "" : " ", role); }
 
 /// An inner node with 1 F to ground: its voltage is a state, whose derivative is what is injected.
@@ -87,6 +81,12 @@ double rate_of(const std::vector<double>& descending) {
 }
 
 }  // namespace
+
+LinearForm scaled(const LinearForm& form, double factor) {
+  LinearForm result;
+  model::accumulate(result, form, factor);
+  return result;
+}
 
 LinearForm add_integral(Emission& emission, std::string_view part, LinearForm input, const Integral& integral, const Resets& resets) {
   const model::NodeIndex state = add_state(emission, name_of(part, "output"));

@@ -12,6 +12,8 @@
 
 namespace pwlsim::elements {
 
+[[nodiscard]] model::LinearForm scaled(const model::LinearForm& form, double factor);
+
 /// ∫ input dt, from `start` at the operating point and at the start with uic. The integral stops at the bounds until the input turns.
 struct Integral {
   double start = 0.0, least = -infinite, most = infinite;

@@ -33,8 +33,6 @@ using linalg::WideVector;
 constexpr double bad_condition = 1e2;
 /// From which on a solution is refined.
 constexpr double very_bad_condition = 1e5;
-/// A second shift, for measure_guard_noise.
-constexpr double other_shift = 3.0;
 /// Of A, 1/s: its square has to be a number.
 constexpr double fastest_rate = 1e150;
 
@@ -83,14 +81,15 @@ class Builder {
   }
 
   /// Null where the mode leaves no fast decays.
-  std::unique_ptr<Mode> run_slow(const Mode& whole, double longest, double shift_factor) {
-    manifold_ = slow_manifold(s_, whole, r_.b, r_.c, r_.d, longest, shift_factor);
+  std::unique_ptr<Mode> run_slow(const Mode& whole, double longest) {
+    manifold_ = slow_manifold(s_, whole, r_.b, r_.c, r_.d, longest);
     if (!manifold_) return nullptr;
     mode_->regular = true;
     take_manifold();
     auto mode = finish();
     if (!mode->regular) return nullptr;
     add_decays(whole, *mode);
+    if (const std::optional<Matrix> guards = guards_at_other_shift(*mode)) measure_guard_noise(s_, *mode, *guards);
     return mode;
   }
 
@@ -112,17 +111,21 @@ class Builder {
   [[nodiscard]] linalg::CarefulElimination examine_feedthrough() const;
   bool solve_with_kernel(const linalg::CarefulElimination& elimination);
   bool solve_generally(const linalg::CarefulElimination& elimination);
+  WideMatrix share_by_least_norm(const WideMatrix& free_directions);
   void take_least_norm(const WideMatrix& free_directions);
   void spread_inputs();
   void reduce_coordinates();
   bool build_flow();
+  [[nodiscard]] Matrix mode_rows(const Mode& m);
+  [[nodiscard]] Matrix guards_of(const Mode& m, const Matrix& rows) const;
+  [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m);
   void build_rows();
   void add_decays(const Mode& whole, Mode& slow) const;
   template <class Input>
   void add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input, Wide rounding);
-  void take_port_rows(WideMatrix& rows) const;
+  void take_port_rows(const Mode& m, WideMatrix& rows) const;
   void clean_control_rows(Matrix& rows) const;
-  [[nodiscard]] Matrix in_mode(const WideMatrix& full) const;
+  [[nodiscard]] Matrix in_mode(const Mode& m, const WideMatrix& full) const;
   void bound_guard_noise() const;
 
   const System& s_;
@@ -266,13 +269,9 @@ bool Builder::solve_generally(const linalg::CarefulElimination& elimination) {
   return true;
 }
 
-/// Inputs are free along Y = ker [B_J; D_JJ]; what they move is (u_J, D·u_J), and the least norm of all of it is taken:
-/// parallel diodes share their current.
-void Builder::take_least_norm(const WideMatrix& free_directions) {
-  mode_->unique_inputs = false;
-  mode_->free_inputs = Matrix::Zero(s_.ports, free_directions.cols());
-  for (std::size_t a = 0; a < r_.j.size(); ++a)
-    mode_->free_inputs.row(r_.j[a]) = free_directions.row(static_cast<Eigen::Index>(a)).cast<double>();
+/// Inputs are free along Y = ker [B_J; D_JJ]; what they move is (u_J, D·u_J), and the least norm of all of it is taken: parallel diodes share their current.
+/// Returns what is moved.
+WideMatrix Builder::share_by_least_norm(const WideMatrix& free_directions) {
   WideMatrix d_columns(s_.ports, static_cast<Eigen::Index>(r_.j.size()));
   for (std::size_t a = 0; a < r_.j.size(); ++a) d_columns.col(static_cast<Eigen::Index>(a)) = w_->d.col(r_.j[a]);
   const auto q = kj_.rows();
@@ -281,11 +280,20 @@ void Builder::take_least_norm(const WideMatrix& free_directions) {
   WideMatrix base(q + s_.ports, s_.size());
   base << kj_, w_->c + d_columns * kj_;
   kj_ -= free_directions * (linalg::wide_pseudo_inverse(moved, tolerance::free_input_rank) * base);
+  return moved;
+}
+
+void Builder::take_least_norm(const WideMatrix& free_directions) {
+  mode_->unique_inputs = false;
+  mode_->free_inputs = Matrix::Zero(s_.ports, free_directions.cols());
+  for (std::size_t a = 0; a < r_.j.size(); ++a)
+    mode_->free_inputs.row(r_.j[a]) = free_directions.row(static_cast<Eigen::Index>(a)).cast<double>();
+  const WideMatrix moved = share_by_least_norm(free_directions);
   for (std::size_t a = 0; a < r_.j.size(); ++a)
     if (free_directions.row(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > tolerance::free_input_entry)
       mode_->input_unique[static_cast<std::size_t>(r_.j[a])] = 0;
   for (int i = 0; i < s_.ports; ++i)
-    if (moved.row(q + i).cwiseAbs().maxCoeff() > tolerance::free_input_entry) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
+    if (moved.row(kj_.rows() + i).cwiseAbs().maxCoeff() > tolerance::free_input_entry) mode_->input_unique[static_cast<std::size_t>(i)] = 0;
 }
 
 void Builder::spread_inputs() {
@@ -350,8 +358,8 @@ void Builder::add_inputs(WideMatrix& rows, Eigen::Index row, const Input& input,
 }
 
 /// Rows that read x as rows that read y.
-Matrix Builder::in_mode(const WideMatrix& full) const {
-  return (mode_->constrained ? wide_clean_product(full, embedding_) : full).cast<double>();
+Matrix Builder::in_mode(const Mode& m, const WideMatrix& full) const {
+  return (m.constrained ? wide_clean_product(full, embedding_) : full).cast<double>();
 }
 
 /// factor·u or factor·y of a diode port; port −1: neither.
@@ -377,12 +385,12 @@ PortReading port_reading(const System& s, const OutputRow& value) {
 }
 
 /// A control that reads the current or the voltage of a diode reads the port's own row, and zero where the port holds it at zero.
-void Builder::take_port_rows(WideMatrix& rows) const {
+void Builder::take_port_rows(const Mode& m, WideMatrix& rows) const {
   for (std::size_t i = 0; i < s_.controls.size(); ++i) {
     const PortReading reading = port_reading(s_, s_.controls[i].value);
     if (reading.port < 0) continue;
     auto row = rows.row(s_.diodes + static_cast<Eigen::Index>(i));
-    if (reading.of_input == mode_->active.contains(reading.port))
+    if (reading.of_input == m.active.contains(reading.port))
       row = static_cast<Wide>(reading.factor) * rows.row(reading.port);
     else
       row.setZero();
@@ -403,8 +411,8 @@ void Builder::clean_control_rows(Matrix& rows) const {
   }
 }
 
-void Builder::build_rows() {
-  Mode& m = *mode_;
+/// Of diodes, controls and outputs in y.
+Matrix Builder::mode_rows(const Mode& m) {
   const auto controls = static_cast<int>(s_.controls.size());
   const auto outputs = static_cast<int>(s_.outputs.size());
   WideMatrix full(s_.diodes + controls + outputs, s_.size());
@@ -420,24 +428,51 @@ void Builder::build_rows() {
     full.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
     add_inputs(full, s_.diodes + i, row.input, tolerance::output_rounding);
   }
-  take_port_rows(full);
+  take_port_rows(m, full);
   for (const int port : blocked_ports(s_, m.active)) full.row(port).setZero();
-  Matrix rows = in_mode(full);
+  Matrix rows = in_mode(m, full);
   clean_control_rows(rows);
-  m.guards.resize(s_.diodes + 2 * controls, m.ny);
-  m.guards.topRows(s_.diodes) = rows.topRows(s_.diodes);
+  return rows;
+}
+
+Matrix Builder::guards_of(const Mode& m, const Matrix& rows) const {
+  const auto controls = static_cast<int>(s_.controls.size());
+  Matrix guards(s_.diodes + 2 * controls, m.ny);
+  guards.topRows(s_.diodes) = rows.topRows(s_.diodes);
   for (int i = 0; i < controls; ++i) {
     const Control& control = s_.controls[static_cast<std::size_t>(i)];
     const int constant = s_.exosystem->constant();
     const int on_row = s_.diodes + 2 * i;
-    m.guards.row(on_row) = rows.row(s_.diodes + i);
-    m.guards.row(on_row + 1) = -rows.row(s_.diodes + i);
+    guards.row(on_row) = rows.row(s_.diodes + i);
+    guards.row(on_row + 1) = -rows.row(s_.diodes + i);
     if (constant >= 0) {
-      m.guards(on_row, m.n1 + constant) -= control.off_level;
-      m.guards(on_row + 1, m.n1 + constant) += control.on_level;
+      guards(on_row, m.n1 + constant) -= control.off_level;
+      guards(on_row + 1, m.n1 + constant) += control.on_level;
     }
   }
-  m.outputs = rows.bottomRows(outputs);
+  return guards;
+}
+
+/// As rows of x; nothing where there is none.
+std::optional<Matrix> Builder::guards_at_other_shift(const Mode& m) {
+  std::optional<Feedback> other = feedback_at_other_shift(s_, r_.b, r_.c, r_.d, *manifold_);
+  if (!other) return std::nullopt;
+  kj_ = std::move(other->inputs);
+  if (other->free_inputs.cols() > 0) share_by_least_norm(other->free_inputs);
+  const WideMatrix& slow = other->slow;
+  embedding_.topLeftCorner(s_.n, m.n1) = slow;
+  embedding_.topRightCorner(s_.n, s_.n_zeta) = other->lift - product(slow, product(slow.transpose(), other->lift));
+  const Matrix guards = guards_of(m, mode_rows(m));
+  Matrix rows(guards.rows(), s_.size());
+  rows << guards.leftCols(m.n1) * slow.cast<double>().transpose(), guards.rightCols(s_.n_zeta);
+  return rows;
+}
+
+void Builder::build_rows() {
+  Mode& m = *mode_;
+  const Matrix rows = mode_rows(m);
+  m.guards = guards_of(m, rows);
+  m.outputs = rows.bottomRows(static_cast<Eigen::Index>(s_.outputs.size()));
   finish_mode(s_, m, std::move(flow_));
   if (kj_error_.size() > 0) bound_guard_noise();
 }
@@ -464,6 +499,7 @@ void Builder::add_decays(const Mode& whole, Mode& slow) const {
   auto decays = std::make_unique<Decays>();
   decays->time_constants = manifold_->time_constants;
   decays->slowest = manifold_->slowest;
+  decays->rate_doubt = manifold_->rate_doubt;
   decays->coordinates = manifold_->coordinates;
   decays->guards = whole.guards.leftCols(whole.n1) * (whole.constrained ? whole.basis.transpose() * manifold_->fast : manifold_->fast);
   decays->guard_rounding = whole.guard_noise.cwiseProduct(whole.guard_norm);
@@ -483,9 +519,7 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
 
 std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
   if (!whole.regular || whole.ny == 0) return nullptr;
-  auto slow = Builder(system, whole.active).run_slow(whole, longest, 1.0);
-  if (slow) measure_guard_noise(system, *slow, Builder(system, whole.active).run_slow(whole, longest, other_shift).get());
-  return slow;
+  return Builder(system, whole.active).run_slow(whole, longest);
 }
 
 }  // namespace pwlsim::model

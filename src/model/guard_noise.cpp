@@ -30,10 +30,8 @@ void leave_out_guard(Mode& mode, Eigen::Index row) {
 
 }  // namespace
 
-void measure_guard_noise(const System& system, Mode& mode, const Mode* other) {
-  if (!other || other->n1 != mode.n1) return;
-  const Matrix rows = guards_of_state(mode);
-  const Matrix difference = error_factor * (rows - guards_of_state(*other));
+void measure_guard_noise(const System& system, Mode& mode, const Matrix& other) {
+  const Matrix difference = error_factor * (guards_of_state(mode) - other);
   const Vector error = difference.rowwise().norm();
   const bool has_leaks = error.size() > 0 && (error.array() > tolerance::most_guard_noise * mode.guard_norm.array()).any();
   for (int i = 0; i < error.size(); ++i) {

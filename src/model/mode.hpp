@@ -24,11 +24,12 @@ inline constexpr double time_constants_to_rest = 40.0;
 
 /// What a mode on its slow manifold (slow_manifold.hpp) leaves out: plain decays ψ_k e^{−τ/T_k} beside the slow motion.
 struct Decays {
-  double slowest = 0.0;   ///< the largest T_k, s
-  Vector time_constants;  ///< T_k, s; 0: a jump
-  Matrix coordinates;     ///< ψ = coordinates·x (r × size)
-  Matrix guards;          ///< what ψ adds to each guard (guards × r)
-  Vector guard_rounding;  ///< of the sum, which is the guard in the mode itself, for a state of norm 1
+  double slowest = 0.0;     ///< the largest T_k, s
+  Vector time_constants;    ///< T_k, s; 0: a jump
+  Matrix coordinates;       ///< ψ = coordinates·x (r × size)
+  Matrix guards;            ///< what ψ adds to each guard (guards × r)
+  Vector guard_rounding;    ///< of the sum, which is the guard in the mode itself, for a state of norm 1
+  double rate_doubt = 0.0;  ///< what rounding of A may make of the slow rates, 1/s
 };
 
 struct Mode {

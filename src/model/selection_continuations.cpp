@@ -61,6 +61,14 @@ std::vector<std::size_t> Selector::open_outputs() const {
   return numbers;
 }
 
+double Selector::rate_doubt() const {
+  double doubt = 0.0;
+  for (const auto& [set, known] : known_)
+    for (const auto* mode : {&known.brief, &known.slow})
+      if (*mode && (*mode)->visits > 0) doubt = std::max(doubt, (*mode)->decays->rate_doubt);
+  return doubt;
+}
+
 /// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
 /// differs (the split between parallel diodes, the potential of a floating part).
 bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {

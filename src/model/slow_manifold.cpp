@@ -29,6 +29,8 @@ using linalg::WideVector;
 constexpr double gap = 1e4;
 /// −Re λ/|λ| of a plain decay.
 constexpr double least_damping = 0.999;
+/// Of the first shift: another one, at which rounding is another.
+constexpr Wide other_shift = 3.0L;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
 constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
 constexpr int most_iterations = 16;
@@ -127,11 +129,9 @@ WideMatrix orthonormal(const WideMatrix& m) {
   return qr.householderQ() * WideMatrix::Identity(m.rows(), m.cols());
 }
 
-/// Orthonormal basis of what repeated application of S turns everything to.
-WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
-  if (dimension == 0) return WideMatrix(s.rows(), 0);
-  const Eigen::ColPivHouseholderQR<WideMatrix> qr(s);
-  WideMatrix basis = qr.householderQ() * WideMatrix::Identity(s.rows(), dimension);
+/// Orthonormal basis of what repeated application of S turns everything to; it begins with `basis`.
+WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix basis) {
+  if (basis.cols() == 0) return basis;
   Wide last = INFINITY;
   for (int k = 0; k < most_iterations; ++k) {
     WideMatrix next = orthonormal(product(s, basis));
@@ -143,6 +143,12 @@ WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
   return basis;
 }
 
+WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
+  if (dimension == 0) return WideMatrix(s.rows(), 0);
+  const Eigen::ColPivHouseholderQR<WideMatrix> qr(s);
+  return dominant_subspace(s, WideMatrix(qr.householderQ() * WideMatrix::Identity(s.rows(), dimension)));
+}
+
 /// Orthonormal basis of what is orthogonal to orthonormal columns.
 WideMatrix complement(const WideMatrix& basis) {
   const Index n = basis.rows(), k = basis.cols();
@@ -152,29 +158,56 @@ WideMatrix complement(const WideMatrix& basis) {
   return q.rightCols(n - k);
 }
 
+/// N, (WᵀN)⁻¹Wᵀ and L of a resolvent, and what they tell.
+class SlowMotion {
+ public:
+  SlowMotion(const System& system, const Resolvent& resolvent) : system_(system), r_(resolvent), n_(system.n), nz_(system.n_zeta) {}
+
+  /// False where they are too nearly orthogonal.
+  bool take_subspaces(WideMatrix slow, WideMatrix of_rows) {
+    slow_ = std::move(slow);
+    of_rows_ = std::move(of_rows);
+    const WideElimination between(product(of_rows_.transpose(), slow_), 0);
+    if (between.rank() < slow_.cols()) return false;
+    w_ = between.solve(of_rows_.transpose());
+    return w_.size() == 0 || w_.norm() < largest_condition;
+  }
+  void find_lift(WideMatrix start);
+  void find_motion();
+  [[nodiscard]] WideMatrix feedback() const { return product(product(r_.inputs, before_), coordinates_); }
+
+  const System& system_;
+  const Resolvent& r_;
+  Index n_, nz_;
+  WideMatrix slow_, of_rows_, w_, lift_;
+  WideMatrix x_, coordinates_;  ///< X = (N L; 0 1), and of x in X
+  WideMatrix motion_;           ///< σ − Y⁻¹
+  WideMatrix before_;           ///< σX − X'
+};
+
 class Splitter {
  public:
-  Splitter(const System& system, const Mode& whole, Cut cut, double shift_factor)
-      : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
+  Splitter(const System& system, const Mode& whole, Cut cut) : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
     // What the mode itself holds at zero is faster still: a jump.
     fast_ = cut.fast + (system.n - whole.n1);
-    resolvent_.shift = static_cast<Wide>(shift_factor) *
-                       std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
+    resolvent_.shift = std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
   }
 
   std::optional<SlowManifold> run(const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
-    if (!make_resolvent(system_, b, c, d, resolvent_) || !split_states()) return std::nullopt;
-    find_lift();
-    find_motion();
+    if (!make_resolvent(system_, b, c, d, resolvent_)) return std::nullopt;
+    const Index slow = n_ - fast_;
+    if (!motion_.take_subspaces(dominant_subspace(resolvent_.states, slow), dominant_subspace(resolvent_.states.transpose(), slow)))
+      return std::nullopt;
+    motion_.find_lift(WideMatrix::Zero(n_, nz_));
+    motion_.find_motion();
+    take_motion();
     if (!separate_decays()) return std::nullopt;
     result_.free_inputs = std::move(resolvent_.free);
     return std::move(result_);
   }
 
  private:
-  bool split_states();
-  void find_lift();
-  void find_motion();
+  void take_motion();
   bool separate_decays();
 
   const System& system_;
@@ -182,31 +215,18 @@ class Splitter {
   Cut cut_;
   Index n_, nz_, fast_ = 0;
   Resolvent resolvent_;
-  WideMatrix slow_, w_;  ///< N, and (WᵀN)⁻¹Wᵀ
-  WideMatrix off_, f_;   ///< rows orthogonal to N, and F
-  WideMatrix lift_;      ///< L
+  SlowMotion motion_{system_, resolvent_};
+  WideMatrix off_, f_;  ///< rows orthogonal to N, and F
   SlowManifold result_;
 };
 
-bool Splitter::split_states() {
-  slow_ = dominant_subspace(resolvent_.states, n_ - fast_);
-  const WideMatrix w = dominant_subspace(resolvent_.states.transpose(), n_ - fast_);
-  const WideElimination between(product(w.transpose(), slow_), 0);
-  if (between.rank() < n_ - fast_) return false;
-  w_ = between.solve(w.transpose());
-  if (w_.size() > 0 && !(w_.norm() < largest_condition)) return false;
-  off_ = complement(slow_).transpose();
-  f_ = complement(w);
-  return true;
-}
-
 /// L = (fast part of) (S_ξ L + S_ζ)(σ − A_ζ), by fixed point.
-void Splitter::find_lift() {
-  const WideMatrix z = resolvent_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
-  lift_ = WideMatrix::Zero(n_, nz_);
+void SlowMotion::find_lift(WideMatrix start) {
+  const WideMatrix z = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
+  lift_ = std::move(start);
   Wide last = INFINITY;
   for (int k = 0; k < most_iterations && nz_ > 0; ++k) {
-    WideMatrix next = product(product(resolvent_.states, lift_) + resolvent_.on_sources, z);
+    WideMatrix next = product(product(r_.states, lift_) + r_.on_sources, z);
     next -= product(slow_, product(w_, next));
     const Wide change = (next - lift_).norm();
     lift_ = std::move(next);
@@ -216,31 +236,44 @@ void Splitter::find_lift() {
 }
 
 /// With X = (N L; 0 1): S X = X Y, so that X' = X (σ − Y⁻¹), and u_J of X is U X Y⁻¹.
-void Splitter::find_motion() {
-  const Index slow = n_ - fast_, size = n_ + nz_;
-  WideMatrix x = WideMatrix::Zero(size, slow + nz_);
-  x.topLeftCorner(n_, slow) = slow_;
-  x.topRightCorner(n_, nz_) = lift_;
-  x.bottomRightCorner(nz_, nz_).setIdentity();
-  WideMatrix coordinates = WideMatrix::Zero(slow + nz_, size);  // of x in X
-  coordinates.topLeftCorner(slow, n_) = w_;
-  coordinates.topRightCorner(slow, nz_) = -product(w_, lift_);
-  coordinates.bottomRightCorner(nz_, nz_).setIdentity();
+void SlowMotion::find_motion() {
+  const Index slow = slow_.cols(), size = n_ + nz_;
+  x_ = WideMatrix::Zero(size, slow + nz_);
+  x_.topLeftCorner(n_, slow) = slow_;
+  x_.topRightCorner(n_, nz_) = lift_;
+  x_.bottomRightCorner(nz_, nz_).setIdentity();
+  coordinates_ = WideMatrix::Zero(slow + nz_, size);
+  coordinates_.topLeftCorner(slow, n_) = w_;
+  coordinates_.topRightCorner(slow, nz_) = -product(w_, lift_);
+  coordinates_.bottomRightCorner(nz_, nz_).setIdentity();
 
-  const WideMatrix z = resolvent_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
-  const WideMatrix own = WideElimination(product(w_, product(resolvent_.states, slow_)), 0).inverse();
+  const WideMatrix z = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
+  const WideMatrix own = WideElimination(product(w_, product(r_.states, slow_)), 0).inverse();
   // S (L; 1) (σ − A_ζ) = L + N (…), whose coordinates are what E_s adds.
-  const WideMatrix across = product(w_, product(product(resolvent_.states, lift_) + resolvent_.on_sources, z));
-  WideMatrix motion = WideMatrix::Zero(slow + nz_, slow + nz_);  // σ − Y⁻¹
-  motion.topLeftCorner(slow, slow) = resolvent_.shift * WideMatrix::Identity(slow, slow) - own;
-  motion.topRightCorner(slow, nz_) = product(own, across);
-  motion.bottomRightCorner(nz_, nz_) = system_.exosystem->a().cast<Wide>();
-  const WideMatrix before = resolvent_.shift * x - product(x, motion);  // σX − X'
-  result_.feedback = product(product(resolvent_.inputs, before), coordinates);
-  result_.rate = product(product(x, motion), coordinates).topRows(n_);
-  result_.projector = product(x, coordinates);
-  result_.constraints.resize(fast_, size);
-  result_.constraints << off_, -product(off_, lift_);
+  const WideMatrix across = product(w_, product(product(r_.states, lift_) + r_.on_sources, z));
+  motion_ = WideMatrix::Zero(slow + nz_, slow + nz_);
+  motion_.topLeftCorner(slow, slow) = r_.shift * WideMatrix::Identity(slow, slow) - own;
+  motion_.topRightCorner(slow, nz_) = product(own, across);
+  motion_.bottomRightCorner(nz_, nz_) = system_.exosystem->a().cast<Wide>();
+  before_ = r_.shift * x_ - product(x_, motion_);
+}
+
+void Splitter::take_motion() {
+  const WideMatrix& slow = motion_.slow_;
+  off_ = complement(slow).transpose();
+  f_ = complement(motion_.of_rows_);
+  result_.feedback = motion_.feedback();
+  result_.rate = product(product(motion_.x_, motion_.motion_), motion_.coordinates_).topRows(n_);
+  result_.projector = product(motion_.x_, motion_.coordinates_);
+  result_.constraints.resize(fast_, n_ + nz_);
+  result_.constraints << off_, -product(off_, motion_.lift_);
+  const WideMatrix a = system_.unrounded_matrices()->a.topLeftCorner(n_, n_);
+  const Wide change = linalg::absolute_product(motion_.w_, linalg::absolute_product(a, slow)).norm();
+  result_.rate_doubt = tolerance::rate_rounding * static_cast<double>(change);
+  result_.slow = slow;
+  result_.of_rows = motion_.of_rows_;
+  result_.lift = motion_.lift_;
+  result_.shift = resolvent_.shift;
 }
 
 /// Each decay by itself. Where the mode holds states at zero, all of its fast motion counts as a jump: what is at rest there is.
@@ -273,10 +306,24 @@ bool Splitter::separate_decays() {
 }  // namespace
 
 std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const WideMatrix& b, const WideMatrix& c,
-                                          const WideMatrix& d, double longest, double shift_factor) {
+                                          const WideMatrix& d, double longest) {
   const Cut cut = find_cut(system, whole, longest);
   if (cut.fast == 0) return std::nullopt;
-  return Splitter(system, whole, cut, shift_factor).run(b, c, d);
+  return Splitter(system, whole, cut).run(b, c, d);
+}
+
+std::optional<Feedback> feedback_at_other_shift(const System& system, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d,
+                                                const SlowManifold& first) {
+  Resolvent resolvent;
+  resolvent.shift = other_shift * first.shift;
+  if (!make_resolvent(system, b, c, d, resolvent)) return std::nullopt;
+  SlowMotion motion(system, resolvent);
+  if (!motion.take_subspaces(dominant_subspace(resolvent.states, first.slow),
+                             dominant_subspace(resolvent.states.transpose(), first.of_rows)))
+    return std::nullopt;
+  motion.find_lift(first.lift);
+  motion.find_motion();
+  return Feedback{motion.feedback(), std::move(resolvent.free), std::move(motion.slow_), std::move(motion.lift_)};
 }
 
 }  // namespace pwlsim::model

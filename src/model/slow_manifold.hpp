@@ -24,21 +24,34 @@ namespace pwlsim::model {
 struct Mode;
 
 struct SlowManifold {
-  linalg::WideMatrix feedback;     ///< u_J = feedback·x on the manifold (|J| × size)
-  linalg::WideMatrix rate;         ///< ξ' = rate·x there (n × size)
-  linalg::WideMatrix constraints;  ///< the manifold is {x : constraints·x = 0} (r × size)
-  linalg::WideMatrix projector;    ///< onto the manifold along the fast subspace (size × size)
-  linalg::WideMatrix free_inputs;  ///< directions of u_J that the mode leaves open (|J| × any number)
-  linalg::Matrix fast;             ///< ξ of the decays ψ, one a column (n × r)
-  linalg::Matrix coordinates;      ///< ψ of x (r × size)
-  linalg::Vector time_constants;   ///< of the decays, s (r); 0: that one is a jump
-  double slowest = 0.0;            ///< of the time constants
+  linalg::WideMatrix feedback;       ///< u_J = feedback·x on the manifold (|J| × size)
+  linalg::WideMatrix rate;           ///< ξ' = rate·x there (n × size)
+  linalg::WideMatrix constraints;    ///< the manifold is {x : constraints·x = 0} (r × size)
+  linalg::WideMatrix projector;      ///< onto the manifold along the fast subspace (size × size)
+  linalg::WideMatrix free_inputs;    ///< directions of u_J that the mode leaves open (|J| × any number)
+  linalg::Matrix fast;               ///< ξ of the decays ψ, one a column (n × r)
+  linalg::Matrix coordinates;        ///< ψ of x (r × size)
+  linalg::Vector time_constants;     ///< of the decays, s (r); 0: that one is a jump
+  double slowest = 0.0;              ///< of the time constants
+  linalg::WideMatrix slow, of_rows;  ///< N, and the same of the transpose, W
+  linalg::WideMatrix lift;           ///< L
+  linalg::Wide shift = 0;            ///< σ, 1/s
+  double rate_doubt = 0.0;           ///< what rounding of A, entry by entry, may make of the slow rates, 1/s
 };
 
 /// Of `whole`, the mode of the active ports whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
-/// most `longest`, s, or if the fast part is not a plain decay. Except for rounding, the answer does not depend on `shift_factor`, a few units.
+/// most `longest`, s, or if the fast part is not a plain decay.
 [[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const linalg::WideMatrix& b,
-                                                        const linalg::WideMatrix& c, const linalg::WideMatrix& d, double longest,
-                                                        double shift_factor = 1.0);
+                                                        const linalg::WideMatrix& c, const linalg::WideMatrix& d, double longest);
+
+struct Feedback {
+  linalg::WideMatrix inputs;       ///< as SlowManifold::feedback
+  linalg::WideMatrix free_inputs;  ///< as SlowManifold::free_inputs
+  linalg::WideMatrix slow, lift;   ///< N and L
+};
+/// The same feedback at another shift, from which it differs by rounding. It begins with the subspaces of the first, which its own resolvent then turns to its own.
+[[nodiscard]] std::optional<Feedback> feedback_at_other_shift(const System& system, const linalg::WideMatrix& b,
+                                                              const linalg::WideMatrix& c, const linalg::WideMatrix& d,
+                                                              const SlowManifold& first);
 
 }  // namespace pwlsim::model

@@ -26,6 +26,9 @@ inline constexpr long double output_rounding = 1e-15L;
 /// Of: the terms of a row on a slow manifold, in extended precision.
 /// Why: ten units of its rounding; products with large resistances cancel there.
 inline constexpr long double manifold_rounding = 1e-18L;
+/// Of: an entry of A, in extended precision.
+/// Why: 16 units of its rounding: an entry is a sum of some terms.
+inline constexpr double rate_rounding = 16.0 * wide_unit_rounding;
 /// Of: entries of unit vectors, in double.
 /// Why: some thousand roundings: entries below it are zero when a report prints coordinates.
 inline constexpr double unit_vector_entry = 1e-12;

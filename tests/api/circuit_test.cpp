@@ -2,6 +2,7 @@
 
 #include <pwlsim/pwlsim.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -255,4 +256,18 @@ TEST_CASE("api: a run can be watched and interrupted, and circuits run in thread
     threads.emplace_back([&] { end = circuit.run({.stop = 1, .use_initial_conditions = true}).signal("v(b)").back(); });
   for (std::thread& thread : threads) thread.join();
   for (const double end : ends) CHECK(end == Approx(1.0 - std::exp(-1.0)).epsilon(rounding));
+}
+
+TEST_CASE("api: a run tells which cards of the deck it leaves to functions of their own", "[unit]") {
+  Circuit circuit("left");
+  circuit.voltage_source("V1", "a", "0", "PULSE(0 1 0 1u 1u 4u 10u) AC 1").resistor("R1", "a", "b", 1e3).capacitor("C1", "b", "0", 1e-9);
+  const auto told = [&] {
+    const Result result = circuit.run({.stop = 1e-5});
+    const auto note =
+        std::find_if(result.messages().begin(), result.messages().end(), [](const Message& each) { return each.id == "N-transient-only"; });
+    return note == result.messages().end() ? std::string() : note->text;
+  };
+  CHECK(told().empty());
+  circuit.cards(".pss\n.ac lin 2 1k 10k");
+  CHECK_THAT(told(), Contains(".pss (steady_state), .ac (small_signals"));
 }

@@ -76,7 +76,7 @@ TEST_CASE("api: a controller sets a source by its name, and two controllers run 
 TEST_CASE("api: what a controller throws is nested in the error, which has the rows", "[unit]") {
   Circuit circuit = low_pass();
   circuit.controller({.inputs = {}, .outputs = {"a"}, .every = 1e-3, .function = [](double time, const auto&, auto& out) {
-                        if (time > 2.5e-3) throw std::domain_error("too late");
+                        if (time > 2.5e-3) throw std::domain_error("too late\n\nAt:\n  line 3");
                         out[0] = 1.0;
                       }});
   try {
@@ -84,11 +84,22 @@ TEST_CASE("api: what a controller throws is nested in the error, which has the r
     FAIL("it did not throw");
   } catch (const RunError& error) {
     CHECK(error.id() == "E-controller");
-    CHECK_THAT(error.what(), Contains("too late"));
+    CHECK_THAT(error.what(), Contains("too late") && !Contains("line 3"));
     CHECK(error.result().time().size() == 3);
     CHECK(error.result().end() == Approx(3e-3));
     CHECK_THROWS_AS(std::rethrow_if_nested(error), std::domain_error);
   }
+}
+
+TEST_CASE("api: an output at a node that nothing uses is told", "[unit]") {
+  const auto is_told = [](const char* output) {
+    Circuit circuit = low_pass();
+    circuit.controller({.outputs = {output}, .every = 1e-3, .function = [](double, const auto&, auto& out) { out[0] = 1.0; }});
+    const Result result = circuit.run({.stop = 1e-2, .step = 1e-3});
+    return std::any_of(result.messages().begin(), result.messages().end(), [](const Message& each) { return each.id == "W-dangling"; });
+  };
+  CHECK_FALSE(is_told("a"));
+  CHECK(is_told("aa"));
 }
 
 TEST_CASE("api: controllers that are not complete are refused", "[unit]") {

@@ -55,9 +55,9 @@ engine::Request request_of(const circuit::Compiled& compiled, bool events, DeckR
 /// Runs a compiled deck into a sink; false where the network has errors of structure, which are among the diagnostics then.
 using Simulate = std::function<bool(const circuit::Compiled&, DeckRun&, Diagnostics&)>;
 
-Simulate exact(bool events, const engine::Request::Faults& faults = {}) {
-  return [events, faults](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
-    const auto model = engine::prepare(compiled.network, diagnostics);
+Simulate exact(bool events, const engine::Request::Faults& faults = {}, engine::Leaks leaks = engine::Leaks::as_ports) {
+  return [events, faults, leaks](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+    const auto model = engine::prepare(compiled.network, diagnostics, leaks);
     Rows rows(run.rows);
     engine::Request request = request_of(compiled, events, run);
     request.faults = faults;
@@ -124,6 +124,8 @@ DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Re
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 
 DeckRun run_deck_segments(const std::filesystem::path& path) { return run_file(path, by_segments); }
+
+DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_memory(text, exact(false, {}, engine::Leaks::as_written)); }
 
 DeckRun run_text(const std::string& text, bool events) { return run_memory(text, exact(events)); }
 

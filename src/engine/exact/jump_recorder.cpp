@@ -29,8 +29,8 @@ std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open
   std::vector<Jump::Impulse> result;
   const double largest = open.impulse.cwiseAbs().maxCoeff();
   for (int i = 0; i < system.ports; ++i) {
-    if (std::abs(open.impulse[i]) <= tolerance::impulse * largest) continue;
     const model::Port& port = system.port[static_cast<std::size_t>(i)];
+    if (port.is_of_leak || std::abs(open.impulse[i]) <= tolerance::impulse * largest) continue;
     const auto diodes = static_cast<int>(islands_[island].island.network.diodes.size());
     const bool is_multiplier = i >= diodes && i < system.diodes;
     // A voltage port's u blocks; of a switch, which has no such direction, the flux counts from its first node to its second.

@@ -8,7 +8,8 @@ void PortWatch::read_ports() {
   for (const IslandRun& island : islands_) {
     const auto& ports = island.system().port;
     for (std::size_t i = 0; i < ports.size(); ++i)
-      on_.push_back(static_cast<char>(island.mode->active.contains(static_cast<int>(i)) == ports[i].input_is_current));
+      if (!ports[i].is_of_leak)
+        on_.push_back(static_cast<char>(island.mode->active.contains(static_cast<int>(i)) == ports[i].input_is_current));
   }
 }
 
@@ -16,7 +17,8 @@ void PortWatch::begin() {
   if (watcher_ == nullptr) return;
   std::vector<std::string> elements;
   for (const IslandRun& island : islands_)
-    for (const model::Port& port : island.system().port) elements.push_back(port.name);
+    for (const model::Port& port : island.system().port)
+      if (!port.is_of_leak) elements.push_back(port.name);
   read_ports();
   watcher_->begin(elements, on_);
 }

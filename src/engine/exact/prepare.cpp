@@ -4,10 +4,11 @@
 #include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/left_out.hpp"
+#include "model/leaks.hpp"
 
 namespace pwlsim::engine {
 
-std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
+std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnostics& diagnostics, Leaks leaks) {
   const auto start = std::chrono::steady_clock::now();
   auto result = std::make_shared<ExactModel>();
   for (const auto& s : network.switches) result->switches.push_back({s.label.name, s.initially_on, s.on_level, s.off_level, -1, -1});
@@ -17,6 +18,7 @@ std::shared_ptr<const ExactModel> prepare(const model::Network& network, Diagnos
   std::vector<model::Island> islands = model::split_islands(network, must_run);
   const std::set<std::string> running = running_sources(islands);
   for (auto& island : islands) {
+    if (island.needed && leaks == Leaks::as_ports) model::put_ports_beside_leaks(island.network);
     auto extraction = model::extract(island, diagnostics);
     if (!extraction) continue;
     if (!island.needed) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "engine/exact/tolerances.hpp"
@@ -20,7 +21,8 @@ std::vector<std::string> port_names(const model::System& system, const IsMeant& 
   std::vector<std::string> names;
   for (int i = 0; i < system.ports; ++i) {
     const std::string& name = system.port[static_cast<std::size_t>(i)].name;
-    if (is_meant(i) && (names.empty() || names.back() != name)) names.push_back(name);
+    if (is_meant(i) && !system.port[static_cast<std::size_t>(i)].is_of_leak && (names.empty() || names.back() != name))
+      names.push_back(name);
   }
   return names;
 }
@@ -211,7 +213,7 @@ std::string Transient::mode_text(Outcome outcome) const {
     if (mode == nullptr) continue;
     const auto& ports = islands_[i].system().port;
     for (std::size_t k = 0; k < ports.size(); ++k)
-      text.add(ports[k].name, mode->active.contains(static_cast<int>(k)) == ports[k].input_is_current);
+      if (!ports[k].is_of_leak) text.add(ports[k].name, mode->active.contains(static_cast<int>(k)) == ports[k].input_is_current);
   }
   return text.str();
 }
@@ -258,7 +260,8 @@ void Transient::finish() {
   bool passive = true;
   for (const auto& island : islands_) {
     s.states += static_cast<std::uint64_t>(island.system().n);
-    s.ports += static_cast<std::uint64_t>(island.system().diodes);
+    const auto of_leaks = std::count_if(island.system().port.begin(), island.system().port.end(), std::mem_fn(&model::Port::is_of_leak));
+    s.ports += static_cast<std::uint64_t>(island.system().diodes - of_leaks);
     s.switches += static_cast<std::uint64_t>(island.system().ports - island.system().diodes);
     if (island.system().ports > 0) s.modes_visited += island.selector().modes_visited();  // others have but one
     s.lcp_pivots += island.selector().pivots();
@@ -297,7 +300,9 @@ void Transient::finish() {
   if (!watching_.leaves_end_open) answer_.certificate = recorder_.check();
   for (const auto& island : islands_) {
     answer_.certificate.complementarity = std::max(answer_.certificate.complementarity, island.guards().worst().share());
-    answer_.certificate.kcl_kvl = std::max(answer_.certificate.kcl_kvl, island.continuity().worst().share);
+    // In the time t a rate that is off by δ moves what it drives by δt of itself.
+    answer_.certificate.kcl_kvl =
+        std::max({answer_.certificate.kcl_kvl, island.continuity().worst().share, island.selector().rate_doubt() * request_.stop});
   }
   const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
   if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
