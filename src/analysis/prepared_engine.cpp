@@ -65,9 +65,8 @@ PreparedEngine prepare_krylov(const model::Network& network, Diagnostics& diagno
           Diagnostic{Severity::warning,
                      "W-krylov-engine",
                      {},
-                     "the Krylov engine is experimental: errors of its segments are estimated, not bounded, and jumps of several diodes at "
-                     "one instant can be "
-                     "wrong; compare a smaller case with --engine exact"}};
+                     "the Krylov engine is experimental: errors of its segments are estimated, not bounded; compare a smaller case with "
+                     "--engine exact"}};
 }
 
 PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnostics) {

@@ -29,4 +29,7 @@ struct ProgramRun {
 /// The same on the sparse engine. `refused`: it says that it cannot do this (impulses of higher order).
 [[nodiscard]] ProgramRun run_program_sparse(const model::Network& network, const std::vector<double>& times, double reltol);
 
+/// The same by exact segments (`--engine krylov`).
+[[nodiscard]] ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times);
+
 }  // namespace pwlsim::test

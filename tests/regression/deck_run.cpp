@@ -75,6 +75,13 @@ Simulate sparse(double reltol, bool events) {
   };
 }
 
+bool by_segments(const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+  const auto model = engine::sparse::prepare(compiled.network, diagnostics);
+  Rows rows(run.rows);
+  if (model) run.answer = engine::sparse::run_segments(*model, request_of(compiled, false, run), engine::sparse::segment_tolerance, rows);
+  return model != nullptr;
+}
+
 DeckRun run_parsed(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const Simulate& simulate) {
   DeckRun run;
   const std::optional<circuit::Compiled> compiled = circuit::compile(deck, sources, diagnostics);
@@ -115,6 +122,8 @@ DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Re
 }
 
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
+
+DeckRun run_deck_segments(const std::filesystem::path& path) { return run_file(path, by_segments); }
 
 DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_memory(text, exact(false, {}, engine::Leaks::as_written)); }
 

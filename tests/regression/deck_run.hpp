@@ -26,6 +26,8 @@ struct DeckRun {
 [[nodiscard]] DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Request::Faults& faults);
 /// The same on the sparse engine.
 [[nodiscard]] DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events = false);
+/// The same by exact segments (`--engine krylov`).
+[[nodiscard]] DeckRun run_deck_segments(const std::filesystem::path& path);
 /// The same for a deck in memory, on a model whose leaks are the conductances that they are written as (model/leaks.hpp).
 [[nodiscard]] DeckRun run_text_with_leaks_as_written(const std::string& text);
 /// The same for a deck in memory.

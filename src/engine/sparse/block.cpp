@@ -47,16 +47,22 @@ double longest_step(double period, double reltol) {
 
 }  // namespace
 
+/// Of the sources, in volts: for segments those of current, too, times R0.
+double Block::scale_of_sources(const model::Network& network, const Descriptor& descriptor, Method method) {
+  const double voltage = largest_held_voltage(network);
+  return method == Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
+}
+
 Block::Block(const Part& part, const Request& request, double reltol, Method method)
     : part_(part),
       request_(request),
       reltol_(reltol),
       descriptor_(part.descriptor),
       factors_(part.island.network, descriptor_, reltol),
-      ports_(descriptor_, factors_, largest_held_voltage(part.island.network)),
+      ports_(descriptor_, factors_, scale_of_sources(part.island.network, part.descriptor, method)),
       sources_(part.island.network),
       stepper_(descriptor_, ports_, sources_),
-      scale_(descriptor_, largest_held_voltage(part.island.network)),
+      scale_(descriptor_, scale_of_sources(part.island.network, part.descriptor, method)),
       controls_(controls_of(part.island.network, descriptor_)),
       gates_(part.gates),
       thresholds_(part.watched, request.stop),
@@ -69,8 +75,8 @@ Block::Block(const Part& part, const Request& request, double reltol, Method met
     signals_read_sources_ |= !signals_.back().w.empty();
   }
   if (method == Method::segments) {
-    segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop,
-                                              largest_held_voltage(part.island.network));
+    segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop);
+    ties_ = std::make_unique<TieSelector>(descriptor_, factors_, sources_.exosystem());
     factors_.factor_each();
   }
   signal_scale_.assign(signals_.size(), 0.0);
@@ -322,7 +328,7 @@ void Block::add_statistics(Statistics& s) const {
   if (!descriptor_.ports().empty()) s.modes_visited += positions_.size();  // others have but one
   s.events += events_;
   s.jumps += jumps_;
-  s.lcp_pivots += ports_.pivots();
+  s.lcp_pivots += ports_.pivots() + (ties_ ? ties_->pivots() : 0);
   s.klu_factorizations += factors_.counts().factorizations + factors_.counts().refactorizations;
   s.klu_solves += factors_.counts().solves;
   s.steps += steps_;

@@ -22,6 +22,7 @@
 #include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
 #include "engine/sparse/stretch.hpp"
+#include "engine/sparse/tie_selector.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -79,6 +80,7 @@ class Block {
   static constexpr int last_level = 96;  ///< of the ladder
 
   // block.cpp: steps
+  [[nodiscard]] static double scale_of_sources(const model::Network& network, const Descriptor& descriptor, Method method);
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
   /// The first whose Euler steps are no longer than shortest_.
   [[nodiscard]] int shortest_level() const {
@@ -153,6 +155,7 @@ class Block {
   bool watch_crowd(double time);
 
   // block_segments.cpp: in place of steps
+  void note_least_voltage();
   [[nodiscard]] bool begin_segment();
   [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
   [[nodiscard]] bool follows_directly(const Position& candidate);
@@ -162,7 +165,12 @@ class Block {
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] bool take_jump(Instant& instant);
-  [[nodiscard]] bool take_jump_beside(Instant& instant);
+  [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
+  [[nodiscard]] bool is_continuous();
+  [[nodiscard]] bool share_freely();
+  [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
+  [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
+  [[nodiscard]] double euler_length(const Beginning& beginning) const;
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
   [[nodiscard]] Point point_of_segment(double tau, double time);
@@ -197,7 +205,9 @@ class Block {
   std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
   Position position_ahead_;                ///< where the passage at hand leads
   double segment_tau_ = 0.0;               ///< so far
+  std::unique_ptr<TieSelector> ties_;      ///< likewise
   int last_guard_ = -1;                    ///< that ended the segment before
+  int passing_ = -1;                       ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
   Trial trial_, free_;

@@ -177,7 +177,8 @@ bool Block::flip_at_rest(const Point& at, Instant& instant) {
 bool Block::flip_ahead(double h, Instant& instant, Point& first) {
   Position ahead = point_.on;
   point_.on = position_before_;
-  const bool flipped = stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, ahead);
+  const bool flipped =
+      stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, ahead);
   point_.on = ahead;
   return flipped;
 }
@@ -481,7 +482,9 @@ bool Block::begin(const Start& start) {
   }
   scale_.note_values(start.states);
   starting_ = true;
-  return segment_ ? begin_segment() : restart();
+  if (!segment_) return restart();
+  note_least_voltage();
+  return begin_segment();
 }
 
 }  // namespace pwlsim::engine::sparse

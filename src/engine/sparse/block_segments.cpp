@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/largest.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
 #include "linalg/legendre.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 /// Of a state's size: it jumps by more.
 constexpr double least_jump = 1e-8;
+constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
 constexpr double impulse_share = 1e-6;
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
@@ -30,6 +32,7 @@ struct Relaxation {
   bool takes_positive;
 };
 constexpr std::array<Relaxation, 5> relaxations{{{1.0, false}, {1.0, true}, {30.0, true}, {1e3, true}, {1e3, false}}};
+constexpr double least_share_of_scale = 1e-3;  ///< states of that size are not small
 /// Of the run: a segment so short moved nothing.
 constexpr double no_time = 1e-13;
 constexpr double signal_rounding = 1e-12;
@@ -57,50 +60,78 @@ bool Block::take_jump(Instant& instant) {
   return jumps;
 }
 
-/// The same with the Euler steps left as they are.
-bool Block::take_jump_beside(Instant& instant) {
-  const Point first = first_;
-  const bool jumps = take_jump(instant);
-  first_ = first;
-  return jumps;
-}
-
 /// Whether the segment in that position goes on from the states as they are.
 bool Block::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
   if (open_segment(candidate) != ExactSegment::Opened::yes) return false;
   point_.on = candidate;
-  Instant none;
-  return (segment_->negative().empty() || flip_negative(candidate, few_flips)) && !take_jump(none);
+  return (segment_->negative().empty() || flip_negative(candidate, few_flips)) && is_continuous();
 }
 
-/// The position after Euler steps of length h, and its segment.
+/// The position after an Euler step of length h, and its segment.
 Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, double h) {
   point_.on = beginning.on;
   instant.mode_change = beginning.instant.mode_change;
-  trial_.solved = euler_steps(h, instant);
-  if (trial_.solved != Solved::yes) return Sought::not_found;
-  const Position on = third_.on;
-  if (first_.on != on && open_segment(first_.on) == ExactSegment::Opened::yes) {
-    const Point step = first_;
-    if (take_jump(instant)) {
-      start_memory_.clear();
-      point_.z = first_.z;
-      descriptor_.measure_states(point_.z.data(), states_);
-      first_ = step;
-      point_.on = on;
-      return Sought::jumped;
-    }
-    first_ = step;
-  }
-  const auto opened = open_segment(on);
+  trial_.solved = Solved::yes;
+  if (!settle(h, instant, first_)) return Sought::not_found;
+  const auto opened = open_segment(first_.on);
   if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
   if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
-  point_.on = on;
+  const Position on = point_.on = first_.on;
+  const Point step = first_;
+  if (take_jump(instant)) return take_step_of_jump(step, h);
   if (segment_->negative().empty()) return Sought::found;
-  Instant none;
-  return flip_negative(on, most_flips) && !take_jump_beside(none) ? Sought::found : Sought::not_found;
+  const std::vector<double> z = first_.z;
+  first_ = step;
+  return settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous())
+             ? Sought::found
+             : Sought::not_found;
+}
+
+/// The run stands after a jump, in the position of it; what flows there is to be found.
+Block::Sought Block::take_step_of_jump(const Point& step, double h) {
+  start_memory_.clear();
+  segment_->note_jump(std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(first_.z)));
+  const std::vector<double> first = point_.z = std::move(first_.z);
+  // once more, from there: what is left of impulses is rounding of far smaller ones
+  if (open_segment(step.on) != ExactSegment::Opened::yes) return Sought::not_found;
+  segment_->unknowns(segment_->at(0.0), point_.z);
+  descriptor_.measure_states(first.data(), states_);
+  if (difference(states_, point_.z) > most_left_of_jump) return Sought::not_found;
+  descriptor_.measure_states(point_.z.data(), states_);
+  descriptor_.forget_currents(point_.z);
+  first_ = step;
+  if (request_.jumps || request_.probes.sink != nullptr) trial_.solved = stepper_.euler(first_, h, second_);
+  return trial_.solved == Solved::yes ? Sought::jumped : Sought::not_found;
+}
+
+/// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.
+bool Block::is_continuous() {
+  std::vector<double> z;
+  segment_->unknowns(segment_->at(0.0), z);
+  return difference(states_, z) <= least_jump;
+}
+
+/// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
+/// derivatives confirm what they find.
+bool Block::settle_ties(const std::vector<double>& z, const Position& on, int passing, double h) {
+  std::vector<double> w;
+  sources_.evaluate(point_.time, w);
+  if (!ties_->find(z, w, on, passing)) return false;
+  std::vector<double> zeta;
+  sources_.states(point_.time, zeta);
+  std::vector<Position> seen;
+  for (const double scale : euler_scales) {
+    Position candidate = on;
+    if (!ties_->decide(z, zeta, scale * h, candidate)) continue;
+    if (std::find(seen.begin(), seen.end(), candidate) != seen.end()) continue;
+    seen.push_back(candidate);
+    if (open_segment(candidate) != ExactSegment::Opened::yes || !segment_->negative().empty() || !is_continuous()) continue;
+    point_.on = candidate;
+    return true;
+  }
+  return false;
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds.
@@ -121,6 +152,21 @@ bool Block::flip_negative(Position on, int rounds) {
   return false;
 }
 
+/// Ports that are free to conduct do, as in the exact engine, where nothing speaks against it: parallel diodes share their current. False: failed.
+bool Block::share_freely() {
+  if (segment_->free_ports().empty()) return true;
+  const Position on = point_.on;
+  Position shared = on;
+  for (const int port : segment_->free_ports()) shared[static_cast<std::size_t>(port)] = 1;
+  descriptor_.hold_blocked(shared);
+  if (shared == on) return true;
+  if (open_segment(shared) == ExactSegment::Opened::yes && segment_->negative().empty() && is_continuous()) {
+    point_.on = shared;
+    return true;
+  }
+  return open_segment(on) == ExactSegment::Opened::yes;
+}
+
 bool Block::find_segment(const Beginning& beginning, Instant& instant) {
   const Position ahead = std::exchange(position_ahead_, Position{});
   bool found = false;
@@ -130,9 +176,11 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
     point_.z = z;
     start_memory_ = memory;
     states_ = states;
-    found = follows_directly(ahead.empty() ? beginning.on : ahead) || find_after_steps(beginning, instant);
+    const Position& candidate = ahead.empty() ? beginning.on : ahead;
+    found = follows_directly(candidate) || follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
     if (found || !failure_.id.empty()) break;
   }
+  if (found) found = share_freely();
   segment_->relax(1.0, false);
   if (found || !failure_.id.empty()) return found;
   if (trial_.solved != Solved::yes) return fail_step(trial_.solved, 0.0);
@@ -144,10 +192,21 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
   return false;
 }
 
-bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
+/// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
+bool Block::follows_by_ties(const Beginning& beginning, const Position& candidate) {
+  const bool is_passage = passing_ >= 0 && passing_ < descriptor_.first_switch();
+  if (!passive_ || starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
+  return settle_ties(point_.z, candidate, passing_, euler_length(beginning));
+}
+
+double Block::euler_length(const Beginning& beginning) const {
   const double usual = segment_->usual_length(beginning.on, std::max(room(), break_tolerance_));
   const double wanted = std::min(euler_share * usual, euler_room * std::max(room(), break_tolerance_));
-  const double h = std::exp2(2.0 * std::floor(0.5 * std::log2(wanted)));
+  return std::exp2(2.0 * std::floor(0.5 * std::log2(wanted)));
+}
+
+bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
+  const double h = euler_length(beginning);
   Beginning from = beginning;
   for (int jumps = 0; jumps < most_jumps; ++jumps) {
     Sought sought = Sought::not_found;
@@ -162,6 +221,15 @@ bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
     from.instant = instant;
   }
   return false;
+}
+
+/// What is not small, of sources and start values; of 1 V where nothing moves at all.
+void Block::note_least_voltage() {
+  const double most = std::max(largest(states_), scale_of_sources(part_.island.network, descriptor_, Method::segments));
+  const double least = least_share_of_scale * (most > 0.0 ? most : 1.0);
+  segment_->note_least_voltage(least);
+  ties_->note_voltage(least);
+  certificate_.allow_rounding(least);
 }
 
 bool Block::begin_segment() {
@@ -179,7 +247,11 @@ bool Block::begin_segment() {
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_;
-  if (!find_segment(beginning, instant)) return false;
+  const bool is_found = find_segment(beginning, instant);
+  passing_ = -1;
+  if (!is_found) return false;
+  segment_->accept();
+  segment_->note_jump(0.0);
   segment_->set_signals(signals_);
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time);
@@ -192,7 +264,7 @@ bool Block::begin_segment() {
     jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, first_, second_}, impulse_share));
   }
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses(first_.time - time);
-  certificate_.add_point(next, ports_);
+  certificate_.add_point(next, ports_, 1.0 / segment_->length());
   certificate_.add_estimate(segment_->worst_estimate());
   settle_in(next);
   finish_instant(instant);
@@ -243,11 +315,11 @@ bool Block::follow_segment() {
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
   for (const double share : inner_points) {
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_);
+    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, 1.0 / segment_->length());
   }
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
-  certificate_.add_point(next, ports_);
+  certificate_.add_point(next, ports_, 1.0 / segment_->length());
   settle_in(next);
   segment_tau_ = tau;
   if (tau >= passage.tau) pass(passage);
@@ -264,7 +336,7 @@ void Block::pass(const ExactSegment::Passage& passage) {
   if (!is_idle) segment_->unmute();
   if (is_idle && last_guard_ == passage.guard && passage.guard >= 0) segment_->mute(passage.guard);
   if (!is_idle) segment_->note_event(passage.tau);
-  last_guard_ = passage.guard;
+  last_guard_ = passing_ = passage.guard;
   position_before_ = position_ahead_ = point_.on;
   if (passage.guard < 0) return;
   const auto guard = static_cast<std::size_t>(passage.guard), ports = static_cast<std::size_t>(descriptor_.first_switch());

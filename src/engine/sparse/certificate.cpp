@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "base/largest.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -10,6 +13,7 @@ namespace {
 constexpr std::uint64_t points_per_stride = 64;
 /// A row whose terms never exceed this fraction of the largest is judged against that fraction.
 constexpr double idle_row = 1e-3;
+constexpr double rounding_of_unknowns = 1e-11;
 
 }  // namespace
 
@@ -26,13 +30,13 @@ void CertificateRecorder::add_step(const Point& from, const Stepper::Trial& tria
   add_energy(from, trial);
 }
 
-void CertificateRecorder::add_point(const Point& point, const PortSolver& ports) {
+void CertificateRecorder::add_point(const Point& point, const PortSolver& ports, double rate) {
   if (!sampled()) return;
-  add_rows(point);
+  add_rows(point, rate);
   add_ports(point, ports);
 }
 
-void CertificateRecorder::add_rows(const Point& point) {
+void CertificateRecorder::add_rows(const Point& point, double rate) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
   for (auto* v : {&residual_, &size_}) v->resize(n, 0.0);
   for (auto* v : {&rates_, &row_size_}) v->resize(n);
@@ -43,13 +47,27 @@ void CertificateRecorder::add_rows(const Point& point) {
     residual_[i] = std::max(residual_[i], std::abs(point.k[i] - rates_[i]));
     size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i]);
   }
+  if (rate == 0.0) return;
+  descriptor_.memory(point.z.data(), rates_.data());
+  for (std::size_t i = 0; i < n; ++i) size_[i] = std::max(size_[i], rate * std::abs(rates_[i]));
+}
+
+/// Of the largest voltage and the largest other unknown of a point, in volts.
+CertificateRecorder::Rounding CertificateRecorder::rounding_at(const Point& point) const {
+  if (least_ == 0.0) return {};
+  const std::span z(point.z);
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  return {rounding_of_unknowns * std::max(least_, largest(z.first(nodes))),
+          rounding_of_unknowns * std::max(least_, largest(z.subspan(nodes)))};
 }
 
 void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports) {
+  const Rounding rounding = rounding_at(point);
   for (int i = 0; i < descriptor_.first_switch(); ++i) {
     const Port& port = descriptor_.ports()[static_cast<std::size_t>(i)];
-    const double u = point.z[static_cast<std::size_t>(port.row)];
-    const double s = port.slack.value(point.z.data(), point.w.data());
+    const auto beyond = [](double value, double zero) { return std::abs(value) > zero ? value : 0.0; };
+    const double u = beyond(point.z[static_cast<std::size_t>(port.row)], rounding.input);
+    const double s = beyond(port.slack.value(point.z.data(), point.w.data()), rounding.voltage);
     const bool on = point.on[static_cast<std::size_t>(i)] != 0;
     if (port.blocks(point.on)) {
       input_ = std::max(input_, std::abs(u));
@@ -83,9 +101,10 @@ Certificate CertificateRecorder::check() const {
   const double input_scale = std::max(input_scale_, idle_row * slack_scale_);  // where no current ever flows
   if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
-  const double largest = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
+  const double most = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
   for (std::size_t i = 0; i < size_.size(); ++i)
-    if (size_[i] > 0.0) certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], idle_row * largest));
+    if (size_[i] > 0.0 && residual_[i] > rounding_of_unknowns * least_)
+      certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], idle_row * most));
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
   certificate.energy = std::max(certificate.energy, estimate_);
   return certificate;

@@ -13,18 +13,24 @@ namespace pwlsim::engine::sparse {
 ///    its local error.
 class CertificateRecorder {
  public:
+  /// From now on ports and rows at zero may be so to rounding: of the largest unknowns, and of this voltage.
+  void allow_rounding(double least) { least_ = least; }
   explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor) {}
   /// A step of TR-BDF2, of which the part up to `reached` was used.
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
-  /// A point by itself.
-  void add_point(const Point& point, const PortSolver& ports);
+  /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it.
+  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0);
   /// A segment's error by its own estimate, of the largest √energy: what its energy is off by at most.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
 
  private:
+  struct Rounding {
+    double voltage = 0.0, input = 0.0;
+  };
+  [[nodiscard]] Rounding rounding_at(const Point& point) const;
   [[nodiscard]] bool sampled();
-  void add_rows(const Point& point);
+  void add_rows(const Point& point, double rate = 0.0);
   void add_ports(const Point& point, const PortSolver& ports);
   void add_energy(const Point& from, const Stepper::Trial& trial);
   [[nodiscard]] double energy(const Point& point);
@@ -32,7 +38,7 @@ class CertificateRecorder {
   const Descriptor& descriptor_;
   std::vector<double> residual_, size_, rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
-  double voltage_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
+  double voltage_ = 0.0, least_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
   double energy_ = 0.0, energy_scale_ = 0.0, estimate_ = 0.0;
   std::uint64_t seen_ = 0, stride_ = 1, points_ = 0;
 };

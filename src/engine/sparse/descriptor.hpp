@@ -141,12 +141,19 @@ class Descriptor {
   /// Their linear parts:  k = −G z,  and  k −= factor·g.
   void conduct(const double* z, double* k) const;
   void add_constants(double factor, double* k) const;
+  /// |G| |z|
+  void conduct_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes); }
   /// Rows of E that hold anything.
   [[nodiscard]] std::vector<char> differential_rows() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
   /// What every state measures of z.
   void measure_states(const double* z, std::vector<double>& states) const;
+  /// Leaves of z the voltages of nodes and the currents of inductors.
+  void forget_currents(std::vector<double>& z) const {
+    std::fill(z.begin() + nodes(), z.begin() + first_inductor_, 0.0);
+    std::fill(z.begin() + first_branch_, z.end(), 0.0);
+  }
   /// y = E z.
   void memory(const double* z, double* y) const { linalg::multiply(memory_.pattern, memory_.values, z, y); }
   /// Node potentials and currents, in z, near the solution with states given one by one: those of capacitors, where these leave it open of sources and

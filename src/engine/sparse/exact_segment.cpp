@@ -13,20 +13,25 @@ namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
 constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
-constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
-constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
+constexpr double steps_of_length = 16.0;  ///< length of a segment over γ
+constexpr double ladder = 4.0;            ///< of γ, so that factors serve again
+constexpr double usual_turn = 0.5,
+                 most_turn =
+                     6.0;  ///< radians of the fastest oscillation in γ; where it turns by more, S forgets it in digits that are not there
 constexpr double near = 8.0;                ///< a shift that a position has already serves within this factor
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
+constexpr double most_stretch = 2e3;        ///< of γ: S − 1 has no digits for motions so slow
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
-constexpr double shortest_share = 1e-15;  ///< of the run
+constexpr double shortest_share = 1e-15;             ///< of the run
 /// Of the terms of a guard: what LU leaves in constraints of index 2, and the tolerance.
 constexpr double least_noise = 1e-11, noise_of_tolerance = 10.0;
 constexpr double rounding_of_inputs = 1e-12, share_of_norm = 0.1;
 constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
-constexpr double small_voltage = 1e-3;  ///< of the sources', or V: states of that size are not small
+constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
+constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double muting = 30.0, most_muted = 1e6;
@@ -34,19 +39,22 @@ constexpr double muting = 30.0, most_muted = 1e6;
 }  // namespace
 
 ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance,
-                           double stop, double voltage)
+                           double stop)
     : descriptor_(descriptor),
       sources_(sources),
       controls_(controls),
       tolerance_(tolerance),
       stop_(stop),
       space_(descriptor, sources.exosystem()) {
-  for (const State& state : descriptor.states()) {
-    const double weight = std::abs(state.storage) * (state.is_current ? 1.0 / descriptor.r0() : descriptor.r0());
-    peak_ += weight * small_voltage * small_voltage * (voltage > 0.0 ? voltage * voltage : 1.0);
-  }
-  peak_ = std::sqrt(peak_);
   system_.exosystem = std::make_shared<model::Exosystem>(std::vector<model::SourceFunction>{}, false);
+}
+
+void ExactSegment::note_least_voltage(double least) {
+  least_voltage_ = least;
+  double square = 0.0;
+  for (const State& state : descriptor_.states())
+    square += std::abs(state.storage) * (state.is_current ? 1.0 / descriptor_.r0() : descriptor_.r0()) * least * least;
+  peak_ = square > 0.0 ? std::sqrt(square) : 1.0;  // without states only sources move
 }
 
 double ExactSegment::usual_length(const Position& on, double longest) const {
@@ -57,7 +65,7 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
-  const double wanted = steps_of_length / length;
+  const double wanted = std::max(steps_of_length / length, habits_[key_].turning / usual_turn);
   auto& shifts = habits_[key_].shifts;
   double best = 0.0;
   for (const double shift : shifts)
@@ -79,35 +87,37 @@ bool ExactSegment::resolve() {
     if (!space_.is_sound()) break;
     const std::vector<double>& error = space_.estimate(length_);
     estimate_ = *std::max_element(error.begin(), error.end());
-    if (estimate_ <= tolerance_ * peak_ || (space_.is_full() && estimate_ <= rounding_tolerance * peak_)) return true;
+    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= rounding_tolerance * size_)) return true;
     if (space_.is_full()) break;
-    if (!(estimate_ < before) && before <= rounding_tolerance * peak_) break;
+    if (!(estimate_ < before) && before <= rounding_tolerance * size_) break;
     before = estimate_;
     last = m;
     if (m == dimensions.back()) return is_cut_within(error);
   }
-  if (!(before <= rounding_tolerance * peak_)) return false;
+  if (!(before <= rounding_tolerance * size_)) return false;
   space_.shrink(last);
   estimate_ = before;
+  if (space_.is_sound()) (void)space_.estimate(length_);
   return space_.is_sound();
 }
 
 /// The part of length_ whose error is within the tolerance. False: there is none.
 bool ExactSegment::is_cut_within(const std::vector<double>& error) {
-  const auto bad = std::find_if(error.begin(), error.end(), [&](double e) { return !(e <= tolerance_ * peak_); });
+  const auto bad = std::find_if(error.begin(), error.end(), [&](double e) { return !(e <= tolerance_ * size_); });
   length_ *= static_cast<double>(bad - error.begin()) / KrylovSpace::checkpoints;
-  estimate_ = tolerance_ * peak_;
+  estimate_ = tolerance_ * size_;
   return length_ > 0.0;
 }
 
 /// It may serve for longer than it was made for.
-void ExactSegment::stretch(double longest) {
-  if (space_.is_full() && estimate_ <= tolerance_ * peak_) length_ = longest;
+void ExactSegment::stretch(double longest, double shift) {
+  longest = std::min(longest, std::max(length_, most_stretch / shift));
+  if (space_.is_full() && estimate_ <= tolerance_ * size_) length_ = longest;
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
     const std::vector<double>& error = space_.estimate(longer);
     const double most = *std::max_element(error.begin(), error.end());
-    if (!(most <= tolerance_ * peak_)) return;
+    if (!(most <= tolerance_ * size_)) return;
     estimate_ = most;
     length_ = longer;
   }
@@ -120,12 +130,18 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
-    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
+    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) {
       return Opened::contradicted;
-    peak_ = std::max(peak_, space_.start_size());
+    }
+    size_ = std::max(peak_, space_.start_size());
     length_ = length;
     if (resolve()) {
-      stretch(start.longest);
+      const double turning = space_.turning(most_turn * shift);
+      if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
+        habits_[key_].turning = turning;
+        continue;
+      }
+      stretch(start.longest, shift);
       return Opened::yes;
     }
     length /= static_cast<double>(KrylovSpace::checkpoints);
@@ -141,7 +157,6 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   sources_.states(start.time, zeta_);
   const Opened opened = build(factors, start);
   if (opened != Opened::yes) return opened;
-  worst_ = std::max(worst_, estimate_ / peak_);
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
   located_ = false;
@@ -163,6 +178,7 @@ void ExactSegment::take_guards(const Position& on) {
     mode_->guards.row(static_cast<Eigen::Index>(i)) = (on[i] != 0 ? space_.row(port.row) : space_.row(port.slack)).transpose();
     segment_.rows.push_back(static_cast<int>(i));
   }
+  drop_empty_guards();
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const Control& control = controls_[i];
     Form margin = control.value;
@@ -177,6 +193,19 @@ void ExactSegment::take_guards(const Position& on) {
     mode_->guards.row(row) = space_.row(margin).transpose();
     segment_.rows.push_back(row);
   }
+}
+
+/// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
+void ExactSegment::drop_empty_guards() {
+  if (segment_.rows.empty()) return;
+  node_terms_ = space_.largest_terms(0, descriptor_.nodes());
+  input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
+  free_.clear();
+  std::erase_if(segment_.rows, [&](int row) {
+    const bool is_empty = mode_->guards.row(row).cwiseAbs().dot(space_.reach()) <= empty_row * terms_of(row);
+    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && node_terms_ > least_voltage_) free_.push_back(row);
+    return is_empty;
+  });
 }
 
 /// What the search and the test of signs ask of a mode.
@@ -217,23 +246,24 @@ void ExactSegment::note_rounding() {
     if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, terms[i]);
   m.guard_noise.setConstant(m.guards.rows(), m.noise);
   for (const int i : segment_.rows) {
-    const double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
-                                   : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
+    double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
+                             : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
     const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
     const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
+    size = std::max(size, least_voltage_);
     const double rounding = is_input ? relaxation_ * rounding_of_inputs : rounding_of_voltages;
     if (is_input) m.guard_noise[i] *= relaxation_;
     if (m.guard_norm[i] > 0.0)
-      m.guard_noise[i] = std::max(m.guard_noise[i], rounding_of_rows / share_of_norm * terms_of(i).norm() / m.guard_norm[i]);
-    if (least > 0.0) m.guard_noise[i] = std::max(m.guard_noise[i], rounding * size / least);
+      m.guard_noise[i] = std::max(m.guard_noise[i], rounding_of_rows / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
+    if (least > 0.0) m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, rounding_of_jump * jump_voltage_ / least});
   }
 }
 
-linalg::Vector ExactSegment::terms_of(int row) const {
+/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input.
+double ExactSegment::terms_of(int row) const {
   const int ports = descriptor_.first_switch();
   if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
-  const Port& port = descriptor_.ports()[static_cast<std::size_t>(row)];
-  return on_[static_cast<std::size_t>(row)] != 0 ? space_.row_terms({{{port.row, 1.0}}, {}}) : space_.row_terms(port.slack);
+  return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
 }
 
 /// Of a control: its levels, and the terms of its form.
@@ -318,6 +348,11 @@ void ExactSegment::set_signals(const std::vector<Form>& signals) {
 
 double ExactSegment::signal(std::size_t i, const std::vector<double>& y) const {
   return signal_constants_[i] + linalg::row_times(signal_rows_, static_cast<Eigen::Index>(i), y.data());
+}
+
+void ExactSegment::accept() {
+  peak_ = size_;
+  worst_ = std::max(worst_, estimate_ / peak_);
 }
 
 void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, shortest_share * stop_); }

@@ -16,16 +16,17 @@ namespace pwlsim::engine::sparse {
 
 class ExactSegment {
  public:
-  /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far. `voltage`: of the sources; where everything
-  /// starts at zero, it says what small is.
-  ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance, double stop,
-               double voltage);
+  /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
+  ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance, double stop);
   /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
   /// are seen to pass.
   void relax(double factor, bool takes_positive) {
     relaxation_ = factor;
     takes_positive_ = takes_positive;
   }
+
+  /// States come from a jump at which voltages were as large as this: their rounding is of it. 0: no longer.
+  void note_jump(double voltage) { jump_voltage_ = voltage; }
 
   struct Start {
     double time = 0.0;
@@ -44,6 +45,9 @@ class ExactSegment {
   /// Guards that fall below zero at once: ports by number, then controls.
   [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
 
+  /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
+  [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
+
   struct Passage {
     bool found = false;
     double tau = 0.0;
@@ -60,6 +64,10 @@ class ExactSegment {
   void set_signals(const std::vector<Form>& signals);
   [[nodiscard]] double signal(std::size_t i, const std::vector<double>& y) const;
 
+  /// States of that size, in volts, are not small.
+  void note_least_voltage(double least);
+  /// The run follows the segment that has been opened, and no other from there.
+  void accept();
   /// Expected length of a segment in that position, s.
   [[nodiscard]] double usual_length(const Position& on, double longest) const;
   /// The segment ended at τ, by an event or as far as its error is within the tolerance.
@@ -78,7 +86,7 @@ class ExactSegment {
 
  private:
   struct Habit {
-    double length = 0.0;
+    double length = 0.0, turning = 0.0;  ///< s, and radians per s
     std::vector<double> shifts;
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
@@ -87,11 +95,12 @@ class ExactSegment {
   [[nodiscard]] bool resolve();
   [[nodiscard]] bool is_cut_within(const std::vector<double>& error);
   void look(double reach, Located& located);
-  void stretch(double longest);
+  void stretch(double longest, double shift);
   void take_guards(const Position& on);
+  void drop_empty_guards();
   void bound_guards();
   void note_rounding();
-  [[nodiscard]] linalg::Vector terms_of(int row) const;
+  [[nodiscard]] double terms_of(int row) const;
   [[nodiscard]] double rounding_size(const Control& control) const;
   void judge_start();
   [[nodiscard]] double rounding_of(int row) const;
@@ -99,9 +108,9 @@ class ExactSegment {
   const Descriptor& descriptor_;
   const Sources& sources_;
   const std::vector<Control>& controls_;
-  double tolerance_, stop_, relaxation_ = 1.0;
+  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0;
   KrylovSpace space_;
-  double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0;
+  double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
   double voltage_ = 0.0;  ///< largest of a node before the start
   Position on_;
   bool takes_positive_ = false;
@@ -114,8 +123,9 @@ class ExactSegment {
   Locator locator_;
   Passage passage_;
   bool located_ = false;
-  std::vector<int> negative_;
+  std::vector<int> negative_, free_;
   std::vector<double> zeta_, y_, work_;
+  double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;
   std::uint64_t segments_ = 0, vectors_ = 0;

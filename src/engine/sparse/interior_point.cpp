@@ -28,7 +28,7 @@ void InteriorPoint::start(const Stage& stage, const Position& on) {
   for (auto* v : {&u_, &s_}) v->assign(diodes, 1.0);
   for (auto* v : {&du_, &ds_, &miss_u_, &miss_s_}) v->assign(diodes, 0.0);
   is_free_.resize(diodes);
-  for (std::size_t i = 0; i < diodes; ++i) is_free_[i] = !descriptor_.ports()[i].blocks(on);
+  for (std::size_t i = 0; i < diodes; ++i) is_free_[i] = stage.may_change(i, descriptor_.ports()[i], on);
   step_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
   if (!factor(stage, on)) return;
   take_residuals(stage, on);
@@ -82,10 +82,10 @@ void InteriorPoint::take_residuals(const Stage& stage, const Position& on) {
   for (std::size_t i = 0; i < on.size(); ++i) {
     const Port& port = descriptor_.ports()[i];
     const auto row = static_cast<std::size_t>(port.row);
-    residual_[row] = is_free(i) ? 0.0 : -port.free_variable(on[i] == 0, z_.data(), stage.w.data());
+    residual_[row] = is_free(i) ? 0.0 : -stage.free_variable(port, on[i] == 0, z_.data());
     if (!is_free(i)) continue;
     miss_u_[i] = z_[row] - u_[i];
-    miss_s_[i] = port.slack.value(z_.data(), stage.w.data()) - s_[i];
+    miss_s_[i] = stage.free_variable(port, false, z_.data()) - s_[i];
   }
 }
 
@@ -133,7 +133,8 @@ bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& 
     const double most_u = std::max(size_of(u_), scale.input), most_s = std::max(size_of(s_), scale.slack), mean = gap(0.0);
     if (!std::isfinite(mean)) return false;
     if (mean <= end_gap * most_u * most_s && size_of(miss_u_) <= end_residual * most_u && size_of(miss_s_) <= end_residual * most_s) {
-      for (std::size_t i = 0; i < u_.size(); ++i) on[i] = is_free_[i] != 0 && u_[i] / most_u > s_[i] / most_s;
+      for (std::size_t i = 0; i < u_.size(); ++i)
+        on[i] = is_free_[i] != 0 ? u_[i] / most_u > s_[i] / most_s : stage.disputed != nullptr && on[i] != 0;
       return true;
     }
     if (!factor(stage, on)) return false;

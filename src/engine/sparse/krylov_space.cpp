@@ -1,5 +1,6 @@
 #include "engine/sparse/krylov_space.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -13,9 +14,11 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double rounding_of_change = 1e-10;  ///< of T z: what is left of it after the others are taken out is rounding
+constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
+constexpr double least_change = 1e-15;          ///< of z itself: the same
+constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
 constexpr double worst_condition = 1e12;
-constexpr double held = 1e-9;                 ///< of the largest unknown: what a position that fits leaves of a closing row
+constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
 constexpr int corrections = 3;
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
@@ -23,26 +26,13 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 }  // namespace
 
 KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem)
-    : descriptor_(descriptor), exosystem_(exosystem), differential_(descriptor.differential_rows()) {
+    : descriptor_(descriptor), exosystem_(exosystem), change_(descriptor, exosystem), differential_(descriptor.differential_rows()) {
   const double r0 = descriptor.r0();
-  for (const State& state : descriptor.states())
+  for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
-}
-
-/// (1 − γ A_w)⁻¹ ζ, block by block.
-Vector KrylovSpace::after_step(const Vector& zeta) const {
-  Vector result = zeta;
-  const double step = 1.0 / shift_;
-  for (const auto& block : exosystem_.blocks()) {
-    const int i = block.first, n = block.size();
-    if (n == 1) {
-      result[i] = zeta[i] / (1.0 - step * exosystem_.a()(i, i));
-      continue;
-    }
-    const Eigen::Matrix2d m = Eigen::Matrix2d::Identity() - step * exosystem_.a().block<2, 2>(i, i);
-    result.segment<2>(i) = m.inverse() * zeta.segment<2>(i);
+    double& sum = state.is_current ? weight_of_currents_ : weight_of_voltages_;
+    sum = std::hypot(sum, state_weight_.back());
   }
-  return result;
 }
 
 double KrylovSpace::source_part(const Form& form, const Vector& w, double one) const {
@@ -72,12 +62,30 @@ void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
 void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
   close(zeta, r);
   factor_->solve(r);
+  settle(r, zeta);
+}
+
+/// What the factor leaves open or only nearly holds in a solution.
+void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
   const Vector w = exosystem_.rows() * zeta;
   const double one = zeta[exosystem_.constant()];
-  if (factor_->closing()) return correct(r, w, one);
-  if (!factor_->ties().empty()) return share_out(r, w, one);
+  if (factor_->closing()) return correct(z, w, one);
+  if (!factor_->ties().empty()) return share_out(z, w, one);
   for (std::size_t i = 0; i < on_.size(); ++i)
-    if (on_[i] == 0) r[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
+    if (on_[i] == 0) z[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
+}
+
+/// Right-hand side of S z − z at the start, in right_.
+void KrylovSpace::begin_change(const Start& start, const Vector& zeta) {
+  change_.take(start.z, start.more, zeta, shift_);
+  right_ = change_.right();
+  const Descriptor::Closing* closing = factor_->closing() ? &*factor_->closing() : nullptr;
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const double of_slack = closing ? closing->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
+    const double of_input = closing ? closing->of_input[i] : on_[i] != 0 ? 0.0 : 1.0;
+    const Port& port = descriptor_.ports()[i];
+    right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input);
+  }
 }
 
 /// Takes the factor's ε out again.
@@ -130,6 +138,19 @@ void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, doub
   for (const double value : zeta) *x++ = zeta_weight_ * value;
 }
 
+/// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, all of which
+/// may be far larger.
+double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  double rounding = largest(std::span(z).first(nodes)) * weight_of_voltages_;
+  if (weight_of_currents_ > 0.0) {
+    sizes_.resize(z.size());
+    descriptor_.conduct_sizes(z.data(), sizes_.data());
+    rounding += largest(std::span(sizes_).first(nodes)) * weight_of_currents_;
+  }
+  return rounding_of_solution * rounding;
+}
+
 /// Room for so many columns.
 void KrylovSpace::reserve(int columns) {
   if (vectors_.cols() >= columns) return;
@@ -137,6 +158,7 @@ void KrylovSpace::reserve(int columns) {
   const Eigen::Index cols = std::max<Eigen::Index>(columns, 2 * vectors_.cols());
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
+  lost_.conservativeResize(cols);
   zetas_.conservativeResize(zetas, cols);
   zeta_changes_.conservativeResize(zetas, cols);
   measured_.conservativeResize(static_cast<Eigen::Index>(state_weight_.size()) + zetas, cols);
@@ -151,13 +173,11 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   sound_ = true;
   h_matrix_.resize(1, 0);
   const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
-  const Vector zeta = after_step(before);
-  right_.resize(start.z.size());
-  descriptor_.memory(start.z.data(), right_.data());
-  for (std::size_t i = 0; i < start.more.size(); ++i) right_[i] += start.more[i];
-  for (double& value : right_) value *= shift;
-  add_sources(zeta, right_);
-  solve(right_, zeta);
+  const Vector zeta = after_step(exosystem_, 1.0 / shift, before);
+  begin_change(start, before);
+  factor.solve(right_);
+  for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
+  settle(right_, zeta);
   if (contradicts(right_, zeta)) return Begun::contradicted;
   reserve(1);
   Vector x(measured_.rows());
@@ -168,6 +188,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   if (!(zeta_weight_ > 0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
+  lost_[0] = 1.0;
   vectors_.col(0) = Eigen::Map<const Vector>(right_.data(), vectors_.rows()) / norm_;
   zetas_.col(0) = zeta / norm_;
   measured_.col(0) = x / norm_;
@@ -178,7 +199,7 @@ void KrylovSpace::add_vector() {
   const int j = dimension_;
   reserve(j + 2);
   const Vector zeta = zetas_.col(j);
-  const Vector change = after_step(exosystem_.a() * zeta / shift_);
+  const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.a() * zeta / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
   descriptor_.conduct(vectors_.col(j).data(), right_.data());
   add_sources(zeta, right_);
@@ -205,8 +226,9 @@ void KrylovSpace::add_vector() {
   h_matrix_.col(j).head(j + 1) = c;
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
-  full_ = !(h > rounding_of_change * size);
+  full_ = !(h > std::max({rounding_of_change * size, least_change, rounding_of_states(right_)}));
   if (full_) return;
+  lost_[j + 1] = (size + lost_.head(j + 1).dot(c.cwiseAbs())) / h;
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;
@@ -234,7 +256,14 @@ void KrylovSpace::reduce() {
   h_ = h_matrix_(m, m - 1);
   last_row_ = k_.row(m - 1);
   first_ = norm_ * k_.col(0);
+  reach_ = first_.cwiseAbs();
   flow_ = linalg::Exponential(a, linalg::norm_bound(a));
+}
+
+double KrylovSpace::turning(double least) const {
+  const Matrix& a = flow_.a();
+  const double bound = 0.5 * (a - a.transpose()).norm();  // Bendixson
+  return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
 }
 
 const std::vector<double>& KrylovSpace::estimate(double length) {
@@ -242,12 +271,14 @@ const std::vector<double>& KrylovSpace::estimate(double length) {
   estimate_.assign(checkpoints, 0.0);
   const Matrix step = flow_.minus_identity(length / checkpoints);
   Vector y = first_, moved(m);
+  reach_ = first_.cwiseAbs();
   const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
   const double at_start = share_of_start * std::abs(last_row_.dot(y));
   double integral = 0.0, before = std::abs(d.dot(y));
   for (int i = 0; i < checkpoints && m > 0; ++i) {
     moved.noalias() = step * y;
     y += moved;
+    reach_ = reach_.cwiseMax(y.cwiseAbs());
     const double now = std::abs(d.dot(y));
     integral += 0.5 * (before + now) * length / checkpoints;
     before = now;
@@ -264,8 +295,7 @@ Vector KrylovSpace::row(int unknown) const {
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
   for (const Form::Part& part : form.z)
-    sum += part.coefficient *
-           (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
+    sum += part.coefficient * (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
   return k_.transpose() * sum;
 }
 
@@ -277,12 +307,19 @@ Vector KrylovSpace::row(const Form& form) const {
   return row_of_unknowns(form) + k_.transpose() * sum;
 }
 
-Vector KrylovSpace::row_terms(const Form& form) const {
+double KrylovSpace::row_terms(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
   for (const Form::Part& part : form.z)
     sum += std::abs(part.coefficient) *
            (vectors_.row(part.index).head(dimension_).cwiseAbs() + changes_.row(part.index).head(dimension_).cwiseAbs()).transpose();
-  return k_.cwiseAbs().transpose() * sum;
+  return sum.dot(k_.cwiseAbs() * reach_);
+}
+
+double KrylovSpace::largest_terms(int first, int count) const {
+  const auto largest = [&](const Matrix& columns) {
+    return columns.block(first, 0, count, dimension_).cwiseAbs().colwise().maxCoeff().transpose().array().eval();
+  };
+  return (largest(vectors_) * lost_.head(dimension_).array() + largest(changes_)).matrix().dot(k_.cwiseAbs() * reach_);
 }
 
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
+#include "engine/sparse/start_change.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/exponential.hpp"
 #include "model/exosystem.hpp"
@@ -52,6 +53,8 @@ class KrylovSpace {
   /// y(0).
   [[nodiscard]] const linalg::Vector& first() const { return first_; }
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
+  /// The fastest oscillation in the space, radians per s; a bound of it where that is not more than `least`.
+  [[nodiscard]] double turning(double least) const;
   /// The error in the norm of the space at k·length/checkpoints, k = 1 … checkpoints: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is far too
   /// large where the start is rough.
   static constexpr int checkpoints = 32;
@@ -62,42 +65,51 @@ class KrylovSpace {
   [[nodiscard]] linalg::Vector row(const Form& form) const;
   /// The row of one unknown.
   [[nodiscard]] linalg::Vector row(int unknown) const;
-  /// Sums of the magnitudes that its entries are sums of: their rounding is a part of these.
-  [[nodiscard]] linalg::Vector row_terms(const Form& form) const;
+  /// max |y_j| over the length last estimated.
+  [[nodiscard]] const linalg::Vector& reach() const { return reach_; }
+  /// Sum of the magnitudes that a form's value is a sum of, over that length: its rounding is a part of them.
+  [[nodiscard]] double row_terms(const Form& form) const;
+  /// The same of the largest of several unknowns, with what their vectors have lost in orthogonalisation.
+  [[nodiscard]] double largest_terms(int first, int count) const;
   /// z and E z' at y.
   void unknowns(const double* y, std::vector<double>& z) const;
   void rates(const double* y, std::vector<double>& k);
 
  private:
+  void begin_change(const Start& start, const linalg::Vector& zeta);
   void solve(std::vector<double>& r, const linalg::Vector& zeta);
+  void settle(std::vector<double>& z, const linalg::Vector& zeta);
   void correct(std::vector<double>& z, const linalg::Vector& w, double one);
   void share_out(std::vector<double>& z, const linalg::Vector& w, double one) const;
   void add_sources(const linalg::Vector& zeta, std::vector<double>& r) const;
   void close(const linalg::Vector& zeta, std::vector<double>& r) const;
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
-  [[nodiscard]] linalg::Vector after_step(const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
+  [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
   void reserve(int columns);
   void add_vector();
   void reduce();
 
   const Descriptor& descriptor_;
   const model::Exosystem& exosystem_;
+  StartChange change_;
   std::vector<char> differential_;
   std::vector<double> state_weight_;
+  double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
   const Factor* factor_ = nullptr;
   double shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0;
   Position on_;
   int dimension_ = 0;
   bool full_ = false, sound_ = true;
   linalg::Matrix vectors_, changes_;         ///< Z and T Z (unknowns × columns)
+  linalg::Vector lost_;                      ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
   linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
   linalg::Matrix measured_;                  ///< what the norm measures of Z
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
-  linalg::Vector first_, last_row_;          ///< y(0), eᵀK
+  linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, estimate_;
+  std::vector<double> right_, product_, sizes_, estimate_;
 };
 
 }  // namespace pwlsim::engine::sparse

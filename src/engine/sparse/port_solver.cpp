@@ -27,7 +27,7 @@ constexpr double contradiction_share = 1e-3;
 constexpr double held_tolerance = 1e-10;  ///< of the largest voltage, or current: zero
 constexpr double rounding_of_voltages = 1e-14;
 constexpr double rounding_at_node = 1e-15;  ///< of what a resistor carries at that voltage
-constexpr double noise_share = 1e-6;  ///< of the largest current
+constexpr double noise_share = 1e-6;        ///< of the largest current
 constexpr double good_backward_error = 1e-15;
 constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
 constexpr double far_away = 1e3;
@@ -75,23 +75,23 @@ double PortSolver::largest_voltage(const std::vector<double>& z) const {
 
 /// An input is judged against the largest of all, a slack against the voltages it is a difference of and the largest of the run.
 std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance) {
-  const std::vector<double>& w = stage.w;
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<int> negative;
   double most = 0.0;
   for (std::size_t i = 0; i < diodes; ++i) {
-    if (descriptor_.ports()[i].blocks(on)) continue;
-    const double value = descriptor_.ports()[i].free_variable(on[i] != 0, z.data(), w.data());
+    const Port& port = descriptor_.ports()[i];
+    if (port.blocks(on)) continue;
+    const double value = stage.free_variable(port, on[i] != 0, z.data());
     if (on[i] != 0) most = std::max(most, std::abs(value));
-    if (value < 0.0) negative.push_back(static_cast<int>(i));
+    if (value < 0.0 && stage.may_change(i, port, on)) negative.push_back(static_cast<int>(i));
   }
   const double input = input_size(most);
   const double voltage = negative.empty() ? 0.0 : std::max(largest_voltage(z), largest_voltage(stage.from));
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const Port& p = descriptor_.ports()[i];
-    const double size = on[i] != 0 ? input : std::max(scale_.slack, p.slack_size(z.data(), w.data()));
-    const double beyond = p.free_variable(on[i] != 0, z.data(), w.data()) + tolerance * size;
+    const double size = on[i] != 0 ? input : std::max(scale_.slack, stage.slack_size(p, z.data()));
+    const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
     return beyond >= 0.0 || (on[i] != 0 && beyond >= -rounding_of_input(stage.shift, on, i, voltage));
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
@@ -99,13 +99,13 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
 }
 
 /// Closing rows of a right-hand side: what they miss at z, those of the position or others.
-void PortSolver::close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
+void PortSolver::close(const Stage& stage, const Position& on, const std::vector<double>& z, const Descriptor::Closing* closing,
                        std::vector<double>& right) const {
   for (std::size_t i = 0; i < on.size(); ++i) {
     const Port& port = descriptor_.ports()[i];
     const auto row = static_cast<std::size_t>(port.row);
-    right[row] = closing ? -closing->of_slack[i] * port.slack.value(z.data(), w.data()) - closing->of_input[i] * z[row]
-                         : -port.free_variable(on[i] == 0, z.data(), w.data());
+    right[row] = closing ? -closing->of_slack[i] * stage.free_variable(port, false, z.data()) - closing->of_input[i] * z[row]
+                         : -stage.free_variable(port, on[i] == 0, z.data());
   }
 }
 
@@ -113,7 +113,7 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   const Factor* factor = factors_.at(stage.shift, on);
   if (!factor) return Solved::singular;
   step = stage.right;
-  close(on, stage.from, stage.w, factor->closing() ? &*factor->closing() : nullptr, step);
+  close(stage, on, stage.from, factor->closing() ? &*factor->closing() : nullptr, step);
   const bool refined = is_noisy(stage.shift) && !factor->closing() && factor->ties().empty();
   if (refined) right_ = step;
   factor->solve(step);
@@ -188,7 +188,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
   for (const int tie : factor.ties()) {
     const auto i = static_cast<std::size_t>(tie);
     const bool is_on = on[i] != 0;
-    const double forced = ports[i].free_variable(!is_on, z.data(), stage.w.data());
+    const double forced = stage.free_variable(ports[i], !is_on, z.data());
     const double nothing = is_on ? held_tolerance * size.voltage : std::max(held_tolerance * size.current, rounding);
     if (!(std::abs(forced) > nothing)) continue;
     right_[static_cast<std::size_t>(ports[i].row)] = -forced;
@@ -204,7 +204,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
   if (factor.open().empty()) return;
   linalg::Vector moments = linalg::Vector::Zero(static_cast<Eigen::Index>(factor.open().size()));
   for (std::size_t i = 0; i < ports.size(); ++i) {
-    const double value = ports[i].free_variable(on[i] != 0, z.data(), stage.w.data());
+    const double value = stage.free_variable(ports[i], on[i] != 0, z.data());
     for (std::size_t j = 0; j < factor.open().size(); ++j)
       moments[static_cast<Eigen::Index>(j)] += value * ports[i].response(on[i] != 0, factor.open()[j].data());
   }
@@ -218,7 +218,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
 
 Solved PortSolver::solve_in(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z) {
   const Solved solved = solve_at(stage, on, step, z);
-  return solved == Solved::yes ? found(on, z, stage.w) : solved;
+  return solved == Solved::yes ? found(stage, on, z) : solved;
 }
 
 /// Takes the ε of a factor out again. What it only chose (how parallel diodes share a current) stays as it is; what it held, in a position that
@@ -229,7 +229,7 @@ void PortSolver::refine(const Stage& stage, const Position& on, const Factor& fa
   double first = 0.0, last = 0.0;
   for (int round = 0; round <= most_corrections; ++round) {
     right_.assign(z.size(), 0.0);
-    close(on, refined_, stage.w, nullptr, right_);
+    close(stage, on, refined_, nullptr, right_);
     last = 0.0;
     for (std::size_t i = 0; i < on.size(); ++i)
       last = std::max(last,
@@ -259,11 +259,10 @@ void PortSolver::dispute(const std::vector<int>& ports) {
 }
 
 /// All signs are right: a solution, unless the position contradicts the network. Then the ports it strains most are named.
-Solved PortSolver::found(const Position& on, const std::vector<double>& z, const std::vector<double>& w) {
+Solved PortSolver::found(const Stage& stage, const Position& on, const std::vector<double>& z) {
   if (!contradicted_) return Solved::yes;
   std::vector<double> strain;
-  for (std::size_t i = 0; i < on.size(); ++i)
-    strain.push_back(std::abs(descriptor_.ports()[i].free_variable(on[i] == 0, z.data(), w.data())));
+  for (std::size_t i = 0; i < on.size(); ++i) strain.push_back(std::abs(stage.free_variable(descriptor_.ports()[i], on[i] == 0, z.data())));
   const double largest = *std::max_element(strain.begin(), strain.end());
   disputed_.clear();
   for (std::size_t i = 0; i < strain.size(); ++i)
@@ -280,7 +279,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
     if (repeated_) break;
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
     const std::vector<int> wrong = violated(stage, on, z, tolerance);
-    if (wrong.empty()) return found(on, z, stage.w);
+    if (wrong.empty()) return found(stage, on, z);
     dispute(wrong);
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
   }
@@ -317,13 +316,14 @@ Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<
   for (int round = 0; round < most_decisions; ++round) {
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
     const std::vector<int> wrong = violated(stage, on, z, tie_tolerance);
-    if (wrong.empty()) return found(on, z, stage.w);
+    if (wrong.empty()) return found(stage, on, z);
     dispute(wrong);
     if (decide(stage, on, z)) continue;
     if (passive_ || disputed_.size() == diodes) return Solved::no_position;
     std::vector<int> all(diodes);  // one that was right so far may have to give way
     std::iota(all.begin(), all.end(), 0);
-    std::erase_if(all, [&](int i) { return descriptor_.ports()[static_cast<std::size_t>(i)].blocks(on); });
+    std::erase_if(
+        all, [&](int i) { return !stage.may_change(static_cast<std::size_t>(i), descriptor_.ports()[static_cast<std::size_t>(i)], on); });
     dispute(all);
     if (!decide(stage, on, z)) return Solved::no_position;
   }
@@ -349,7 +349,7 @@ bool PortSolver::decide(const Stage& stage, Position& on, const std::vector<doub
           descriptor_.ports()[disputed(i)].response(on[disputed(i)] != 0, right_.data());
   }
   for (std::size_t i = 0; i < k; ++i)
-    q[static_cast<Eigen::Index>(i)] = descriptor_.ports()[disputed(i)].free_variable(on[disputed(i)] != 0, z.data(), stage.w.data());
+    q[static_cast<Eigen::Index>(i)] = stage.free_variable(descriptor_.ports()[disputed(i)], on[disputed(i)] != 0, z.data());
   const lcp::Answer answer = lcp::solve(m, q);
   pivots_ += static_cast<std::uint64_t>(answer.pivots);
   if (answer.status != lcp::Status::solved) return false;

@@ -55,7 +55,7 @@ class PortSolver {
 
  private:
   [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
-  void close(const Position& on, const std::vector<double>& z, const std::vector<double>& w, const Descriptor::Closing* closing,
+  void close(const Stage& stage, const Position& on, const std::vector<double>& z, const Descriptor::Closing* closing,
              std::vector<double>& right) const;
   [[nodiscard]] bool is_noisy(double shift) const;
   void correct(double shift, const Position& on, const Factor& factor, std::vector<double>& step);
@@ -72,7 +72,7 @@ class PortSolver {
   [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_dispute(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] bool decide(const Stage& stage, Position& on, const std::vector<double>& z);
-  [[nodiscard]] Solved found(const Position& on, const std::vector<double>& z, const std::vector<double>& w);
+  [[nodiscard]] Solved found(const Stage& stage, const Position& on, const std::vector<double>& z);
   void dispute(const std::vector<int>& ports);
 
   const Descriptor& descriptor_;

@@ -52,17 +52,30 @@ double largest_value(const model::SourceFunction& function) {
   return std::visit(Bound{}, function);
 }
 
+namespace {
+
+/// Of a form, as far as sources and constants go.
+double largest_of_sources(const model::LinearForm& form, const model::Network& network) {
+  double sum = 0.0;
+  for (const auto& term : form) {
+    if (term.kind == model::Term::Kind::one) sum += std::abs(term.coefficient);
+    if (term.kind == model::Term::Kind::source)
+      sum += std::abs(term.coefficient) * largest_value(network.sources[static_cast<std::size_t>(term.index)].function);
+  }
+  return sum;
+}
+
+}  // namespace
+
 double largest_held_voltage(const model::Network& network) {
   double largest = 0.0;
-  for (const auto& branch : network.branches) {
-    double sum = 0.0;
-    for (const auto& term : branch.voltage) {
-      if (term.kind == model::Term::Kind::one) sum += std::abs(term.coefficient);
-      if (term.kind == model::Term::Kind::source)
-        sum += std::abs(term.coefficient) * largest_value(network.sources[static_cast<std::size_t>(term.index)].function);
-    }
-    largest = std::max(largest, sum);
-  }
+  for (const auto& branch : network.branches) largest = std::max(largest, largest_of_sources(branch.voltage, network));
+  return largest;
+}
+
+double largest_injected_current(const model::Network& network) {
+  double largest = 0.0;
+  for (const auto& injection : network.injections) largest = std::max(largest, largest_of_sources(injection.current, network));
   return largest;
 }
 

@@ -41,5 +41,7 @@ class Sources {
 
 /// The largest voltage that a branch of sources holds, in V.
 [[nodiscard]] double largest_held_voltage(const model::Network& network);
+/// The same of currents that sources drive between nodes, A.
+[[nodiscard]] double largest_injected_current(const model::Network& network);
 
 }  // namespace pwlsim::engine::sparse

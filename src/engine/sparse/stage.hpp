@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "engine/sparse/descriptor.hpp"
+
 namespace pwlsim::engine::sparse {
 
 /// Largest port quantities of the run so far, in volts: what signs are judged against.
@@ -16,6 +18,21 @@ struct Stage {
   const std::vector<double>& from;  ///< z0
   const std::vector<double>& right;
   const std::vector<double>& w;
+  /// The problem of a change from a point at which both quantities of these ports are zero: z is that change, the others stay on their sides.
+  const std::vector<char>* disputed = nullptr;
+
+  [[nodiscard]] double free_variable(const Port& port, bool on, const double* z) const {
+    return disputed != nullptr ? port.response(on, z) : port.free_variable(on, z, w.data());
+  }
+  [[nodiscard]] double slack_size(const Port& port, const double* z) const {
+    double size = disputed != nullptr ? 0.0 : port.slack_size(z, w.data());
+    if (disputed != nullptr)
+      for (const Form::Part& part : port.slack.z) size += std::abs(part.coefficient * z[part.index]);
+    return size;
+  }
+  [[nodiscard]] bool may_change(std::size_t port, const Port& p, const Position& on) const {
+    return !p.blocks(on) && (disputed == nullptr || (*disputed)[port] != 0);
+  }
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -22,7 +22,7 @@ constexpr double rounding_of_terms = 1e-12;
 constexpr int steps_between_checks = 64;
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
-constexpr double broken_certificate = 1e-6;  ///< of a run of segments, whose tolerance is next to rounding
+constexpr double broken_certificate = 1e-7;  ///< of a run of segments, whose tolerance is next to rounding
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
