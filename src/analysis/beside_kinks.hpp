@@ -6,7 +6,8 @@
 
 #include <functional>
 
-#include "analysis/sensitivity.hpp"
+#include "analysis/derivative_table.hpp"
+#include "circuit/compile.hpp"
 
 namespace pwlsim::analysis {
 

@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "analysis/extreme_places.hpp"
 #include "linalg/legendre.hpp"
 #include "measure/piece_view.hpp"
 

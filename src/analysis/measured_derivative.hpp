@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/extreme_finder.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/measurement.hpp"
 #include "linalg/legendre.hpp"
@@ -34,12 +35,6 @@ struct TwoSided {
 struct KeptPiece {
   double from = 0.0, to = 0.0, begin = 0.0, length = 0.0;
   std::vector<double> values;
-};
-
-/// Where the least and the largest value of a measurement lie, s, in order; more than one where they tie.
-struct ExtremePlaces {
-  std::vector<double> least, largest;
-  double size = 0.0;  ///< largest magnitude of the expression in the window
 };
 
 /// What measured the run, and where.

@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "analysis/measured_derivative.hpp"
+#include "circuit/measurement.hpp"
+#include "measure/measuring.hpp"
 #include "measure/piece_view.hpp"
 
 namespace pwlsim::analysis {
@@ -14,6 +15,12 @@ inline constexpr double same_place = 1e-11;
 inline constexpr double same_value = 1e-12;
 
 [[nodiscard]] bool is_extreme(circuit::Measurement::Kind kind);
+
+/// Where the least and the largest value of a measurement lie, s, in order; more than one where they tie.
+struct ExtremePlaces {
+  std::vector<double> least, largest;
+  double size = 0.0;  ///< largest magnitude of the expression in the window
+};
 
 class ExtremeFinder {
  public:
