@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "steady/wave.hpp"
+
 namespace pwlsim::analysis {
 
 steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original, model::Network& network) {
