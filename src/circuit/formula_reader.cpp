@@ -441,16 +441,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
     return piecewise(std::move(extreme));
   }
   if (std::optional<Sum> of_time = rounded(key, values)) return piecewise(std::move(*of_time));
-  if (key == "tanh") return of_saturation(expression, values[0]);
   return of_smooth(expression, *builtin, values[0], values.size() > 1 ? values[1] : Sum{});
-}
-
-/// The lines that tanh has at 0 and far away.
-FormulaReader::Meaning FormulaReader::of_saturation(const Expression& expression, const Sum& x) {
-  if (reporter().first_time("tanh:" + instance_.name))
-    reporter().note("N-idealised", expression.span,
-                    fmt::format("{}: tanh(x) of a signal is read as limit(x,-1,1), which is up to 0.24 off about x = 1", instance_.name));
-  return {builder_.limit(x, constant_sum(-1.0), constant_sum(1.0)), std::nullopt};
 }
 
 /// What has no form by itself may have one when all elements are there: V(m) may be a number.

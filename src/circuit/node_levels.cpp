@@ -181,6 +181,7 @@ class NodeLevels {
 constexpr std::string_view refused_derivative = "the derivative of a product that jumps has no piecewise-linear form";
 
 std::string refusal(const FormulaPart& part) {
+  if (part.kind == PartKind::call && part.called.name == "tanh") return "tanh of a signal has no piecewise-linear form; try limit(x,-1,1)";
   if (part.kind == PartKind::call)
     return fmt::format("{} has no piecewise-linear form",
                        part.called.name == "pow" ? "a power of a signal" : fmt::format("{} of a signal", part.called.name));
