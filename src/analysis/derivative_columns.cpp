@@ -52,7 +52,8 @@ class Columns {
       const steady::Vector start = adjoint_->to_start(sum.run, {});
       return std::pair(start.dot(free), start.norm() * free.norm());
     };
-    auto [value, size] = reads(functional.sum);
+    std::pair<double, double> result = reads(functional.sum);
+    double &value = result.first, &size = result.second;
     const auto must_be_nothing = [&](const MeasuredSum& sum) {
       const auto [read, of] = reads(sum);
       if (std::abs(read) > no_reading * of) value = std::numeric_limits<double>::infinity();
@@ -69,7 +70,7 @@ class Columns {
       value += tie.weight * first;
       size += std::abs(tie.weight) * of;
     }
-    return {value, size};
+    return result;
   }
 
   bool reads_free(const MeasuredFunctional& functional) const {
