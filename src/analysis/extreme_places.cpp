@@ -8,8 +8,12 @@
 
 namespace pwlsim::analysis {
 
+namespace {
+
 using circuit::Measurement;
 using Kind = Measurement::Kind;
+
+}  // namespace
 
 std::string MeasuredFunctionals::event_at(std::size_t instant) const { return sensitivity_.instant_text(instant); }
 
