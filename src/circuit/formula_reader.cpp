@@ -21,6 +21,12 @@ using Kind = Expression::Kind;
 constexpr int deepest_formula = 3000;
 constexpr int largest_power = 16;  ///< of a function of time
 
+constexpr double least_steepness = 100.0;  ///< per volt or ampere: tanh is within 10⁻² of its ends from 30 mV on
+
+bool is_steep(const elements::AffineSum& sum) {
+  return std::any_of(sum.terms.begin(), sum.terms.end(), [](const auto& term) { return std::abs(term.second) >= least_steepness; });
+}
+
 bool is_signal(const Expression& call) {
   const bool named = same_name(call.text, "v") || same_name(call.text, "i");
   return named && !call.arguments.empty() &&
@@ -441,7 +447,17 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
     return piecewise(std::move(extreme));
   }
   if (std::optional<Sum> of_time = rounded(key, values)) return piecewise(std::move(*of_time));
+  if (key == "tanh" && is_steep(values[0])) return of_saturation(expression, values[0]);
   return of_smooth(expression, *builtin, values[0], values.size() > 1 ? values[1] : Sum{});
+}
+
+/// A comparator as decks write it: the lines that tanh has at 0 and far away.
+FormulaReader::Meaning FormulaReader::of_saturation(const Expression& expression, const Sum& x) {
+  if (reporter().first_time("tanh:" + instance_.name))
+    reporter().note("N-idealised", expression.span,
+                    fmt::format("{}: tanh(x) of a signal times {} or more is a comparator, and is read as limit(x,-1,1)", instance_.name,
+                                least_steepness));
+  return {builder_.limit(x, constant_sum(-1.0), constant_sum(1.0)), std::nullopt};
 }
 
 /// What has no form by itself may have one when all elements are there: V(m) may be a number.

@@ -67,6 +67,7 @@ class FormulaReader {
   std::optional<Meaning> of_wrapped_integral(const Expression& expression, const Context& context);
   std::optional<Meaning> of_derivative(const Expression& expression, const Context& context);
   std::optional<Meaning> of_builtin(const Expression& expression, const Context& context);
+  Meaning of_saturation(const Expression& expression, const Sum& x);
   Meaning of_smooth(const Expression& expression, const BuiltinFunction& function, const Sum& a, const Sum& b);
   std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);
 

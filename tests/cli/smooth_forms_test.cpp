@@ -52,9 +52,14 @@ TEST_CASE("asin of a sine in time is a triangle", "[unit]") {
   CHECK(value_of(finished.out, "c") == Approx(std::asin(-std::sin(-0.2 * pi + 2.0))).epsilon(1e-9));
 }
 
-TEST_CASE("tanh of a signal is refused, with the saturation that may be meant", "[unit]") {
+TEST_CASE("a steep tanh of a signal is a comparator, and says so; another one is refused", "[unit]") {
+  // A comparator of gain 1000 beside a triangle of ±1: low for 3/4 of the time, ±12 V.
+  const Finished finished =
+      ran("tanh\nV1 t 0 PULSE(-1 1 0 0.5m 0.5m 0 1m)\nB1 a 0 V=12*tanh(1000*(-0.5-V(t)))\nR1 a 0 1\n.tran 1u 4m\n.meas a AVG V(a)\n");
+  CHECK(value_of(finished.out, "a") == Approx(-6.0).epsilon(1e-9));
+  CHECK_THAT(finished.err, Contains("note[N-idealised]") && Contains("limit(x,-1,1)"));
   const Scratch scratch;
-  CHECK_THAT(run_deck(scratch, "tanh\nV1 t 0 PULSE(-1 1 0 0.5m 0.5m 0 1m)\nB1 a 0 V=12*tanh(1000*(-0.5-V(t)))\nR1 a 0 1\n.tran 1u 4m\n").err,
+  CHECK_THAT(run_deck(scratch, "tanh\nV1 t 0 SIN(0 1 50)\nB1 a 0 V=tanh(V(t))\nR1 a 0 1\n.tran 1u 4m\n").err,
              Contains("error[E-not-piecewise-linear]") && Contains("limit(x,-1,1)"));
 }
 
