@@ -24,6 +24,18 @@ constexpr double relaxations[] = {1.0, 1e2, coarsest_relaxation};
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr std::size_t most_remembered = 6;
 
+/// Goes through the sets that differ from `set` in one to `radius` of the ports first … ports − 1.
+template <class Accept>
+bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept& accept) {
+  if (radius == 0) return false;
+  for (int i = first; i < ports; ++i) {
+    set.flip(i);
+    if (accept(set) || any_near_set(set, i + 1, ports, radius - 1, accept)) return true;
+    set.flip(i);
+  }
+  return false;
+}
+
 }  // namespace
 
 Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system) {
@@ -312,6 +324,16 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
   return jump_into(*jump, x);
 }
 
+const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {
+  const Mode* found = nullptr;
+  IndexSet set = wanted;
+  any_near_set(set, 0, system_.diodes, radius, [&](const IndexSet& near) {
+    found = try_without_jump(x, near);
+    return found != nullptr;
+  });
+  return found;
+}
+
 /// Ports with u = 0 whose y is zero in this mode whatever x is: the same trajectory has them active too, and their share is then
 /// decided by least norm (parallel diodes) instead of by the order of pivots. Where no signal reads what ports carry there is nothing to share.
 const Mode* Selector::with_free_ports(double* x, const Mode& found) {
@@ -390,8 +412,9 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     if (guess != current) found = try_without_jump(x, guess);
   }
   // Of one diode there is only one other mode.
-  if (!found && system_.passive && system_.diodes == 1) found = try_without_jump(x, with_flipped(current, 0));
+  if (!found && system_.passive && system_.diodes == 1) found = from_neighbourhood(x, current, 1);
   if (!found) found = from_rcp(x, current, jumped);
+  if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
   return found;
 }
 

@@ -2,7 +2,8 @@
 /// Which mode follows from a state, and the jump into it.
 ///
 /// Warm mode first, then modes that followed it before (these first where the solution is known to be unique), then one flip,
-/// then candidates from the rational complementarity problem (RCP) at growing s (Lemke). A mode is taken only when verified in its own differential equation (Verifier), so that any relative degree is
+/// then candidates from the rational complementarity problem (RCP) at growing s (Lemke), at last the neighbourhood of the
+/// previous mode. A mode is taken only when verified in its own differential equation (Verifier), so that any relative degree is
 /// decided right.
 
 #include <array>
@@ -72,7 +73,7 @@ class Selector {
   }
   /// Ports that share freely all count as conducting, although no signal reads their share.
   void share_in_any_case() { ports_are_read_ = true; }
-  /// Candidates from the rational problem alone, without warm modes and flips.
+  /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
   void rational_only(bool only) { rational_only_ = only; }
   /// Modes that the last selection jumped into on its way, in order; the mode it ended in is not among them, unless it jumped into that one, too.
   [[nodiscard]] const std::vector<const Mode*>& jumped_into() const { return jumped_into_; }
@@ -118,6 +119,7 @@ class Selector {
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
+  const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);
   void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
@@ -140,8 +142,7 @@ class Selector {
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
-    std::unique_ptr<Mode>
-        brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
+    std::unique_ptr<Mode> brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& wanted);
