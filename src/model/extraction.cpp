@@ -390,7 +390,7 @@ void Extractor::add_ports() {
   for (std::size_t i = 0; i < network_.diodes.size(); ++i) {
     const Diode& diode = network_.diodes[i];
     if (diode.enabled_by.empty() && !diode.blocks) continue;
-    system.port[i].is_of_leak = diode.label.name.empty();
+    system.port[i].is_of_leak = diode.label.name.empty();  // put_ports_beside_leaks
     Valve valve{static_cast<int>(i), diode.enabled_by};
     for (int& s : valve.switches) s += assembly_.first_switch();
     system.valves.push_back(std::move(valve));

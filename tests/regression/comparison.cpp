@@ -13,6 +13,8 @@ namespace pwlsim::test {
 namespace {
 
 constexpr double certificate_bound = 1e-9;  ///< every residual of a run, relative
+/// Of the run. Where impulses act: the exact value at the instant itself is another on either side.
+constexpr double instant_margin = 1e-12;
 
 /// The two rows that --events writes at one instant.
 struct Event {
@@ -129,6 +131,20 @@ void compare_with_reference(const std::filesystem::path& deck, const Bounds& bou
   const double tolerance = bounds.time * plain.stop;
   check_event_times(events, reference, tolerance, bounds.touch);
   check_values_after_events(events, reference, bounds, tolerance);
+}
+
+double worst_error(const DeckRun& run, const Reference& reference) {
+  double worst = 0.0;
+  for (const auto& expected : reference.rows) {
+    const bool at_event = std::any_of(reference.events.begin(), reference.events.end(),
+                                      [&](const auto& event) { return std::abs(event.time - expected[0]) < instant_margin * run.stop; });
+    if (at_event) continue;
+    const auto* row = run.row_at(expected[0]);
+    if (!row) return INFINITY;
+    for (std::size_t signal = 0; signal < reference.signals.size(); ++signal)
+      worst = std::max(worst, std::abs((*row)[signal + 1] - expected[signal + 1]) / reference.maximum(signal));
+  }
+  return worst;
 }
 
 }  // namespace pwlsim::test

@@ -7,6 +7,9 @@
 
 namespace pwlsim::test {
 
+struct DeckRun;
+struct Reference;
+
 /// Decks of a folder, by name, in order.
 [[nodiscard]] std::vector<std::filesystem::path> decks_in(const std::string& folder);
 
@@ -18,5 +21,8 @@ struct Bounds {
 
 /// Checks with Catch2: rows, rows around events, event times and their count, certificate.
 void compare_with_reference(const std::filesystem::path& deck, const Bounds& bounds);
+
+/// The worst error over the signals and all rows, of each signal's largest value, but those at an instant that the reference names.
+[[nodiscard]] double worst_error(const DeckRun& run, const Reference& reference);
 
 }  // namespace pwlsim::test

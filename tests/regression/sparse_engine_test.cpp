@@ -24,24 +24,6 @@ const std::set<std::string> several_solutions = {"case08"};
 /// Kirchhoff's laws hold to rounding, rates included: they come from increments.
 constexpr double kirchhoff_bound = 1e-9;
 
-/// Where impulses act: the exact value at the instant itself is another on either side.
-constexpr double instant_margin = 1e-12;
-
-/// The worst error over the signals and all rows, but those at an instant that the reference names.
-double worst_error(const DeckRun& run, const Reference& reference) {
-  double worst = 0.0;
-  for (const auto& expected : reference.rows) {
-    const bool at_event = std::any_of(reference.events.begin(), reference.events.end(),
-                                      [&](const auto& event) { return std::abs(event.time - expected[0]) < instant_margin * run.stop; });
-    if (at_event) continue;
-    const auto* row = run.row_at(expected[0]);
-    if (!row) return INFINITY;
-    for (std::size_t signal = 0; signal < reference.signals.size(); ++signal)
-      worst = std::max(worst, std::abs((*row)[signal + 1] - expected[signal + 1]) / reference.maximum(signal));
-  }
-  return worst;
-}
-
 void check_deck(const std::filesystem::path& deck, const std::string& name, double reltol) {
   INFO(name << " at " << reltol);
   const DeckRun run = run_deck_sparse(deck, reltol);

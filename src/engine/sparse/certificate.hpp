@@ -13,9 +13,9 @@ namespace pwlsim::engine::sparse {
 ///    its local error.
 class CertificateRecorder {
  public:
+  explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor) {}
   /// From now on ports and rows at zero may be so to rounding: of the largest unknowns, and of this voltage.
   void allow_rounding(double least) { least_ = least; }
-  explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor) {}
   /// A step of TR-BDF2, of which the part up to `reached` was used.
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it.

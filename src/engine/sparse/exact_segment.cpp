@@ -13,11 +13,10 @@ namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
 constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
-constexpr double steps_of_length = 16.0;  ///< length of a segment over γ
-constexpr double ladder = 4.0;            ///< of γ, so that factors serve again
-constexpr double usual_turn = 0.5,
-                 most_turn =
-                     6.0;  ///< radians of the fastest oscillation in γ; where it turns by more, S forgets it in digits that are not there
+constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
+constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
+constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
+constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
 constexpr double near = 8.0;                ///< a shift that a position has already serves within this factor
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
@@ -130,9 +129,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
-    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) {
-      return Opened::contradicted;
-    }
+    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return Opened::contradicted;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
     if (resolve()) {

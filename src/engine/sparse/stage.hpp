@@ -1,6 +1,7 @@
 #pragma once
 /// One implicit stage to solve, and what the signs of its port quantities are judged against.
 
+#include <cmath>
 #include <vector>
 
 #include "engine/sparse/descriptor.hpp"
@@ -25,9 +26,9 @@ struct Stage {
     return disputed != nullptr ? port.response(on, z) : port.free_variable(on, z, w.data());
   }
   [[nodiscard]] double slack_size(const Port& port, const double* z) const {
-    double size = disputed != nullptr ? 0.0 : port.slack_size(z, w.data());
-    if (disputed != nullptr)
-      for (const Form::Part& part : port.slack.z) size += std::abs(part.coefficient * z[part.index]);
+    if (disputed == nullptr) return port.slack_size(z, w.data());
+    double size = 0.0;
+    for (const Form::Part& part : port.slack.z) size += std::abs(part.coefficient * z[part.index]);
     return size;
   }
   [[nodiscard]] bool may_change(std::size_t port, const Port& p, const Position& on) const {
