@@ -37,16 +37,6 @@ void MeasuredFunctionals::add_extreme(double weight, std::size_t number, bool is
   sum.ties.push_back(std::move(tie));
 }
 
-namespace {
-
-MeasuredSum shift_of(std::size_t instant) {
-  MeasuredSum sum;
-  sum.run.shifts[instant] = 1.0;
-  return sum;
-}
-
-}  // namespace
-
 /// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter. At an end of the window the
 /// value there counts, and on the side of the parameter on which an instant comes to lie within the window, what that makes of it.
 MeasuredFunctional MeasuredFunctionals::of_extreme(const Measurement& measurement, double time, bool is_largest,

@@ -61,6 +61,12 @@ class PieceKeeper : public engine::PieceSink {
 
 }  // namespace
 
+MeasuredSum shift_of(std::size_t instant) {
+  MeasuredSum sum;
+  sum.run.shifts[instant] = 1.0;
+  return sum;
+}
+
 MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request, double start,
                          double stop, double longest_window) {
   MeasuredPass run;
@@ -97,12 +103,6 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
 }
 
 namespace {
-
-MeasuredSum shift_of_instant(std::size_t instant) {
-  MeasuredSum sum;
-  sum.run.shifts[instant] = 1.0;
-  return sum;
-}
 
 constexpr const char* only_fixed_derivatives = "DERIV has a derivative here only of sums of signals at a fixed time";
 
@@ -272,7 +272,7 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
     MeasuredFunctional result;
     result.sum = std::move(jet.moved_rate);
     if (const auto instant = instant_at(place.at))
-      result.obstacles.push_back({shift_of_instant(*instant), moves.sum, fmt::format("the slope may jump there: {}", event_at(*instant))});
+      result.obstacles.push_back({shift_of(*instant), moves.sum, fmt::format("the slope may jump there: {}", event_at(*instant))});
     if (!moves.sum.is_empty()) result.obstacles.push_back({std::move(moves.sum), {}, only_fixed_derivatives});
     return result;
   }
@@ -286,11 +286,11 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   const bool jumps = std::abs(left.value - right.value) > same_value * (std::abs(left.value) + std::abs(right.value));
   MeasuredFunctional result = std::move(jumps && side == Side::left ? left.moved : right.moved);
   result.add(jumps && side == Side::left ? left.rate : right.rate, moves);
-  MeasuredSum apart = shift_of_instant(*instant);
+  MeasuredSum apart = shift_of(*instant);
   apart.add(-1.0, moves.sum);
   if (jumps)
     result.obstacles.push_back(
-        {shift_of_instant(*instant), std::move(moves.sum), fmt::format("the value jumps at that very time: {}", event_at(*instant))});
+        {shift_of(*instant), std::move(moves.sum), fmt::format("the value jumps at that very time: {}", event_at(*instant))});
   else
     result.kinks.push_back({std::move(apart), right.rate - left.rate, 1, event_at(*instant)});
   return result;
@@ -311,7 +311,7 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
         std::max(std::abs(jet_of(crossing.left, time, Side::left).value), std::abs(jet_of(crossing.right, time, Side::left).value));
     if (left.value * right.value <= 0.0 && size > jumps * scale) {
       MeasuredFunctional moves;
-      moves.sum = shift_of_instant(*instant);
+      moves.sum = shift_of(*instant);
       return moves;
     }
   }
@@ -322,10 +322,10 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
   // Where it crosses after the instant, it does so with the slope behind it.
   const double rate = jet_of(difference, time, Side::right).rate;
   if (rate * left.rate <= 0.0) {
-    moves.obstacles.push_back({moves.sum, shift_of_instant(*instant), fmt::format("it turns back there: {}", event_at(*instant))});
+    moves.obstacles.push_back({moves.sum, shift_of(*instant), fmt::format("it turns back there: {}", event_at(*instant))});
   } else {
     MeasuredSum behind = moves.sum;
-    behind.add(-1.0, shift_of_instant(*instant));
+    behind.add(-1.0, shift_of(*instant));
     moves.kinks.push_back({std::move(behind), left.rate / rate - 1.0, 1, event_at(*instant)});
   }
   return moves;
@@ -459,14 +459,14 @@ void MeasuredFunctionals::add_instants(const Measurement& measurement, const mea
     if (time < place.from - near || time > place.to + near) continue;
     const bool is_wrap = time <= near, at_from = std::abs(time - place.from) <= near, at_to = std::abs(time - place.to) <= near;
     if (is_wrap && !sensitivity_.is_settled()) {
-      sum.obstacles.push_back({shift_of_instant(k), {}, "an edge at t = 0 moves"});
+      sum.obstacles.push_back({shift_of(k), {}, "an edge at t = 0 moves"});
       continue;
     }
     const double left = jet_of(measurement.expression, is_wrap ? run_.stop : time, Side::left).value,
                  right = jet_of(measurement.expression, time, Side::right).value;
     const double weight = scale * (squares ? left * left - right * right : left - right);
     if (std::abs(left - right) <= same_value * (std::abs(left) + std::abs(right))) continue;
-    MeasuredSum moved = shift_of_instant(k);
+    MeasuredSum moved = shift_of(k);
     // The begin of the period is its end, too.
     if ((is_wrap && place.to >= run_.stop - near) || !(at_from || at_to)) {
       sum.sum.add(weight, moved);

@@ -62,6 +62,8 @@ struct MeasuredSum {
   void add(double weight, const MeasuredSum& other);
   [[nodiscard]] bool is_empty() const;
 };
+/// The time by which that instant moves.
+[[nodiscard]] MeasuredSum shift_of(std::size_t instant);
 
 /// The derivative of one measurement.
 struct MeasuredFunctional {
