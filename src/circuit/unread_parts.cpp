@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "base/disjoint_sets.hpp"
 #include "circuit/names.hpp"
 
 namespace pwlsim::circuit {
@@ -15,18 +16,17 @@ using model::NodeIndex;
 /// Nodes that elements join, ground apart.
 class Islands {
  public:
-  explicit Islands(const Circuit& circuit) : parent_(circuit.nodes().size()) {
-    for (std::size_t k = 0; k < parent_.size(); ++k) parent_[k] = static_cast<int>(k);
+  explicit Islands(const Circuit& circuit) : sets_(static_cast<int>(circuit.nodes().size())) {
     for (const Instance& instance : circuit.instances) {
       std::vector<NodeIndex> nodes = instance.nodes;
       for (const elements::BlockInput& input : instance.inputs)
         if (input.is_current) nodes.insert(nodes.end(), {input.nodes.p, input.nodes.n});
       std::erase(nodes, model::ground);
-      for (std::size_t k = 1; k < nodes.size(); ++k) parent_[at(nodes[k])] = static_cast<int>(at(nodes[0]));
+      for (const NodeIndex node : nodes) sets_.join(node, nodes.front());
     }
   }
 
-  [[nodiscard]] int of(NodeIndex node) { return node == model::ground ? -1 : static_cast<int>(at(node)); }
+  [[nodiscard]] int of(NodeIndex node) { return node == model::ground ? -1 : sets_.find(node); }
   /// Of the first terminal that is not ground; -1: none.
   [[nodiscard]] int of(const Instance& instance) {
     for (const NodeIndex node : instance.nodes)
@@ -35,13 +35,7 @@ class Islands {
   }
 
  private:
-  std::size_t at(NodeIndex node) {
-    auto k = static_cast<std::size_t>(node);
-    while (parent_[k] != static_cast<int>(k)) k = static_cast<std::size_t>(parent_[k] = parent_[static_cast<std::size_t>(parent_[k])]);
-    return k;
-  }
-
-  std::vector<int> parent_;
+  DisjointSets sets_;
 };
 
 class UnreadSearch {
