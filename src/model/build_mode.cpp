@@ -11,7 +11,6 @@
 #include "linalg/refined_solution.hpp"
 #include "model/guard_noise.hpp"
 #include "model/modal_form.hpp"
-#include "model/slow_manifold.hpp"
 #include "model/subspaces.hpp"
 #include "model/tolerances.hpp"
 #include "model/valves.hpp"
@@ -81,8 +80,8 @@ class Builder {
   }
 
   /// Null where the mode leaves no fast decays.
-  std::unique_ptr<Mode> run_slow(const Mode& whole, double longest) {
-    manifold_ = slow_manifold(s_, whole, r_.b, r_.c, r_.d, longest);
+  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, double longest) {
+    manifold_ = slow_manifold(s_, whole, rates, r_.b, r_.c, r_.d, longest);
     if (!manifold_) return nullptr;
     mode_->regular = true;
     take_manifold();
@@ -517,9 +516,9 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
   return Builder(system, held).run();
 }
 
-std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest) {
-  if (!whole.regular || whole.ny == 0) return nullptr;
-  return Builder(system, whole.active).run_slow(whole, longest);
+std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, double longest) {
+  if (!whole.regular || whole.ny == 0 || rates.empty()) return nullptr;
+  return Builder(system, whole.active).run_slow(whole, rates, longest);
 }
 
 }  // namespace pwlsim::model

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "model/mode.hpp"
+#include "model/slow_manifold.hpp"
 
 namespace pwlsim::model {
 
@@ -10,7 +11,7 @@ namespace pwlsim::model {
 [[nodiscard]] std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active);
 
 /// The slow motion of a mode that leaves decays which are much faster, with time constants of at most `longest`, s: V is then the slow manifold, T the fast subspace
-/// (slow_manifold.hpp). Null where it leaves none.
-[[nodiscard]] std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, double longest);
+/// (slow_manifold.hpp). `rates`: those of `whole`. Null where it leaves none.
+[[nodiscard]] std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, double longest);
 
 }  // namespace pwlsim::model

@@ -67,19 +67,21 @@ const Mode* Selector::slow_mode(const IndexSet& set) {
   Known& about = known(set);
   if (!about.slow_is_known) {
     about.slow_is_known = true;
-    const Mode& whole = mode(set);
-    about.slow = unseen_ > 0.0 && system_.ports > 0 ? build_slow_mode(system_, whole, brief_per_unseen * unseen_) : nullptr;
-    whole.slow = about.slow.get();
-    split_again(about);
+    if (unseen_ > 0.0 && system_.ports > 0) split(about, mode(set));
   }
   return about.slow.get();
 }
 
-/// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ): in the mode itself each of their time constants
-/// would be millions of the others.
-void Selector::split_again(Known& about) {
+/// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ) are split off alone, too: in the mode itself each of
+/// their time constants would be millions of the others.
+void Selector::split(Known& about, const Mode& whole) {
+  if (!whole.regular || whole.ny == 0) return;
+  const double longest = brief_per_unseen * unseen_;
+  const Rates rates = rates_by_speed(whole, longest);
+  about.slow = build_slow_mode(system_, whole, rates, longest);
+  whole.slow = about.slow.get();
   if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
-  about.brief = build_slow_mode(system_, *about.mode, unseen_ / time_constants_to_rest);
+  about.brief = build_slow_mode(system_, whole, rates, unseen_ / time_constants_to_rest);
   if (!about.brief) return;
   if (about.brief->n1 > about.slow->n1)
     about.brief->slow = about.slow.get();

@@ -142,11 +142,12 @@ class Selector {
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
-    std::unique_ptr<Mode> brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
+    std::unique_ptr<Mode>
+        brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& wanted);
-  void split_again(Known& about);
+  void split(Known& about, const Mode& whole);
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes has one continuation from every x
   DecayingSum decaying_;                                        ///< a guard, while the difference from the slow motion decays

@@ -45,13 +45,7 @@ struct Cut {
   double slow_rate = 0.0, fast_rate = 0.0;
 };
 
-Cut find_cut(const System& system, const Mode& whole, double longest) {
-  const Matrix a = whole.flow.a().topLeftCorner(whole.n1, whole.n1);
-  if (!(linalg::norm_bound(a) * longest > 1.0)) return {};
-  const Eigen::EigenSolver<Matrix> solver(a, false);
-  if (solver.info() != Eigen::Success) return {};
-  std::vector<std::complex<double>> rates(solver.eigenvalues().begin(), solver.eigenvalues().end());
-  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
+Cut find_cut(const System& system, const Rates& rates, double longest) {
   Cut cut;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const double rate = std::abs(rates[i]);
@@ -123,15 +117,35 @@ bool make_resolvent(const System& system, const WideMatrix& b, const WideMatrix&
   return true;
 }
 
-WideMatrix orthonormal(const WideMatrix& m) {
-  if (m.cols() == 0) return m;
-  const Eigen::HouseholderQR<WideMatrix> qr(m);
-  return qr.householderQ() * WideMatrix::Identity(m.rows(), m.cols());
+/// Orthonormal basis of the columns' span, by Gram and Schmidt's method, twice (Giraud, Langou, Rozložník, Comput. Math. Appl. 50 (2005)). A column that depends on those before it becomes zero.
+WideMatrix orthonormal(WideMatrix m) {
+  for (Index j = 0; j < m.cols(); ++j) {
+    auto column = m.col(j);
+    for (int round = 0; round < 2; ++round)
+      for (Index i = 0; i < j; ++i) column -= m.col(i).dot(column) * m.col(i);
+    const Wide norm = column.norm();
+    if (norm > 0) column /= norm;
+  }
+  return m;
 }
 
-/// Orthonormal basis of what repeated application of S turns everything to; it begins with `basis`.
-WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix basis) {
-  if (basis.cols() == 0) return basis;
+/// The columns of m that are furthest from each other's span, in turn, as a basis with rounding.
+WideMatrix leading_columns(WideMatrix m, Index count) {
+  for (Index j = 0; j < count; ++j) {
+    Index longest = 0;
+    const Wide norm = std::sqrt(m.rightCols(m.cols() - j).colwise().squaredNorm().maxCoeff(&longest));
+    if (!(norm > 0)) break;
+    m.col(j).swap(m.col(j + longest));
+    m.col(j) /= norm;
+    for (Index i = j + 1; i < m.cols(); ++i) m.col(i) -= m.col(j).dot(m.col(i)) * m.col(j);
+  }
+  return m.leftCols(count);
+}
+
+/// Orthonormal basis of what repeated application of S turns everything to.
+WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
+  if (dimension == 0) return WideMatrix(s.rows(), 0);
+  WideMatrix basis = orthonormal(leading_columns(s, dimension));
   Wide last = INFINITY;
   for (int k = 0; k < most_iterations; ++k) {
     WideMatrix next = orthonormal(product(s, basis));
@@ -143,19 +157,13 @@ WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix basis) {
   return basis;
 }
 
-WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
-  if (dimension == 0) return WideMatrix(s.rows(), 0);
-  const Eigen::ColPivHouseholderQR<WideMatrix> qr(s);
-  return dominant_subspace(s, WideMatrix(qr.householderQ() * WideMatrix::Identity(s.rows(), dimension)));
-}
-
 /// Orthonormal basis of what is orthogonal to orthonormal columns.
 WideMatrix complement(const WideMatrix& basis) {
   const Index n = basis.rows(), k = basis.cols();
-  if (k == 0) return WideMatrix::Identity(n, n);
-  const Eigen::HouseholderQR<WideMatrix> qr(basis);
-  const WideMatrix q = qr.householderQ() * WideMatrix::Identity(n, n);
-  return q.rightCols(n - k);
+  WideMatrix both(n, n);
+  both.leftCols(k) = basis;
+  both.rightCols(n - k) = leading_columns(WideMatrix::Identity(n, n) - product(basis, basis.transpose()), n - k);
+  return orthonormal(std::move(both)).rightCols(n - k);
 }
 
 /// N, (WᵀN)⁻¹Wᵀ and L of a resolvent, and what they tell.
@@ -172,9 +180,13 @@ class SlowMotion {
     w_ = between.solve(of_rows_.transpose());
     return w_.size() == 0 || w_.norm() < largest_condition;
   }
-  void find_lift(WideMatrix start);
+  void find_lift();
+  /// One more step of its fixed point, from a solution at another shift.
+  void turn_lift(const WideMatrix& lift) { lift_ = next_lift(lift); }
   void find_motion();
   [[nodiscard]] WideMatrix feedback() const { return product(product(r_.inputs, before_), coordinates_); }
+
+  [[nodiscard]] WideMatrix next_lift(const WideMatrix& lift) const;
 
   const System& system_;
   const Resolvent& r_;
@@ -198,7 +210,7 @@ class Splitter {
     const Index slow = n_ - fast_;
     if (!motion_.take_subspaces(dominant_subspace(resolvent_.states, slow), dominant_subspace(resolvent_.states.transpose(), slow)))
       return std::nullopt;
-    motion_.find_lift(WideMatrix::Zero(n_, nz_));
+    motion_.find_lift();
     motion_.find_motion();
     take_motion();
     if (!separate_decays()) return std::nullopt;
@@ -220,14 +232,21 @@ class Splitter {
   SlowManifold result_;
 };
 
-/// L = (fast part of) (S_ξ L + S_ζ)(σ − A_ζ), by fixed point.
-void SlowMotion::find_lift(WideMatrix start) {
+/// (Fast part of) (S_ξ L + S_ζ)(σ − A_ζ).
+WideMatrix SlowMotion::next_lift(const WideMatrix& lift) const {
+  if (nz_ == 0) return lift;
   const WideMatrix z = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
-  lift_ = std::move(start);
+  WideMatrix next = product(product(r_.states, lift) + r_.on_sources, z);
+  next -= product(slow_, product(w_, next));
+  return next;
+}
+
+/// L = (fast part of) (S_ξ L + S_ζ)(σ − A_ζ), by fixed point.
+void SlowMotion::find_lift() {
+  lift_ = WideMatrix::Zero(n_, nz_);
   Wide last = INFINITY;
   for (int k = 0; k < most_iterations && nz_ > 0; ++k) {
-    WideMatrix next = product(product(r_.states, lift_) + r_.on_sources, z);
-    next -= product(slow_, product(w_, next));
+    WideMatrix next = next_lift(lift_);
     const Wide change = (next - lift_).norm();
     lift_ = std::move(next);
     if (change <= tolerance::manifold_converged * lift_.norm() || !(change < last)) break;
@@ -305,9 +324,19 @@ bool Splitter::separate_decays() {
 
 }  // namespace
 
-std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const WideMatrix& b, const WideMatrix& c,
-                                          const WideMatrix& d, double longest) {
-  const Cut cut = find_cut(system, whole, longest);
+Rates rates_by_speed(const Mode& whole, double longest) {
+  const Matrix a = whole.flow.a().topLeftCorner(whole.n1, whole.n1);
+  if (!(linalg::norm_bound(a) * longest > 1.0)) return {};
+  const Eigen::EigenSolver<Matrix> solver(a, false);
+  if (solver.info() != Eigen::Success) return {};
+  Rates rates(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
+  return rates;
+}
+
+std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates, const WideMatrix& b,
+                                          const WideMatrix& c, const WideMatrix& d, double longest) {
+  const Cut cut = find_cut(system, rates, longest);
   if (cut.fast == 0) return std::nullopt;
   return Splitter(system, whole, cut).run(b, c, d);
 }
@@ -318,10 +347,10 @@ std::optional<Feedback> feedback_at_other_shift(const System& system, const Wide
   resolvent.shift = other_shift * first.shift;
   if (!make_resolvent(system, b, c, d, resolvent)) return std::nullopt;
   SlowMotion motion(system, resolvent);
-  if (!motion.take_subspaces(dominant_subspace(resolvent.states, first.slow),
-                             dominant_subspace(resolvent.states.transpose(), first.of_rows)))
-    return std::nullopt;
-  motion.find_lift(first.lift);
+  // The subspaces of every shift are the same: applied once, this resolvent puts its own rounding in the place of the other's.
+  const WideMatrix& s = resolvent.states;
+  if (!motion.take_subspaces(orthonormal(product(s, first.slow)), orthonormal(product(s.transpose(), first.of_rows)))) return std::nullopt;
+  motion.turn_lift(first.lift);
   motion.find_motion();
   return Feedback{motion.feedback(), std::move(resolvent.free), std::move(motion.slow_), std::move(motion.lift_)};
 }

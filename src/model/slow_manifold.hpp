@@ -15,7 +15,9 @@
 /// an exact similarity (Kokotović, Khalil, O'Reilly, Singular Perturbation Methods in Control (1986), §2.4). With Roff = ∞ the slow motion is that of the ideal
 /// mode, and the decay of φ its jump.
 
+#include <complex>
 #include <optional>
+#include <vector>
 
 #include "model/system.hpp"
 
@@ -39,17 +41,24 @@ struct SlowManifold {
   double rate_doubt = 0.0;           ///< what rounding of A, entry by entry, may make of the slow rates, 1/s
 };
 
-/// Of `whole`, the mode of the active ports whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
+/// Eigenvalues of a mode's A, 1/s, the fastest first.
+using Rates = std::vector<std::complex<double>>;
+
+/// None where no time constant can be as short as `longest`, s, or where they cannot be computed.
+[[nodiscard]] Rates rates_by_speed(const Mode& whole, double longest);
+
+/// Of `whole`, the mode of the active ports whose rates and whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
 /// most `longest`, s, or if the fast part is not a plain decay.
-[[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const linalg::WideMatrix& b,
-                                                        const linalg::WideMatrix& c, const linalg::WideMatrix& d, double longest);
+[[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates,
+                                                        const linalg::WideMatrix& b, const linalg::WideMatrix& c,
+                                                        const linalg::WideMatrix& d, double longest);
 
 struct Feedback {
   linalg::WideMatrix inputs;       ///< as SlowManifold::feedback
   linalg::WideMatrix free_inputs;  ///< as SlowManifold::free_inputs
   linalg::WideMatrix slow, lift;   ///< N and L
 };
-/// The same feedback at another shift, from which it differs by rounding. It begins with the subspaces of the first, which its own resolvent then turns to its own.
+/// The same feedback at another shift, from which it differs by rounding. Its own resolvent is applied to the subspaces of the first once.
 [[nodiscard]] std::optional<Feedback> feedback_at_other_shift(const System& system, const linalg::WideMatrix& b,
                                                               const linalg::WideMatrix& c, const linalg::WideMatrix& d,
                                                               const SlowManifold& first);
