@@ -67,7 +67,8 @@ const Mode* Selector::slow_mode(const IndexSet& set) {
   Known& about = known(set);
   if (!about.slow_is_known) {
     about.slow_is_known = true;
-    if (unseen_ > 0.0 && system_.ports > 0) split(about, mode(set));
+    const Mode& whole = mode(set);
+    if (unseen_ > 0.0 && system_.ports > 0) split(about, whole);
   }
   return about.slow.get();
 }
