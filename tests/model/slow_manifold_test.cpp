@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <memory>
 
 #include "model/build_mode.hpp"
 #include "model/handmade_systems.hpp"
@@ -23,13 +24,17 @@ System leaking(double delta) {
 }
 
 /// Eigenvalues of (−1 2; −2 −1−r): λ² + (2 + r) λ + 5 + r = 0, the slow one without cancellation.
-struct Rates {
+struct TwoRates {
   double fast, slow;
 };
-Rates rates(double delta) {
+TwoRates rates(double delta) {
   const double r = 1.0 / delta, half = 0.5 * (2.0 + r);
   const double fast = -half - std::sqrt(half * half - (5.0 + r));
   return {fast, (5.0 + r) / fast};
+}
+
+std::unique_ptr<Mode> slow_mode_of(const System& system, const Mode& whole, double longest) {
+  return build_slow_mode(system, whole, rates_by_speed(whole, longest), longest);
 }
 
 }  // namespace
@@ -41,10 +46,10 @@ TEST_CASE("the slow motion of a mode keeps all digits of its rate, however fast 
   const auto whole = build_mode(system, set_of(1, {0}));
   REQUIRE(whole->regular);
   if (whole->constrained) return;  // δ is taken for zero
-  const auto slow = build_slow_mode(system, *whole, 1e-3);
+  const auto slow = slow_mode_of(system, *whole, 1e-3);
   REQUIRE(slow != nullptr);
   REQUIRE(slow->n1 == 1);
-  const Rates exact = rates(delta);
+  const TwoRates exact = rates(delta);
   CHECK(std::abs(slow->flow.a()(0, 0) / exact.slow - 1.0) < 4e-16 * 4.0);
   CHECK(std::abs(slow->decays->slowest * -exact.fast - 1.0) < 1e-9);
   // On the manifold x₂ = λ-eigenvector: (A + 1) x = λ x gives x₂ = (λ + 1)/2 x₁, and u = −x₂/δ.
@@ -60,16 +65,16 @@ TEST_CASE("the slow motion of a mode keeps all digits of its rate, however fast 
 
 TEST_CASE("a decay that is not much faster, or longer than asked for, is left in the mode", "[unit]") {
   const System near = leaking(1e-2), far = leaking(1e-9);
-  CHECK(build_slow_mode(near, *build_mode(near, set_of(1, {0})), 0.1) == nullptr);
+  CHECK(slow_mode_of(near, *build_mode(near, set_of(1, {0})), 0.1) == nullptr);
   const auto whole = build_mode(far, set_of(1, {0}));
-  CHECK(build_slow_mode(far, *whole, 1e-10) == nullptr);
-  CHECK(build_slow_mode(far, *whole, 1e-8) != nullptr);
+  CHECK(slow_mode_of(far, *whole, 1e-10) == nullptr);
+  CHECK(slow_mode_of(far, *whole, 1e-8) != nullptr);
 }
 
 TEST_CASE("projection onto the slow manifold goes along the decay", "[unit]") {
   const System system = leaking(1e-7);
   const auto whole = build_mode(system, set_of(1, {0}));
-  const auto slow = build_slow_mode(system, *whole, 1e-3);
+  const auto slow = slow_mode_of(system, *whole, 1e-3);
   REQUIRE(slow != nullptr);
   // The fast eigenvector (2, λ + 1): nothing of it is left.
   const Vector fast = Vector{{2.0, rates(1e-7).fast + 1.0}};

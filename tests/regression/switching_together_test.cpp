@@ -314,3 +314,42 @@ TEST_CASE("what is saved does not change what the switches of these bridges do",
 TEST_CASE("what is saved does not change what switches do in 5000 decks", "[long]") {
   for (std::uint64_t seed = 1001; seed <= 6000; ++seed) check_deck(seed, seed % 10 == 0, false);
 }
+
+// S1 opens with Q, S2 closes behind a chain of gates, and the comparator reads the current of the inductor that both carry. By hand: while S1 conducts, from i = 0 and with 12 V across 10 µH, the
+// latch is reset at 6 A; with S2 then closed at once the current goes on from there.
+TEST_CASE("switches behind chains of gates of any length change together", "[regression]") {
+  const std::string head =
+      "peak current\nVin in 0 12\nS1 in sw q 0 SX\nS2 sw 0 nq 0 SX\nL1 sw out 10u\nC1 out 0 100u\nR1 out 0 1\nBs sense 0 V=i(L1)\nVref ref "
+      "0 6\n"
+      "Bc cmp 0 V=u(v(sense)-v(ref))\nVclk ck 0 PULSE(0 1 0 1n 1n 100n 10u)\nA1 ck cmp 0 0 0 0 q 0 SRFLOP\n.model SX SW(Ron=10m "
+      "Vt=0.5)\n.save i(L1) v(out)\n";
+  const std::string tail = ".tran 0.1u 200u uic\n.end\n";
+  const std::string one_gate = head + "A2 q 0 0 0 0 nq 0 0 INV\n" + tail;
+  const std::string three_gates = head + "A2 q 0 0 0 0 n1 0 0 INV\nA3 n1 0 0 0 0 0 n2 0 BUF\nA4 n2 0 0 0 0 0 nq 0 BUF\n" + tail;
+  const DeckRun one = test::run_text(one_gate), three = test::run_text(three_gates);
+  REQUIRE(one.answer.outcome == engine::Outcome::completed);
+  REQUIRE(three.answer.outcome == engine::Outcome::completed);
+  CHECK(three.answer.statistics.jumps == 0);
+  CHECK((values_of(three, "i(L1)") == values_of(one, "i(L1)")));
+  CHECK((values_of(three, "v(out)") == values_of(one, "v(out)")));
+  // The upper switch alone decides when the latch is reset: the inductor's current never exceeds the reference, and it falls with v(out)/L, not at once.
+  const std::vector<double> current = values_of(three, "i(L1)");
+  CHECK(*std::max_element(current.begin(), current.end()) <= 6.0 + 1e-9);
+  const std::vector<double> voltage = values_of(three, "v(out)");
+  for (std::size_t i = 1; i < current.size(); ++i) {
+    const double most = (std::max(voltage[i], voltage[i - 1]) + 0.1) * 0.1e-6 / 10e-6;  // 0.1 V: across the switch
+    REQUIRE(current[i - 1] - current[i] <= most);
+  }
+}
+
+// The reset of a latch counts while it is there, and set and reset fall at one instant: the set by a gate that its own source drives.
+TEST_CASE("gates settle before latches", "[regression]") {
+  const std::string deck =
+      "set behind a gate\nVs s 0 PULSE(1 0 5u 1n 1n 1 2)\nVr r 0 PULSE(1 0 5u 1n 1n 1 2)\nA1 s 0 0 0 0 0 g 0 BUF\nA2 g r 0 0 0 0 q 0 "
+      "SRFLOP\n"
+      "R1 q 0 1k\n.save v(q)\n.tran 1u 10u\n.end\n";
+  for (const DeckRun& run : {test::run_text(deck), test::run_text_sparse(deck, 1e-6)}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    for (const double q : values_of(run, "v(q)")) CHECK(std::abs(q) < 1e-9);
+  }
+}

@@ -67,7 +67,9 @@ void Transient::make_clocks() {
     if (system.n == 0 && system.ports == 0 && system.outputs.empty() && system.controls.empty()) continue;
     running_.push_back(&islands_[i]);
     (system.controls.empty() ? following_ : steering_).push_back(&islands_[i]);
-    if (islands_[i].senses_state()) sensing_.push_back(&islands_[i]);
+    if (!islands_[i].senses_state()) continue;
+    sensing_.push_back(&islands_[i]);
+    if (system.n == 0) logic_.push_back(&islands_[i]);
   }
 }
 
@@ -313,11 +315,16 @@ bool Transient::handle(double time) {
 }
 
 /// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes, and what those do to
-/// the other switches, until nothing moves. Parts that steer nothing have their turn then: logic that settles reaches them as one change.
+/// the other switches, until nothing moves. Parts without states have their turn first, then those with states, at last those that steer nothing: logic
+/// that settles reaches them as one change, however long its chains are.
 bool Transient::settle(Instant& instant, bool at_start) {
   std::fill(rested_.begin(), rested_.end(), 0);
   for (int round = 0; round < most_rounds; ++round) {
     if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
+    if (!logic_.empty()) {
+      if (!select_open(logic_, instant)) return false;
+      if (flip_logic(instant)) continue;
+    }
     if (!select_open(steering_, instant)) return false;
     if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
     if (!select_open(following_, instant)) return false;
@@ -386,6 +393,23 @@ bool Transient::flip_passing(Instant& instant) {
   for (IslandRun* island : sensing_) {
     if (!island->is_open()) continue;
     for (const int c : island->passing_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
+  }
+  return flip(instant);
+}
+
+/// Gates settle before latches: a switch with hysteresis keeps what it was told until nothing else moves.
+bool Transient::flip_logic(Instant& instant) {
+  flips_.clear();
+  bool latches = true;
+  for (IslandRun* island : logic_) {
+    if (!island->is_open()) continue;
+    for (const int c : island->violated_controls(on_)) {
+      const model::Control& control = island->system().controls[static_cast<std::size_t>(c)];
+      const bool is_latch = control.on_level != control.off_level;
+      if (latches && !is_latch) flips_.clear();
+      latches = latches && is_latch;
+      if (is_latch == latches) flips_.push_back(control.driven);
+    }
   }
   return flip(instant);
 }

@@ -70,6 +70,7 @@ class Transient : private RowSource {
   void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_passing(Instant& instant);
+  bool flip_logic(Instant& instant);
   bool flip_violated(Instant& instant);
   bool flip_at_rest(Instant& instant);
   bool flip(Instant& instant);
@@ -109,6 +110,7 @@ class Transient : private RowSource {
   std::vector<model::Clock> clocks_;              ///< switches that only piecewise linear sources drive
   std::vector<IslandRun*> following_, steering_;  ///< the running ones that drive no switch, and that drive some
   std::vector<IslandRun*> sensing_;               ///< of these the ones whose controls read more than sources
+  std::vector<IslandRun*> logic_;                 ///< and of these the ones without states
   std::vector<Group> groups_;
   std::vector<char> on_;         ///< switches
   std::vector<int> flips_;       ///< switches that are to change
