@@ -130,7 +130,6 @@ class Block {
   bool settle(double h, Instant& instant, Point& first);
   [[nodiscard]] bool flip_ahead(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
-  bool flip_held();
   /// Before the Euler steps of an instant.
   struct Beginning {
     Position on;
@@ -211,8 +210,6 @@ class Block {
   int passing_ = -1;                       ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
-  std::vector<std::size_t> passed_,
-      held_;  ///< ports of switches whose controls have passed: those that change sides, and latches that wait for them
   Trial trial_, free_;
   Point first_, second_, third_;  ///< of the Euler steps of an instant
   std::vector<double> w_, signals_before_, impulses_;

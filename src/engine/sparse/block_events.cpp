@@ -1,6 +1,5 @@
 /// Block: where events lie, and what happens there.
 #include <fmt/format.h>
-#include <utility>
 
 #include <algorithm>
 #include <cmath>
@@ -141,10 +140,8 @@ bool Block::locate(double h, Crossing crossing) {
   return true;
 }
 
-/// Gates settle before latches: those with hysteresis go to `held_` where others move.
 bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
-  passed_.clear();
-  held_.clear();
+  bool flipped = false;
   const double unknown = largest(point_.z);
   if (by_sources) sources_.evaluate(time, w_);
   for (const Control& control : controls_) {
@@ -152,21 +149,11 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
     if (control.margin(on, value) >= -std::max(sign_tolerance * size, control.rounding(unknown))) continue;
-    (control.on_level == control.off_level ? passed_ : held_).push_back(control.port);
+    on[control.port] ^= 1;
+    flipped = true;
+    instant.mode_change = true;
   }
-  if (passed_.empty() || by_sources) {
-    passed_.insert(passed_.end(), held_.begin(), held_.end());
-    held_.clear();
-  }
-  for (const std::size_t port : passed_) on[port] ^= 1;
-  instant.mode_change = instant.mode_change || !passed_.empty();
-  return !passed_.empty();
-}
-
-/// Where there is no position without them.
-bool Block::flip_held() {
-  for (const std::size_t port : held_) point_.on[port] ^= 1;
-  return !std::exchange(held_, {}).empty();
+  return flipped;
 }
 
 /// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,
@@ -200,12 +187,10 @@ bool Block::flip_ahead(double h, Instant& instant, Point& first) {
 /// until none moves. False: no position (trial_.solved); `failure_` says so where they find no rest.
 bool Block::settle(double h, Instant& instant, Point& first) {
   for (Control& control : controls_) control.has_rested = false;
-  held_.clear();
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
-    if (trial_.solved == Solved::no_position && flip_held()) continue;
     if (trial_.solved == Solved::no_position && round == 0 && flip_ahead(h, instant, first)) continue;
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
