@@ -209,7 +209,8 @@ class Block {
   int last_guard_ = -1;                    ///< that ended the segment before
   int passing_ = -1;                       ///< the same, until the position behind it is found
   Point point_;
-  Position position_before_;  ///< before the instant that is due
+  Position position_before_;                  ///< before the instant that is due
+  std::unordered_set<std::string> unshared_;  ///< positions in which ports that are free to conduct would carry nothing
   Trial trial_, free_;
   Point first_, second_, third_;  ///< of the Euler steps of an instant
   std::vector<double> w_, signals_before_, impulses_;

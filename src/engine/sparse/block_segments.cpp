@@ -152,18 +152,22 @@ bool Block::flip_negative(Position on, int rounds) {
   return false;
 }
 
-/// Ports that are free to conduct do, as in the exact engine, where nothing speaks against it: parallel diodes share their current. False: failed.
+/// Ports that are free to conduct do, as in the exact engine, where they then carry something and nothing speaks against it: parallel diodes share their current.
+/// Diodes of a part at rest, as those far up a multiplier that has just started, stay off: on, they would all be in dispute at each of its events. False: failed.
 bool Block::share_freely() {
-  if (segment_->free_ports().empty()) return true;
   const Position on = point_.on;
   Position shared = on;
   for (const int port : segment_->free_ports()) shared[static_cast<std::size_t>(port)] = 1;
   descriptor_.hold_blocked(shared);
-  if (shared == on) return true;
-  if (open_segment(shared) == ExactSegment::Opened::yes && segment_->negative().empty() && is_continuous()) {
+  if (shared == on || unshared_.contains({on.begin(), on.end()})) return true;
+  const std::vector<int> free = segment_->free_ports();
+  const bool fits = open_segment(shared) == ExactSegment::Opened::yes && segment_->negative().empty() && is_continuous();
+  const std::vector<int>& idle = fits ? segment_->idle_ports() : free;
+  if (!std::includes(idle.begin(), idle.end(), free.begin(), free.end())) {
     point_.on = shared;
     return true;
   }
+  if (fits) unshared_.emplace(on.begin(), on.end());
   return open_segment(on) == ExactSegment::Opened::yes;
 }
 

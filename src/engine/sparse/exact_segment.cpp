@@ -198,8 +198,10 @@ void ExactSegment::drop_empty_guards() {
   node_terms_ = space_.largest_terms(0, descriptor_.nodes());
   input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
   free_.clear();
+  idle_.clear();
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_empty = mode_->guards.row(row).cwiseAbs().dot(space_.reach()) <= empty_row * terms_of(row);
+    if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
     if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && node_terms_ > least_voltage_) free_.push_back(row);
     return is_empty;
   });

@@ -47,6 +47,8 @@ class ExactSegment {
 
   /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
+  /// Ports that are on and carry nothing.
+  [[nodiscard]] const std::vector<int>& idle_ports() const { return idle_; }
 
   struct Passage {
     bool found = false;
@@ -123,7 +125,7 @@ class ExactSegment {
   Locator locator_;
   Passage passage_;
   bool located_ = false;
-  std::vector<int> negative_, free_;
+  std::vector<int> negative_, free_, idle_;
   std::vector<double> zeta_, y_, work_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
