@@ -57,6 +57,8 @@ class Selector {
   /// `wanted`: previous mode's set with the switch ports in their present positions. `trigger`: port whose guard reached zero, −1: none.
   /// Valid until the next selection.
   const Selected& select(double* x, const IndexSet& wanted, int trigger);
+  /// The answer of the last selection.
+  [[nodiscard]] const Selected& selected() const { return selected_; }
   /// The answer where there is nothing to select.
   const Selected& stay_in(const Mode& mode);
 

@@ -352,3 +352,21 @@ TEST_CASE("gates settle before latches", "[regression]") {
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const double q : values_of(run, "v(q)")) CHECK(std::abs(q) < 1e-9);
 }
+
+// Without resistance in the switches a position in which both are closed has no solution, and the comparator reads what they drive. By hand: q turns on where v(t) = 1, and off where
+// v(t) + 1.2 = 1, so that it is high from asin(1/5) to π + asin(0.2/5) of each period of the sine.
+TEST_CASE("a position that waits for gates need not have a solution", "[regression]") {
+  const DeckRun run = test::run_text(
+      "sensed load\nVin in 0 12\nVt t 0 SIN(0 5 10k)\nS1 in sw q 0 SX\nS2 sw 0 nq 0 SX\nR1 sw 0 10\nBc cmp 0 V=u(v(t)+0.1*v(sw)-1)\nA1 cmp "
+      "0 0 0 0 0 q 0 BUF\n"
+      "A2 q 0 0 0 0 n1 0 0 INV\nA3 n1 0 0 0 0 0 n2 0 BUF\nA4 n2 0 0 0 0 0 nq 0 BUF\n.model SX SW(Ron=0 Vt=0.5)\n.save v(sw)\n.tran 1u 200u "
+      "uic\n.end\n");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (const auto& row : run.rows) {
+    INFO("t = " << row[0]);
+    constexpr double pi = 3.14159265358979324;
+    const double phase = std::fmod(2.0 * pi * 1e4 * row[0], 2.0 * pi);
+    const bool is_high = phase > std::asin(0.2) && phase < pi + std::asin(0.04);
+    REQUIRE(row[1] == Approx(is_high ? 12.0 : 0.0).margin(1e-9));
+  }
+}

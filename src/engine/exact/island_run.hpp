@@ -70,6 +70,7 @@ class IslandRun {
   void evaluate_sources(double time) { system_.exosystem->evaluate(phase_, time, x.data() + system_.n); }
   /// Selects the mode that follows at x; `set` is the wanted active set.
   const model::Selected& select();
+  [[nodiscard]] const model::Selected& selected() const { return selector_.selected(); }
   void set_switch(int port, bool closed);
   /// Whether some of its controls read more than sources.
   [[nodiscard]] bool senses_state() const;

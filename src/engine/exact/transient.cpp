@@ -179,6 +179,7 @@ bool Transient::begin(const RunState& start) {
   begin_ = start.time;
   on_ = start.on;
   rested_.assign(on_.size(), 0);
+  is_ready_.assign(islands_.size(), 0);
   pieces_.before_start(start.signals);
   for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
@@ -321,10 +322,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
   std::fill(rested_.begin(), rested_.end(), 0);
   for (int round = 0; round < most_rounds; ++round) {
     if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
-    if (!logic_.empty()) {
-      if (!select_open(logic_, instant)) return false;
-      if (flip_logic(instant)) continue;
-    }
+    if (!logic_.empty() && select_logic(instant)) continue;
     if (!select_open(steering_, instant)) return false;
     if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
     if (!select_open(following_, instant)) return false;
@@ -348,23 +346,35 @@ bool Transient::settle(Instant& instant, bool at_start) {
 
 bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& instant) {
   for (IslandRun* island : islands) {
-    if (!island->is_open()) continue;
-    const model::Selected& selected = island->select();
-    instant.jumps += selected.jumps;
-    feed_.selected(number_of(*island), *island);
-    if (selected.jumps > 0) {
-      jump_recorder_.jumped(number_of(*island), selected);
-      impulses_.ports_jumped(number_of(*island), selected);
-    }
-    if (selected.choice == model::Choice::found) continue;
-    if (selected.choice == model::Choice::several && request_.non_unique != NonUnique::error) {
-      note_several(*island, selected, instant.time);
-      continue;
-    }
-    fail_selection(*island, selected, instant.time);
+    if (!island->is_open() || is_ready_[number_of(*island)] != 0 || selects(*island, instant)) continue;
+    fail_selection(*island, island->selected(), instant.time);
     return false;
   }
   return true;
+}
+
+/// Whether something continues.
+bool Transient::selects(IslandRun& island, Instant& instant) {
+  const model::Selected& selected = island.select();
+  instant.jumps += selected.jumps;
+  feed_.selected(number_of(island), island);
+  if (selected.jumps > 0) {
+    jump_recorder_.jumped(number_of(island), selected);
+    impulses_.ports_jumped(number_of(island), selected);
+  }
+  if (selected.choice == model::Choice::found) return true;
+  if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
+  note_several(island, selected, instant.time);
+  return true;
+}
+
+/// Modes of the parts without states; true where switches have answered them. Between two rounds such a part may have no mode, as where a closed switch waits for
+/// its complement behind more gates: its controls wait for the next.
+bool Transient::select_logic(Instant& instant) {
+  std::fill(is_ready_.begin(), is_ready_.end(), 0);
+  for (IslandRun* island : logic_)
+    if (island->is_open() && selects(*island, instant)) is_ready_[number_of(*island)] = 1;
+  return flip_logic(instant);
 }
 
 void Transient::take_clocks(Instant& instant) {
@@ -402,7 +412,7 @@ bool Transient::flip_logic(Instant& instant) {
   flips_.clear();
   bool latches = true;
   for (IslandRun* island : logic_) {
-    if (!island->is_open()) continue;
+    if (is_ready_[number_of(*island)] == 0) continue;
     for (const int c : island->violated_controls(on_)) {
       const model::Control& control = island->system().controls[static_cast<std::size_t>(c)];
       const bool is_latch = control.on_level != control.off_level;

@@ -70,6 +70,8 @@ class Transient : private RowSource {
   void take_clocks(Instant& instant);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_passing(Instant& instant);
+  bool select_logic(Instant& instant);
+  bool selects(IslandRun& island, Instant& instant);
   bool flip_logic(Instant& instant);
   bool flip_violated(Instant& instant);
   bool flip_at_rest(Instant& instant);
@@ -111,6 +113,7 @@ class Transient : private RowSource {
   std::vector<IslandRun*> following_, steering_;  ///< the running ones that drive no switch, and that drive some
   std::vector<IslandRun*> sensing_;               ///< of these the ones whose controls read more than sources
   std::vector<IslandRun*> logic_;                 ///< and of these the ones without states
+  std::vector<char> is_ready_;                    ///< islands of those whose mode of the round at hand is known
   std::vector<Group> groups_;
   std::vector<char> on_;         ///< switches
   std::vector<int> flips_;       ///< switches that are to change
