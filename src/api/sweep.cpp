@@ -34,7 +34,7 @@ bool may_be_sources(const Sweep::Data& data) {
   const std::vector<circuit::Sweep>& cards = data.compilation.compiled().analyses.sweeps.list;
   if (!cards.empty())
     return !data.stepped.list.empty() &&
-           std::none_of(cards.begin(), cards.end(), [](const circuit::Sweep& card) { return card.is_parameter; });
+           std::all_of(cards.begin(), cards.end(), [](const circuit::Sweep& card) { return card.is_source(); });
   const auto is_parameter = [&](const std::string& name) { return api::has_parameter(data.compilation.deck().cards, name); };
   return std::none_of(data.names.begin(), data.names.end(), is_parameter);
 }

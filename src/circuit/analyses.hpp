@@ -97,12 +97,14 @@ struct Sensitivities {
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
-/// One `.step`: the values that a parameter of the deck, or a source without a waveform, takes in turn.
+/// One `.step`: the values that a parameter of the deck, a source without a waveform, a resistor, a capacitor or an inductor takes in turn.
 struct Sweep {
   std::string name;  ///< as written
   bool is_parameter = false;
   std::vector<double> values;
   SourceSpan span;
+
+  [[nodiscard]] bool is_source() const;
 };
 
 /// All of them; the first changes fastest.

@@ -45,7 +45,7 @@ void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit);
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps);
 /// The values of one run: of parameters before anything else is evaluated, of sources behind all elements.
 void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope);
-void set_stepped_sources(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit);
+void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit);
 
 /// .meas and .four into `circuit`.
 void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);

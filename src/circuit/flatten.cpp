@@ -53,7 +53,7 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);
-  set_stepped_sources(sweeps, run, reporter, circuit);
+  set_stepped_elements(sweeps, run, reporter, circuit);
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   check_trigger(reporter, circuit);
   models.check_unused(top, deck.title_span.file);

@@ -16,6 +16,8 @@ using netlist::Item;
 using ItemKind = Item::Kind;
 
 constexpr std::string_view usage = ".step param name start stop step | list a b … | dec|oct start stop points";
+/// First letters of elements whose value can be stepped.
+constexpr std::string_view stepped_elements = "virlc";
 constexpr std::size_t most_sweeps = 3;
 constexpr double most_points = 1e6;
 
@@ -60,7 +62,7 @@ class SweepReader {
     }
     if (at >= items.size()) return fail("E-missing-value", card_.span, "it does not say what to step");
     const Item& name = items[at++];
-    if (!accepts(name)) return std::nullopt;
+    if (!accepts(name, at < items.size() ? &items[at] : nullptr)) return std::nullopt;
     sweep_.name = name.text;
     sweep_.span = name.span;
     take_spacing();
@@ -85,16 +87,16 @@ class SweepReader {
     return std::nullopt;
   }
 
-  bool accepts(const Item& name) {
+  bool accepts(const Item& name, const Item* next) {
     if (sweep_.is_parameter && name.kind == ItemKind::word) return true;
-    const char letter = name.kind == ItemKind::word ? lower_letter(name.text.front()) : '?';
-    if (letter != 'v' && letter != 'i')
-      (void)fail(
-          "E-not-supported", name.span,
-          fmt::format("{} is neither a parameter nor a source; try .step param x … and {{x}} as the value of the element, or in its model",
-                      reporter_.text(name.span)));
-    else
-      return true;
+    // What stands behind a type is a model and its parameter: `.step RES RM(R) …`.
+    const bool is_element = name.kind == ItemKind::word && stepped_elements.find(lower_letter(name.text.front())) != std::string_view::npos;
+    if (is_element && (next == nullptr || next->kind != ItemKind::group)) return true;
+    (void)fail("E-not-supported", name.span,
+               fmt::format(
+                   "{} is neither a parameter nor a source, resistor, capacitor or inductor; try .step param x … and {{x}} as the value of "
+                   "the element, or in its model",
+                   reporter_.text(name.span)));
     return false;
   }
 
@@ -160,7 +162,19 @@ class SweepReader {
   Spacing spacing_ = Spacing::linear;
 };
 
+/// The value of a resistor, capacitor or inductor; false where it has none.
+bool set_value(elements::Instance& instance, double value, SourceSpan span) {
+  const elements::Values& given = instance.values;
+  const std::string name(1, lower_letter(instance.kind->letter));
+  if (instance.formula || elements::find_parameter(given.table(), name) == nullptr) return false;
+  std::erase_if(instance.written, [&](const elements::Written& written) { return written.span == given.span(name); });
+  instance.values.set(name, value, span);
+  return true;
+}
+
 }  // namespace
+
+bool Sweep::is_source() const { return !is_parameter && std::string_view("vi").find(lower_letter(name.front())) != std::string_view::npos; }
 
 std::size_t Sweeps::runs() const {
   std::size_t count = list.empty() ? 0 : 1;
@@ -181,9 +195,10 @@ void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporte
   for (const Card* card : definitions.sweeps) {
     if (card->damaged) continue;
     if (steps_temperature(*card)) {
-      reporter.note("N-step-temperature", card->span,
-                    "the elements are ideal and have no temperature: .step temp is one run; try .step param temp … and {temp} in the values "
-                    "that depend on it");
+      reporter.note(
+          "N-step-temperature", card->span,
+          "the elements are ideal and have no temperature: .step temp is one run; try .step param temp … and {temp} in the values "
+          "that depend on it");
       continue;
     }
     SweepReader reader(*card, scope, reporter);
@@ -213,7 +228,7 @@ void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope
     if (sweeps.list[k].is_parameter) scope.define(sweeps.list[k].name, values[k], sweeps.list[k].span);
 }
 
-void set_stepped_sources(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit) {
+void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit) {
   const std::vector<double> values = sweeps.point(run);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const Sweep& sweep = sweeps.list[k];
@@ -221,12 +236,15 @@ void set_stepped_sources(const Sweeps& sweeps, std::size_t run, Reporter& report
     const auto found = std::find_if(circuit.instances.begin(), circuit.instances.end(),
                                     [&](const elements::Instance& instance) { return same_name(instance.name, sweep.name); });
     if (found == circuit.instances.end()) {
-      reporter.error("E-unknown-element", sweep.span, fmt::format("unknown source '{}'", sweep.name));
+      reporter.error("E-unknown-element", sweep.span, fmt::format("unknown element '{}'", sweep.name));
     } else if (found->waveform && std::holds_alternative<model::Dc>(*found->waveform)) {
       found->waveform = model::Dc{values[k]};
+    } else if (!sweep.is_source() && set_value(*found, values[k], sweep.span)) {
+      continue;
     } else {
       reporter.error("E-not-supported", sweep.span,
-                     fmt::format(".step: {} follows a waveform and has no one value to step; try a parameter in it", sweep.name));
+                     fmt::format(".step: {} follows {} and has no one value to step; try a parameter in it", sweep.name,
+                                 sweep.is_source() ? "a waveform" : "an expression"));
     }
   }
 }

@@ -133,7 +133,7 @@ class Sweep {
     if (task_.options.split || !analyses.transient || analyses.steady_state || analyses.operating_point || analyses.sensitivities) return;
     std::vector<std::string> names;
     for (const circuit::Sweep& sweep : sweeps_.list) {
-      if (sweep.is_parameter) return;
+      if (!sweep.is_source()) return;
       names.push_back(sweep.name);
     }
     Diagnostics diagnostics;

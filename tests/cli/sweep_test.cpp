@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <sstream>
 
 #include "cli/run_in.hpp"
 #include "spice/ngspice.hpp"
@@ -55,8 +56,45 @@ TEST_CASE("sweeps: linear, by decades and octaves, lists, sources; the first of 
   CHECK(table(".step dec param R 1k 1Meg 1\n").rfind("R,mean\n1000,0.5\n10000,0.9090909", 0) == 0);
   CHECK(table(".step param R oct 1k 4k 1\n").find("\n2000,0.6666666666666666\n4000,0.8\n") != std::string::npos);
   CHECK(table(".param R=1k\n.step V1 list 2 4\n") == "V1,mean\n2,1\n4,2\n");
+  CHECK(table(".param R=1k\n.step R2 1k 3k 2k\n") == "R2,mean\n1000,0.5\n3000,0.75\n");
+  CHECK(table(".param R=1k\n.step r1 list 1k 3k\n.step V1 list 1 2\n") == "r1,V1,mean\n1000,1,0.5\n3000,1,0.25\n1000,2,1\n3000,2,0.5\n");
   CHECK(table(".param R={unif(1k,0)+aunif(0,0)}\n.step V1 list 2 4\n") == "V1,mean\n2,1\n4,2\n");
   CHECK(table(".step param R list 1k 3k\n.step V1 list 1 2\n") == "R,V1,mean\n1000,1,0.5\n3000,1,0.75\n1000,2,1\n3000,2,1.5\n");
+}
+
+TEST_CASE("sweeps of a capacitor and of an inductor: time constants RC and L/R", "[unit]") {
+  const Scratch scratch;
+  scratch.write("c.net",
+                "time constants\n"
+                "V1 a 0 1\n"
+                "R1 a b 1k\n"
+                "C1 b 0 {tau/1k} ic=0\n"
+                "V2 c 0 1\n"
+                "L1 c d 1m ic=0\n"
+                "R2 d 0 1\n"
+                ".param tau=1m\n"
+                ".step C1 list 1u 2u\n"
+                ".step L1 list 1m 3m\n"
+                ".tran 1m 10m uic\n"
+                ".save v(b)\n"
+                ".meas rc WHEN v(b)={1-exp(-1)}\n"
+                ".meas lr WHEN v(d)={1-exp(-1)}\n");
+  const Finished finished = run_in(scratch, {"c.net", "--quiet"});
+  CHECK(finished.status == 0);
+  std::istringstream table(finished.out);
+  std::string line;
+  std::getline(table, line);
+  CHECK(line == "C1,L1,rc,lr");
+  for (const double l : {1e-3, 3e-3})
+    for (const double c : {1e-6, 2e-6}) {
+      double stepped_c = 0, stepped_l = 0, rc = 0, lr = 0;
+      char comma = 0;
+      table >> stepped_c >> comma >> stepped_l >> comma >> rc >> comma >> lr;
+      CHECK(stepped_c == c);
+      CHECK(stepped_l == l);
+      CHECK(rc == Approx(1e3 * c).epsilon(1e-12));
+      CHECK(lr == Approx(l).epsilon(1e-12));
+    }
 }
 
 TEST_CASE("a run that fails is told with its values, recorded, and stops no other", "[unit]") {
