@@ -432,10 +432,16 @@ std::string derivative_text(const DerivativeTable& table, int digits) {
   return text;
 }
 
+std::vector<std::string> derivative_columns() { return {"measurement", "parameter", "derivative", "normalised", "left", "right", "failure"}; }
+
 std::string derivative_csv(const DerivativeTable& table) {
-  std::string text = "measurement,parameter,derivative,normalised,left,right,failure\n";
+  return fmt::format("{}\n", fmt::join(derivative_columns(), ",")) + derivative_rows(table);
+}
+
+std::string derivative_rows(const DerivativeTable& table, const std::string& prefix) {
+  std::string text;
   for (const Derivative& d : table) {
-    text += waveform::csv_field(d.measurement) + ',' + waveform::csv_field(d.parameter);
+    text += prefix + waveform::csv_field(d.measurement) + ',' + waveform::csv_field(d.parameter);
     if (d.failure.empty())
       text += fmt::format(",{},{},{},{},", d.value, std::isfinite(d.normalised) ? fmt::format("{}", d.normalised) : "", d.left, d.right);
     else

@@ -29,6 +29,9 @@ namespace pwlsim::analysis {
 /// "measurement parameter derivative percent-per-percent", one a line, aligned.
 [[nodiscard]] std::string derivative_text(const DerivativeTable& table, int digits);
 [[nodiscard]] std::string derivative_csv(const DerivativeTable& table);
+/// Its columns, and its lines, each behind `prefix`.
+[[nodiscard]] std::vector<std::string> derivative_columns();
+[[nodiscard]] std::string derivative_rows(const DerivativeTable& table, const std::string& prefix = "");
 /// The member `sensitivities`: a list.
 void write_derivatives(JsonWriter& json, const DerivativeTable& table);
 

@@ -124,6 +124,12 @@ std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::str
   return text;
 }
 
+std::string sweep_prefix(const circuit::Sweeps& sweeps, std::size_t run) {
+  std::string text;
+  for (const double stepped : sweeps.point(run)) text += waveform::shortest(stepped) + ",";
+  return text;
+}
+
 std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals, int digits) {
   return table_of(runs, signals, digits, [](const SweptRun& run, std::size_t k) {
     return k < run.operating_point.size() ? std::optional(run.operating_point[k]) : std::nullopt;
@@ -144,7 +150,7 @@ std::string file_table(const SweptRuns& runs) {
   std::string text = sweep_head(runs.sweeps, {"file", "rows", "end", "failure"});
   for (std::size_t k = 0; k < runs.list.size(); ++k) {
     const SweptRun& run = runs.list[k];
-    for (const double stepped : runs.sweeps.point(k)) text += waveform::shortest(stepped) + ",";
+    text += sweep_prefix(runs.sweeps, k);
     const std::string name = std::filesystem::path(run.file).filename().string();
     text += fmt::format("{},{},{},{}\n", waveform::csv_field(name), run.rows, waveform::shortest(run.end),
                         waveform::csv_field(failure_text(run)));

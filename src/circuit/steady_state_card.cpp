@@ -108,8 +108,10 @@ class SteadyStateReader {
       state_.points = count(item, "points", "E-range");
     } else if (is("maxiter")) {
       state_.most_iterations = count(item, "maxiter", "E-range");
-    } else if (is("maxperiods") || is("cycles_before_pop")) {
+    } else if (is("maxperiods")) {
       state_.most_periods = count(item, item.text, "E-range");
+    } else if (is("cycles_before_pop")) {
+      state_.periods_before = count(item, item.text, "E-range");
     } else if (is("tol")) {
       state_.tolerance = positive(item, "tol");
     } else if (!is("td_run_after_pop_fails")) {

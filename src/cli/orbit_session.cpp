@@ -20,8 +20,11 @@ class OrbitSession : public AnalysisSession {
   [[nodiscard]] bool needs_those_before() const override { return false; }
 
   [[nodiscard]] int open_files(RunContext& run) override {
-    if (!run.analyses().transient || run.is_stepped()) return 0;
-    return run.open(orbit_file_name(run.rows_name()), file_);
+    const RunOptions& options = run.options;
+    if (!run.analyses().transient) return 0;
+    if (!run.is_stepped()) return run.open(options.no_rows ? options.output : orbit_file_name(options.output), file_);
+    const bool has_table = !options.no_rows && options.output != "-" && options.format == analysis::RowFormat::csv;
+    return has_table ? run.open(orbit_file_name(options.output), run.sweep_files.orbit) : 0;
   }
 
   [[nodiscard]] int run(RunContext& run) override {

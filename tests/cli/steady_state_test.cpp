@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
@@ -280,7 +282,81 @@ TEST_CASE("a self-timed orbit of k=2 that repeats sooner is told", "[unit]") {
   scratch.write("deck.net", relay + ".pss on=S1 k=2\n.end\n");
   const Finished finished = run_in(scratch, {"deck.net"});
   CHECK(finished.status == 0);
-  CHECK_THAT(finished.err, Contains("N-pss-shorter-period"));
+  CHECK_THAT(finished.err, Contains("N-pss-shorter-period") && Contains("that of k=1"));
+}
+
+TEST_CASE("the event that ends a self-timed period is no control that rests", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "osc\nV1 vcc 0 10\nR1 vcc a 1k\nC1 a 0 1u\nS1 a b a 0 SX\nR2 b 0 100\n.model SX SW(Ron=0 Vt=5 Vh=2)\n.pss on=S1\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, !Contains("W-switch-at-threshold"));
+}
+
+TEST_CASE("a resonance without losses has no orbit", "[unit]") {
+  // An undamped LC at its own frequency: the sine adds π/ω·(V/L)·… each period; in charge π·C·V = 3.14159 µC.
+  const Scratch scratch;
+  scratch.write("lc.net", "lc\nV1 a 0 SIN(0 1 {1/(2*pi*sqrt(1m*1u))})\nL1 a b 1m\nC1 b 0 1u\n.pss\n.end\n");
+  const Finished finished = run_in(scratch, {"lc.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-no-orbit]") && Contains("a resonance without losses") && Contains("3.14159 µC to C1"));
+}
+
+TEST_CASE("an orbit that is not found: residuals, the best state, and whether its modes repeat", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", deane_hamill("33", ".pss uic maxiter=3 maxperiods=5"));
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]") && Contains("the last residuals are 0.") &&
+                               Contains("begins at v(C1) = ") && Contains("its modes "));
+  CHECK(read_file(scratch / "deck.csv").starts_with("time,"));
+}
+
+TEST_CASE("cycles_before_pop are periods before the search", "[unit]") {
+  const Scratch scratch;
+  const Json result =
+      steady_state_of(scratch, "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pop cycles_before_pop=7\n.end\n");
+  CHECK(result["pss"]["periods_simulated"].number >= 8.0);  // and one at least of the search
+  CHECK(result["pss"]["multipliers"][0]["re"].number == Approx(std::exp(-1.0)).epsilon(1e-13));
+}
+
+TEST_CASE("a sweep of orbits beside runs: rows and derivatives in tables of their own", "[unit]") {
+  // v₀ and v₁ of the RC circuit above: a/(1 + a) and 1/(1 + a), a = e^{−T/2RC}; dv₁/dC = −a·(T/2RC²)/(1 + a)².
+  const Scratch scratch;
+  scratch.write(
+      "deck.net",
+      "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b {r}\nC1 b 0 1u\n.save v(b)\n.step param r list 1k 2k\n.pss points=2\n.tran "
+      "0.5m 1m\n.meas pss peak MAX v(b)\n.sens param=C1\n.end\n");
+  REQUIRE(run_in(scratch, {"deck.net"}).status == 0);
+  std::istringstream rows(read_file(scratch / "deck.pss.csv")), derivatives(read_file(scratch / "deck.sens.csv"));
+  std::string line;
+  std::getline(rows, line);
+  CHECK(line == "r,time,v(b)");
+  std::getline(derivatives, line);
+  CHECK(line == "r,measurement,parameter,derivative,normalised,left,right,failure");
+  for (const double r : {1000.0, 2000.0}) {
+    const double share = 0.5e-3 / (r * 1e-6), a = std::exp(-share);
+    for (const double expected : {a / (1.0 + a), 1.0 / (1.0 + a), a / (1.0 + a)}) {
+      double stepped = 0.0, time = 0.0, value = 0.0;
+      char comma = 0;
+      rows >> stepped >> comma >> time >> comma >> value;
+      CHECK(stepped == r);
+      CHECK(value == Approx(expected).epsilon(1e-12));
+    }
+    std::getline(derivatives, line);
+    const std::string head = (r == 1000.0 ? "1000" : "2000") + std::string(",peak,C1,");
+    REQUIRE(line.starts_with(head));
+    CHECK(std::stod(line.substr(head.size())) == Approx(-a * share * 1e6 / ((1.0 + a) * (1.0 + a))).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("--no-rows writes no rows of an orbit beside a run", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss\n.tran 0.5m 1m\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--no-rows"});
+  CHECK(finished.status == 0);
+  CHECK_FALSE(std::filesystem::exists("/dev/null.pss"));
 }
 
 TEST_CASE("an unknown switch of on= is named, in driven circuits too", "[unit]") {
