@@ -41,17 +41,14 @@ struct KeptPiece {
 struct MeasuredPass {
   const circuit::Measurements* measurements = nullptr;
   double start = 0.0, stop = 0.0;
-  std::vector<double> values;  ///< of every measurement
-  std::vector<std::string> failures;
-  std::vector<measure::Place> places;
-  std::vector<char> has_impulse;
+  measure::Record record;
   std::vector<KeptPiece> pieces;                  ///< over all windows of integrals
   std::map<std::size_t, ExtremePlaces> extremes;  ///< by measurement
 };
 
-/// Measures: `simulate` runs over the whole.
+/// Measures: `simulate` runs over the whole. `known`: what has been measured already, or null.
 [[nodiscard]] MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request,
-                                       double start, double stop, double longest_window);
+                                       double start, double stop, double longest_window, const measure::Record* known);
 
 /// A sum of what is read of the run's derivative, of the derivatives of numbers that cards hold, and of the run's begin and end.
 struct MeasuredSum {
@@ -137,6 +134,8 @@ class MeasuredFunctionals {
                     MeasuredFunctional& sum);
   void add_inside(const measure::ExpressionGradient& gradient, std::size_t piece, double from, double to, bool squares, double scale,
                   MeasuredFunctional& sum);
+  [[nodiscard]] bool add_stretch(const circuit::Measurement& measurement, const measure::Place& place, double scale,
+                                 MeasuredFunctional& sum);
   void add_instants(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
                     MeasuredFunctional& sum);
   void add_extreme(double weight, std::size_t measurement, bool is_largest, MeasuredFunctional& sum);

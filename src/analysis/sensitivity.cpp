@@ -211,7 +211,8 @@ DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Meas
   return table_of(card, measurements, values, failed_columns(card, measurements, failure));
 }
 
-DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt) {
+DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt,
+                                  const measure::Record* measured) {
   const Sensitivities& card = *compiled.analyses.sensitivities;
   const circuit::Measurements& measurements = state.compiled.measurements;
   if (!are_wanted(card, measurements)) return {};
@@ -223,9 +224,9 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   request.use_initial_conditions = true;
   request.interrupt = &interrupt;
   const MeasuredPass run =
-      measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period);
+      measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period, measured);
   OrbitMoves moves(compiled, state, sensitivity, linear);
-  return table_of(card, measurements, run.values, derivative_columns(card, run, sensitivity, moves));
+  return table_of(card, measurements, run.record.values, derivative_columns(card, run, sensitivity, moves));
 }
 
 namespace {
@@ -244,8 +245,8 @@ struct OnOrbit {
 /// A run of `.tran`, with the parameters as inputs.
 class RunDerivatives : public RunMotion {
  public:
-  RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt)
-      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt) {}
+  RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt, const measure::Record* measured)
+      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt), known_(measured) {}
 
   DerivativeTable run() {
     const circuit::Transient& transient = *compiled_.analyses.transient;
@@ -275,10 +276,11 @@ class RunDerivatives : public RunMotion {
     const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
     request.unsaved_signals = network.signals.size();
-    const MeasuredPass measured = measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0);
+    const MeasuredPass measured =
+        measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0, known_);
     linear_ = &linear;
     sensitivity_ = &sensitivity;
-    return table_of(card_, measurements, measured.values, derivative_columns(card_, measured, sensitivity, *this));
+    return table_of(card_, measurements, measured.record.values, derivative_columns(card_, measured, sensitivity, *this));
   }
 
   std::string failure(std::size_t p) override { return start_of(p).failure; }
@@ -352,6 +354,7 @@ class RunDerivatives : public RunMotion {
   const Sensitivities& card_;
   const SteadyState* orbit_;
   const std::atomic<int>& interrupt_;
+  const measure::Record* known_;  ///< null: the run has not been measured
   steady::SensitivityInputs inputs_;
   std::shared_ptr<const engine::ExactModel> model_;
   engine::Start start_;
@@ -368,34 +371,37 @@ std::string number_text(double value, int digits) { return digits == 0 ? fmt::fo
 
 }  // namespace
 
-DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
+DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt,
+                                const measure::Record* measured) {
   if (!are_wanted(*compiled.analyses.sensitivities, compiled.measurements)) return {};
-  return RunDerivatives(compiled, state, interrupt).run();
+  return RunDerivatives(compiled, state, interrupt, measured).run();
 }
 
 namespace {
 
-DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
+DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt,
+                                  const MeasuredBefore& measured) {
   DerivativeTable table;
-  if (state != nullptr) table = orbit_derivatives(compiled, *state, interrupt);
+  if (state != nullptr) table = orbit_derivatives(compiled, *state, interrupt, measured.orbit);
   if (!compiled.analyses.transient) return table;
-  DerivativeTable more = run_derivatives(compiled, state, interrupt);
+  DerivativeTable more = run_derivatives(compiled, state, interrupt, measured.run);
   table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   return table;
 }
 
 /// Of a deck that is another one than that of `state`.
 DerivativeTable moved_derivatives(const Compiled& compiled, bool has_orbit, const std::atomic<int>& interrupt) {
-  if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt);
+  if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt, {});
   const SteadyState state = find_steady_state(compiled, interrupt);
-  return state.is_found ? exact_derivatives(compiled, &state, interrupt) : DerivativeTable();
+  return state.is_found ? exact_derivatives(compiled, &state, interrupt, {}) : DerivativeTable();
 }
 
 }  // namespace
 
-DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
+DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt,
+                                 const MeasuredBefore& measured) {
   if (is_exact) {
-    DerivativeTable table = exact_derivatives(compiled, state, interrupt);
+    DerivativeTable table = exact_derivatives(compiled, state, interrupt, measured);
     resolve_kinks(
         compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
     return table;
@@ -432,7 +438,9 @@ std::string derivative_text(const DerivativeTable& table, int digits) {
   return text;
 }
 
-std::vector<std::string> derivative_columns() { return {"measurement", "parameter", "derivative", "normalised", "left", "right", "failure"}; }
+std::vector<std::string> derivative_columns() {
+  return {"measurement", "parameter", "derivative", "normalised", "left", "right", "failure"};
+}
 
 std::string derivative_csv(const DerivativeTable& table) {
   return fmt::format("{}\n", fmt::join(derivative_columns(), ",")) + derivative_rows(table);

@@ -13,15 +13,20 @@
 
 namespace pwlsim::analysis {
 
+/// What the analyses have measured already; null: it is measured again.
+struct MeasuredBefore {
+  const measure::Record *run = nullptr, *orbit = nullptr;
+};
+
 /// Of the run of `.tran` that starts where the deck says, or on the orbit `state` (null: there is none).
 [[nodiscard]] DerivativeTable run_derivatives(const circuit::Compiled& compiled, const SteadyState* state,
-                                              const std::atomic<int>& interrupt);
+                                              const std::atomic<int>& interrupt, const measure::Record* measured);
 /// Of the orbit.
 [[nodiscard]] DerivativeTable orbit_derivatives(const circuit::Compiled& compiled, const SteadyState& state,
-                                                const std::atomic<int>& interrupt);
+                                                const std::atomic<int>& interrupt, const measure::Record* measured);
 /// Of the runs that the deck asks for. `is_exact`: the exact engine did them; no other one can.
 [[nodiscard]] DerivativeTable deck_derivatives(const circuit::Compiled& compiled, const SteadyState* state, bool is_exact,
-                                               const std::atomic<int>& interrupt);
+                                               const std::atomic<int>& interrupt, const MeasuredBefore& measured = {});
 /// Every measurement and parameter with the same failure.
 [[nodiscard]] DerivativeTable failed_derivatives(const circuit::Compiled& compiled, const circuit::Measurements& measurements,
                                                  const std::string& failure);

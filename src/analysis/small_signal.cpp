@@ -27,10 +27,16 @@ using Response = std::function<steady::ComplexVector(double frequency, const std
 
 double degrees(Complex value) { return std::arg(value) * 180.0 / std::numbers::pi; }
 
+/// "X1:V1" and "X1.V1" are one.
+bool is_same_element(std::string a, std::string b) {
+  for (std::string* name : {&a, &b}) std::replace(name->begin(), name->end(), ':', '.');
+  return same_name(a, b);
+}
+
 std::vector<int> sources_named(const model::Network& network, const std::string& name) {
   std::vector<int> numbers;
   for (std::size_t k = 0; k < network.sources.size(); ++k)
-    if (same_name(network.sources[k].label.name, name)) numbers.push_back(static_cast<int>(k));
+    if (is_same_element(network.sources[k].label.name, name)) numbers.push_back(static_cast<int>(k));
   return numbers;
 }
 
@@ -44,7 +50,7 @@ void add_input_on(model::Network& network, const std::vector<int>& sources, Comp
 
 void add_loop_signals(model::Network& network, const std::string& source, SmallSignalInputs& inputs) {
   for (const model::Branch& branch : network.branches) {
-    if (!same_name(branch.label.name, source)) continue;
+    if (!is_same_element(branch.label.name, source)) continue;
     const auto signal_of = [&](model::NodeIndex node) {
       model::LinearForm form;
       if (node != model::ground) form.push_back({model::Term::Kind::node_voltage, node, 1.0});
@@ -60,7 +66,7 @@ void add_loop_signals(model::Network& network, const std::string& source, SmallS
 /// A second input; false where `name` is no current source at a node of the voltage source `loop`.
 bool add_loop_current(model::Network& network, const std::string& loop, const std::string& name, SmallSignalInputs& inputs) {
   const auto is_named = [](const std::string& wanted) {
-    return [&wanted](const auto& part) { return same_name(part.label.name, wanted); };
+    return [&wanted](const auto& part) { return is_same_element(part.label.name, wanted); };
   };
   const auto injection = std::find_if(network.injections.begin(), network.injections.end(), is_named(name));
   const auto branch = std::find_if(network.branches.begin(), network.branches.end(), is_named(loop));

@@ -102,6 +102,7 @@ void take_transient(const TransientRun& transient, SweptRun& run) {
   run.certificate = transient.answer.certificate;
   run.remarks = transient.answer.remarks;
   run.measurements = transient.measurements;
+  run.measured = transient.measured;
   run.rows = transient.rows;
   run.seconds_write = transient.seconds_write;
 }

@@ -26,13 +26,14 @@ struct SweptRun {
   engine::Certificate certificate;
   std::vector<engine::Remark> remarks;
   measure::Results measurements;
+  measure::Record measured;             ///< of the run, until its derivatives are known
   std::vector<double> operating_point;  ///< of the saved signals; empty where none was asked for, or found
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
   DerivativeTable sensitivities;
   std::optional<SmallSignalResult> small_signal;  ///< of .ac; kept for JSON and pictures
   std::vector<double> singular;                   ///< frequencies at which it is infinite
-  std::shared_ptr<SteadyState> orbit;  ///< null: none was asked for, or found
+  std::shared_ptr<SteadyState> orbit;             ///< null: none was asked for, or found
 };
 
 /// Why it did not reach its end; empty where it did.

@@ -101,7 +101,8 @@ class SteadyStateReader {
     } else if (is("trig_cond")) {
       state_.trigger = !item.items.empty() && item.items[0].text.starts_with("1") ? Trigger::opens : Trigger::closes;
     } else if (is("tstab")) {
-      const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
+      if (item.items.empty()) return fail("E-missing-value", item.span, "a value is missing after tstab=");
+      const std::optional<double> value = number(item.items[0]);
       if (value && !(*value >= 0.0)) fail("E-range", item.span, "tstab must not be negative");
       state_.settling_time = value;
     } else if (is("points")) {

@@ -36,13 +36,20 @@ class OrbitSession : public AnalysisSession {
     for (const Diagnostic& message : state.messages) run.messages.report(message);
     const int status = state.is_found || state.has_best_attempt ? rows(run, state) : 0;
     if (!state.is_found) {
-      const int failed = run.fail(state.is_wrong_input ? Status::wrong_input : Status::run_failed, state.id, state.message);
+      const int failed = fail(run, state);
       return caught_signal() != 0 ? status_of_signal(caught_signal()) : failed;
     }
     return status == 0 && run.analyses().transient ? start_from_orbit(run, state) : status;
   }
 
  private:
+  /// A mistake of the card is shown there.
+  static int fail(RunContext& run, const analysis::SteadyState& state) {
+    if (!state.is_wrong_input) return run.fail(Status::run_failed, state.id, state.message);
+    run.messages.report({Severity::error, state.id, run.analyses().steady_state->span, state.message}, run.sources);
+    return static_cast<int>(Status::wrong_input);
+  }
+
   static int start_from_orbit(RunContext& run, const analysis::SteadyState& state) {
     Diagnostics diagnostics;
     run.engine.simulate = analysis::from_orbit(*run.compiled, state, diagnostics);
@@ -68,6 +75,7 @@ class OrbitSession : public AnalysisSession {
       run.note_rows(orbit.ending == Ending::write_failed, is_complete, orbit.answer.time);
     }
     run.outcome.measurements = std::move(orbit.measurements);
+    run.measured_orbit = std::move(orbit.measured);
     const int measured = run.report_measurements(run.outcome.measurements, is_complete);
     run.report.seconds.total = run.seconds();
     if (!is_complete) return std::max(run.conclude(orbit, file), measured);

@@ -40,6 +40,7 @@ struct RunContext {
   SweepFiles sweep_files;
   PictureFile plot_file;
   std::optional<analysis::RunRecorder> recorder;  ///< of the rows that --plot and --report show
+  measure::Record measured_run, measured_orbit;   ///< of .tran and of .pss, for .sens
   double seconds_search = 0.0;                    ///< of what .pss simulates on its way to the orbit
   analysis::RunReport report;
   analysis::RunOutcome outcome;

@@ -22,8 +22,8 @@ class SmallSignalSession : public AnalysisSession {
     const RunOptions& options = run.options;
     const bool has_rows = run.rows_file.has_value();
     const bool has_run = run.analyses().transient.has_value(), goes_to_pipe = options.output == "-" && !options.no_rows;
-    if (run.is_stepped())
-      if (const int status = check_stepped(run); status != 0 || is_left_out_) return status;
+    if (run.is_stepped() || run.analyses().steady_state)
+      if (const int status = check(run); status != 0 || is_left_out_) return status;
     if (goes_to_pipe && has_run)
       run.messages.report({Severity::warning, "W-ignored-card", run.analyses().small_signal->span,
                            "the rows of .ac are left out: standard output takes those of .tran"},
@@ -59,16 +59,20 @@ class SmallSignalSession : public AnalysisSession {
  private:
   int fail_or_leave_out(RunContext& run, const std::string& id, const std::string& message) {
     const circuit::Analyses& analyses = run.analyses();
-    if (analyses.steady_state || !analyses.transient) return run.fail(Status::wrong_input, id, message);
-    run.messages.report({Severity::warning, "W-ignored-card", analyses.small_signal->span, fmt::format(".ac is ignored: {}", message)},
-                        run.sources);
+    const circuit::SmallSignal& card = *analyses.small_signal;
+    if (analyses.steady_state || !analyses.transient) {
+      const bool names_input = card.input != circuit::SmallSignal::Input::marked || !card.loop.empty();
+      run.messages.report({Severity::error, id, names_input && id == "E-ac-no-input" ? card.input_span : card.span, message}, run.sources);
+      return static_cast<int>(Status::wrong_input);
+    }
+    run.messages.report({Severity::warning, "W-ignored-card", card.span, fmt::format(".ac is ignored: {}", message)}, run.sources);
     is_left_out_ = true;
     run.compiled->analyses.small_signal.reset();
     return 0;
   }
 
-  /// The first run represents the deck.
-  int check_stepped(RunContext& run) {
+  /// Before anything is written; of a sweep the first run represents the deck.
+  int check(RunContext& run) {
     std::string id;
     const std::string message = analysis::small_signal_problem(*run.compiled, id);
     return id.empty() ? 0 : fail_or_leave_out(run, id, message);

@@ -233,9 +233,12 @@ class Sweep {
     }
     const bool has_rows = run_transient(run, *compiled, engine.simulate, record);
     if (deck && record.done) {
-      record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal());
+      const analysis::MeasuredBefore measured =
+          runs_on ? analysis::MeasuredBefore{&record.measured, nullptr} : analysis::MeasuredBefore{nullptr, &record.measured};
+      record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal(), measured);
       texts.derivatives = analysis::derivative_rows(record.sensitivities, prefix);
     }
+    record.measured = {};
     if (record.orbit) finish_orbit(runs_on, prefix, record, texts);
     return has_rows;
   }

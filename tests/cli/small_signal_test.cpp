@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
+#include <filesystem>
 #include <sstream>
 
 #include "cli/run_in.hpp"
@@ -278,6 +279,22 @@ TEST_CASE("runs of .step that have no response are refused, or left out beside a
   CHECK(beside.status == 0);
   CHECK_THAT(beside.err, Contains("warning[W-ignored-card]: .ac is ignored"));
   CHECK(read_file(scratch / "tran.csv").starts_with("r,time"));
+}
+
+TEST_CASE("an input that is not there is shown on its card, before an orbit is written; one within a subcircuit has a dot or a colon",
+          "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "rc\n.subckt s a b\nV1 a m PULSE(0 1 0 0 0 0.5m 1m)\nR1 m b 1k\n.ends\nX1 0 b s\nC1 b 0 1u\n.save v(b)\n.pss\n.ac list {1/(2*pi*1m)} "
+      "from=";
+  scratch.write("none.net", deck + "V1\n.end\n");
+  const Finished none = run_in(scratch, {"none.net"});
+  CHECK(none.status == 2);
+  CHECK_THAT(none.err, Contains("none.net:10:29: error[E-ac-no-input]: V1 is not a source"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "none.csv"));
+  // −1/(1 + j): the source's n+ is at ground.
+  for (const std::string name : {"x1.v1", "X1:V1"})
+    check_equal(response(result_of(scratch, deck + name + "\n.end\n"), 0, "v(b)"), -1.0 / (1.0 + j), 1e-12);
 }
 
 TEST_CASE("what belongs to a period needs one", "[unit]") {
