@@ -27,29 +27,43 @@ bool integrates(Kind kind) { return kind == Kind::average || kind == Kind::integ
 
 engine::Piece piece_of(const KeptPiece& kept) { return {kept.from, kept.to, kept.begin, kept.length, kept.values}; }
 
-/// What the expression takes of each of its probes, where that is the same at all times and nothing but signals moves it; else empty.
-std::vector<double> even_weights(const circuit::MeasuredExpression& expression, const std::vector<double>& results) {
-  using StepKind = circuit::MeasuredExpression::Step::Kind;
-  const auto is_time = [](const auto& step) { return step.kind == StepKind::time; };
-  if (std::any_of(expression.steps.begin(), expression.steps.end(), is_time) || !measure::Program(expression).is_linear()) return {};
-  const ExpressionGradient gradient(expression);
-  std::vector<double> signals(gradient.probes().size(), 0.0);
-  const GradientValue at_zero = gradient.at(signals, results, 0.0);
-  for (std::size_t k = 0; k < signals.size(); ++k) signals[k] = std::sin(static_cast<double>(k) + 1.0);  // no two alike
-  const GradientValue elsewhere = gradient.at(signals, results, 0.0);
+/// The gradient to the probes at these values, where nothing but signals moves the expression; else empty.
+std::vector<double> gradient_by_signals(const ExpressionGradient& gradient, const std::vector<double>& signals,
+                                        const std::vector<double>& results) {
+  const GradientValue at = gradient.at(signals, results, 0.0);
   const auto moves = [](const std::vector<double>& list) {
     return std::any_of(list.begin(), list.end(), [](double x) { return x != 0.0; });
   };
-  for (const GradientValue* at : {&at_zero, &elsewhere})
-    if (moves(at->results) || moves(at->numbers) || at->has_kink) return {};
-  if (at_zero.signals != elsewhere.signals) return {};
-  return at_zero.signals;
+  return moves(at.results) || moves(at.numbers) || at.has_kink ? std::vector<double>() : at.signals;
+}
+
+bool reads_time(const circuit::MeasuredExpression& expression) {
+  using StepKind = circuit::MeasuredExpression::Step::Kind;
+  return std::any_of(expression.steps.begin(), expression.steps.end(), [](const auto& step) { return step.kind == StepKind::time; });
+}
+
+/// Values of which no sum or product is another one's, nor zero.
+std::vector<double> some_values(std::size_t count) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < count; ++k) values.push_back(std::sin(static_cast<double>(k) + 1.0));
+  return values;
+}
+
+/// What the expression takes of each of its probes, where that is the same at all times and nothing but signals moves it; else empty.
+std::vector<double> even_weights(const circuit::MeasuredExpression& expression, const std::vector<double>& results) {
+  if (reads_time(expression) || !measure::Program(expression).is_linear()) return {};
+  const ExpressionGradient gradient(expression);
+  const std::vector<double> at_zero = gradient_by_signals(gradient, std::vector<double>(gradient.probes().size(), 0.0), results);
+  const std::vector<double> elsewhere = gradient_by_signals(gradient, some_values(gradient.probes().size()), results);
+  return at_zero == elsewhere ? at_zero : std::vector<double>();
 }
 
 /// Whether its derivative is read of pieces of the run.
 bool needs_pieces(const Measurement& measurement, const std::vector<double>& results) {
   return integrates(measurement.kind) && (measurement.kind == Kind::rms || even_weights(measurement.expression, results).empty());
 }
+
+}  // namespace
 
 /// Keeps the pieces of integrals, and looks for all places of extremes.
 class PieceKeeper : public engine::PieceSink {
@@ -83,24 +97,52 @@ class PieceKeeper : public engine::PieceSink {
   std::vector<std::pair<std::size_t, ExtremeFinder>> finders_;
 };
 
-}  // namespace
-
 MeasuredSum shift_of(std::size_t instant) {
   MeasuredSum sum;
   sum.run.shifts[instant] = 1.0;
   return sum;
 }
 
-MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request, double start,
-                         double stop, double longest_window, const measure::Record* known) {
+MeasuredPass pass_of(const circuit::Measurements& measurements, const measure::Record& record, double start, double stop) {
   MeasuredPass run;
   run.measurements = &measurements;
   run.start = start;
   run.stop = stop;
+  run.record = record;
+  for (std::size_t k = 0; k < run.record.values.size(); ++k)
+    if (!run.record.failures[k].empty()) run.record.values[k] = std::numeric_limits<double>::quiet_NaN();
+  return run;
+}
+
+PieceLook::PieceLook(MeasuredPass& run) : run_(run) {
+  run.pieces.clear();
+  run.extremes.clear();
+  for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
+    const Measurement& measurement = run.measurements->list[k];
+    if (!run.record.failures[k].empty() || !(needs_pieces(measurement, run.record.values) || is_extreme(measurement.kind))) continue;
+    from_ = is_needed() ? std::min(from_, run.record.places[k].from) : run.record.places[k].from;
+    to_ = std::max(to_, run.record.places[k].to);
+  }
+  if (is_needed()) keeper_ = std::make_unique<PieceKeeper>(run);
+}
+
+PieceLook::~PieceLook() = default;
+
+engine::Probes PieceLook::probes() const {
+  return is_needed() ? engine::Probes{run_.measurements->probe_signals, from_, to_, keeper_.get()} : engine::Probes{};
+}
+
+void PieceLook::finish() {
+  if (keeper_) keeper_->finish();
+}
+
+MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request, double start,
+                         double stop, double longest_window, const measure::Record* known) {
   NoRows rows;
   request.grid = {[stop](std::uint64_t) { return stop; }, 1};
+  measure::Record record;
   if (known != nullptr && known->values.size() == measurements.list.size()) {
-    run.record = *known;
+    record = *known;
   } else {
     measure::Measuring measuring(measurements, start, stop, std::max(stop, longest_window));
     while (measuring.begin_pass()) {
@@ -109,22 +151,14 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
       measuring.end_pass(request.probes.to > stop ? answer.probed : answer.time);
       if (answer.outcome != engine::Outcome::completed) break;
     }
-    run.record = measuring.record();
+    record = measuring.record();
   }
-  for (std::size_t k = 0; k < run.record.values.size(); ++k)
-    if (!run.record.failures[k].empty()) run.record.values[k] = std::numeric_limits<double>::quiet_NaN();
-  double from = 0.0, to = 0.0;
-  for (std::size_t k = 0; k < measurements.list.size(); ++k) {
-    const Measurement& measurement = measurements.list[k];
-    if (!run.record.failures[k].empty() || !(needs_pieces(measurement, run.record.values) || is_extreme(measurement.kind))) continue;
-    from = to > from ? std::min(from, run.record.places[k].from) : run.record.places[k].from;
-    to = std::max(to, run.record.places[k].to);
-  }
-  if (!(to > from)) return run;
-  PieceKeeper keeper(run);
-  request.probes = {measurements.probe_signals, from, to, &keeper};
+  MeasuredPass run = pass_of(measurements, record, start, stop);
+  PieceLook look(run);
+  if (!look.is_needed()) return run;
+  request.probes = look.probes();
   (void)simulate(request, rows);
-  keeper.finish();
+  look.finish();
   return run;
 }
 
@@ -396,9 +430,45 @@ const MeasuredFunctionals::Shares& MeasuredFunctionals::shares_on(double from, d
   return shares;
 }
 
+MeasuredFunctionals::AffineGradient MeasuredFunctionals::affine_gradient(const circuit::MeasuredExpression& expression,
+                                                                         bool squares) const {
+  constexpr double same = 1e-12;  // of a gradient: what else it may be is a function of higher degree
+  const measure::Program program(expression);
+  if (reads_time(expression) || !program.is_polynomial() || (squares && !program.is_linear())) return {};
+  const ExpressionGradient gradient(expression);
+  const std::size_t count = gradient.probes().size();
+  // Of a square: 2·value·gradient.
+  const auto at = [&](const std::vector<double>& signals) {
+    std::vector<double> values = gradient_by_signals(gradient, signals, run_.record.values);
+    if (squares)
+      for (double& each : values) each *= 2.0 * gradient.at(signals, run_.record.values, 0.0).value;
+    return values;
+  };
+  AffineGradient affine{at(std::vector<double>(count, 0.0)), std::vector<double>(count * count, 0.0)};
+  if (affine.constant.size() != count) return {};
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<double> unit(count, 0.0);
+    unit[k] = 1.0;
+    const std::vector<double> there = at(unit);
+    if (there.size() != count) return {};
+    for (std::size_t i = 0; i < count; ++i) affine.slopes[i * count + k] = there[i] - affine.constant[i];
+  }
+  const std::vector<double> values = some_values(count), there = at(values);
+  if (there.size() != count) return {};
+  for (std::size_t i = 0; i < count; ++i) {
+    double own = affine.constant[i], size = std::abs(own);
+    for (std::size_t k = 0; k < count; ++k) {
+      own += affine.slopes[i * count + k] * values[k];
+      size += std::abs(affine.slopes[i * count + k] * values[k]);
+    }
+    if (!(std::abs(own - there[i]) <= same * size)) return {};
+  }
+  return affine;
+}
+
 /// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
-void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, std::size_t number, double from, double to, bool squares,
-                                     double scale, MeasuredFunctional& sum) {
+void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
+                                     double to, bool squares, double scale, MeasuredFunctional& sum) {
   const KeptPiece& kept = run_.pieces[number];
   const std::size_t n = linalg::legendre_points, width = signals_.size();
   steady::Functional::Interval& interval = sum.sum.run.intervals[number];
@@ -412,18 +482,26 @@ void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, std::si
     for (const int probe : gradient.probes()) values.emplace_back(kept.values.data() + static_cast<std::size_t>(probe) * n);
   const auto& rule = linalg::gauss_legendre();
   const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
-  std::vector<double> signals(gradient.probes().size());
+  std::vector<double> signals(gradient.probes().size()), of_signals;
   for (std::size_t i = 0; i < n; ++i) {
     const double time = from + 0.5 * (rule.point[i] + 1.0) * (to - from);
     const double x = is_whole ? rule.point[i] : 2.0 * (time - kept.begin) / kept.length - 1.0;
     for (std::size_t k = 0; k < signals.size(); ++k)
       signals[k] = is_whole ? kept.values[static_cast<std::size_t>(gradient.probes()[k]) * n + i] : values[k](x);
-    const GradientValue at = gradient.at(signals, run_.record.values, time);
-    const double weight = 0.5 * (to - from) * rule.weight[i] * scale * (squares ? 2.0 * at.value : 1.0);
-    add_numbers(weight, at);
+    double weight = 0.5 * (to - from) * rule.weight[i] * scale;
+    if (!affine.constant.empty()) {
+      of_signals = affine.constant;
+      for (std::size_t j = 0; j < signals.size(); ++j)
+        for (std::size_t k = 0; k < signals.size(); ++k) of_signals[j] += affine.slopes[j * signals.size() + k] * signals[k];
+    } else {
+      GradientValue at = gradient.at(signals, run_.record.values, time);
+      if (squares) weight *= 2.0 * at.value;
+      add_numbers(weight, at);
+      of_signals = std::move(at.signals);
+    }
     const auto take = [&](std::size_t point, double share) {
       for (std::size_t k = 0; k < signals.size(); ++k)
-        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * at.signals[k];
+        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * of_signals[k];
     };
     if (is_whole) {
       take(i, weight);
@@ -461,19 +539,20 @@ void MeasuredFunctionals::add_integral(const Measurement& measurement, const mea
   measure::PieceView view(signals_.size());
   double size = 0.0;
   read_ = {};
+  const AffineGradient affine = affine_gradient(measurement.expression, squares);
   const bool is_even = !squares && add_stretch(measurement, place, scale, sum);
   for (std::size_t k = 0; k < run_.pieces.size() && !is_even; ++k) {
     const KeptPiece& kept = run_.pieces[k];
     const double from = std::max(kept.from, place.from), to = std::min(kept.to, place.to);
     if (!(from < to)) continue;
     if (program.is_polynomial()) {
-      add_inside(gradient, k, from, to, squares, scale, sum);
+      add_inside(gradient, affine, k, from, to, squares, scale, sum);
       continue;
     }
     view.set(piece_of(kept));
     const bool resolved = view.resolve(program, run_.record.values, from, to, size, [&](const measure::Part& part) {
       for (const double value : part.values) size = std::max(size, std::abs(value));
-      add_inside(gradient, k, part.from, part.to, squares, scale, sum);
+      add_inside(gradient, affine, k, part.from, part.to, squares, scale, sum);
     });
     if (!resolved) sum.failure = "the expression moves too fast to be followed";
   }

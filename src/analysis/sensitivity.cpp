@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "analysis/beside_kinks.hpp"
 #include "analysis/derivative_columns.hpp"
@@ -260,24 +261,18 @@ class RunDerivatives : public RunMotion {
     request.interrupt = &interrupt_;
     engine::March march(*model_, {request.non_unique, &interrupt_});
     if (!find_start(transient)) return failed_derivatives(compiled_, measurements, failure_);
-    steady::TraceRecorder recorder(begin_.on);
-    engine::RunState end = begin_;
-    const engine::Answer answer = march.advance(end, transient.stop.seconds * (1.0 + beyond_end), &recorder);
-    trace_ = recorder.take();
-    steady::end_at(trace_, transient.stop.seconds);
-    if (answer.outcome != engine::Outcome::completed) {
-      end = begin_;
-      steady::TraceRecorder again(begin_.on);
-      if (march.advance(end, transient.stop.seconds, &again).outcome != engine::Outcome::completed)
-        return failed_derivatives(compiled_, measurements, "the run did not complete");
-      trace_ = again.take();
-    }
-    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
-    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
     request.unsaved_signals = network.signals.size();
-    const MeasuredPass measured =
-        measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0, known_);
+    const bool is_measured = known_ != nullptr && known_->values.size() == measurements.list.size();
+    MeasuredPass measured =
+        is_measured ? pass_of(measurements, *known_, transient.start.seconds, transient.stop.seconds)
+                    : measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0, nullptr);
+    if (!take_trace(march, transient.stop.seconds * (1.0 + beyond_end), is_measured ? &measured : nullptr) &&
+        !take_trace(march, transient.stop.seconds, is_measured ? &measured : nullptr))
+      return failed_derivatives(compiled_, measurements, "the run did not complete");
+    steady::end_at(trace_, transient.stop.seconds);
+    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
+    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     linear_ = &linear;
     sensitivity_ = &sensitivity;
     return table_of(card_, measurements, measured.record.values, derivative_columns(card_, measured, sensitivity, *this));
@@ -301,6 +296,18 @@ class RunDerivatives : public RunMotion {
   }
 
  private:
+  /// The run up to `stop`, and what of its pieces is needed, where `measured` is not null. False where it did not complete.
+  bool take_trace(engine::March& march, double stop, MeasuredPass* measured) {
+    steady::TraceRecorder recorder(begin_.on);
+    engine::RunState end = begin_;
+    std::optional<PieceLook> look;
+    if (measured != nullptr) look.emplace(*measured);
+    const engine::Answer answer = march.advance(end, stop, &recorder, look ? look->probes() : engine::Probes{});
+    trace_ = recorder.take();
+    if (look) look->finish();
+    return answer.outcome == engine::Outcome::completed;
+  }
+
   bool find_start(const circuit::Transient& transient) {
     if (orbit_ != nullptr) {
       const auto there = state_in(*model_, *orbit_);

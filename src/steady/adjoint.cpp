@@ -199,10 +199,73 @@ void Adjoint::travel(const Sensitivity::Segment& segment, double length, const V
     lambda = state.head(n);
     return;
   }
+  backward_of(mode).apply(length, lambda.data(), work.data());
+}
+
+const linalg::Exponential& Adjoint::backward_of(const Mode& mode) const {
   auto back = backward_.find(&mode);
   if (back == backward_.end())
-    back = backward_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(n, n).transpose(), mode.flow.rate())).first;
-  back->second.apply(length, lambda.data(), work.data());
+    back = backward_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1).transpose(), mode.flow.rate())).first;
+  return back->second;
+}
+
+/// Null where intervals of that length are still few.
+Adjoint::Spread* Adjoint::spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
+  constexpr int worth = 8;                  // so many intervals
+  constexpr std::size_t most_spreads = 32;  // of a mode
+  const auto same = [&](const Spread& known) { return std::abs(known.length - length) <= same_length * length; };
+  auto known = std::find_if(sums.spreads.begin(), sums.spreads.end(), same);
+  if (known == sums.spreads.end()) {
+    if (sums.spreads.size() == most_spreads) return nullptr;
+    sums.spreads.push_back({length, 0, {}, {}});
+    known = sums.spreads.end() - 1;
+  }
+  if (++known->uses < worth) return nullptr;
+  if (known->sum.size() > 0) return &*known;
+  const Mode& mode = *segment.mode;
+  const auto& outputs = shares_[segment.island];
+  const auto& rule = linalg::gauss_legendre();
+  const auto count = static_cast<Eigen::Index>(outputs.size());
+  known->sum = Matrix::Zero(static_cast<Eigen::Index>(linalg::legendre_points) * count, flow(segment.island, mode).source.rows());
+  known->injection = Matrix::Zero(mode.n1, known->sum.rows());
+  Vector work(2 * mode.n1);
+  for (std::size_t i = 0; i < linalg::legendre_points && mode.n1 > 0; ++i)
+    for (Eigen::Index k = 0; k < count; ++k) {
+      auto column = known->injection.col(static_cast<Eigen::Index>(i) * count + k);
+      column = mode.outputs.row(outputs[static_cast<std::size_t>(k)].first).head(mode.n1).transpose();
+      backward_of(mode).apply_once(0.5 * (rule.point[i] + 1.0) * length, column.data(), work.data());
+    }
+  return &*known;
+}
+
+void Adjoint::settle(std::size_t island, const Mode& mode, const Spread& spread, Sums& sums) const {
+  const auto& outputs = shares_[island];
+  const auto& rule = linalg::gauss_legendre();
+  const Sensitivity::Flow& own = flow(island, mode);
+  const auto count = static_cast<Eigen::Index>(outputs.size());
+  const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
+  const auto time_of = [&](std::size_t i) { return 0.5 * (rule.point[i] + 1.0) * spread.length; };
+  const auto to_time = [&](double time) {
+    Matrix e = own.signals->minus_identity(time);
+    e.diagonal().array() += 1.0;
+    return e;
+  };
+  Matrix lambda = Matrix::Zero(mode.n1, spread.sum.cols());  // λ (y, z)′, (y, z) at the begin
+  Matrix at = to_time(time_of(linalg::legendre_points - 1));
+  for (std::size_t i = linalg::legendre_points; i-- > 0;) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index row = outputs[static_cast<std::size_t>(k)].first;
+      const auto weights = spread.sum.row(static_cast<Eigen::Index>(i) * count + k);
+      lambda += mode.outputs.row(row).head(mode.n1).transpose() * weights;
+      sums.outputs.row(row) += weights * at.transpose();
+    }
+    const double before = i > 0 ? time_of(i - 1) : 0.0, length = time_of(i) - before;
+    at = to_time(before);
+    if (mode.n1 == 0) continue;
+    sums.moment += moment_of(a, own.source, lambda * at.transpose(), length);
+    Vector work(2 * mode.n1);
+    for (Eigen::Index k = 0; k < lambda.cols(); ++k) backward_of(mode).apply(length, lambda.col(k).data(), work.data());
+  }
 }
 
 void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums, Pass& pass) const {
@@ -253,6 +316,19 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
     const Mode& mode = *segment->mode;
     const double since = std::max(interval.begin - segment->begin, 0.0);
     Sums& sums = sums_of(pass, island, mode);
+    Injection& injection = injections[static_cast<std::size_t>(segment - along_.segments_.data())].emplace_back();
+    injection.since = since;
+    if (Spread* const spread = spread_of(*segment, interval.length, sums)) {
+      const auto count = static_cast<Eigen::Index>(outputs.size());
+      Vector weights(spread->sum.rows());
+      for (std::size_t i = 0; i < points; ++i)
+        for (Eigen::Index k = 0; k < count; ++k)
+          weights[static_cast<Eigen::Index>(i) * count + k] =
+              interval.weights[i * signals_.size() + outputs[static_cast<std::size_t>(k)].second];
+      if (pass.collects) spread->sum.noalias() += weights * later(*segment, begin_of(*segment), since).transpose();
+      injection.weight = spread->injection * weights;
+      continue;
+    }
     std::vector<Vector> yz{later(*segment, begin_of(*segment), since)};  // at the begin, then at each point
     std::vector<double> length;
     double before = 0.0;
@@ -272,7 +348,7 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
       }
       travel(*segment, length[i], yz[i], lambda, pass);
     }
-    injections[static_cast<std::size_t>(segment - along_.segments_.data())].push_back({since, lambda});
+    injection.weight = lambda;
   }
 }
 
@@ -381,7 +457,11 @@ Vector Adjoint::to_start(const Functional& functional, const Vector& end) const 
 Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) const {
   Pass pass;
   run(functional, end, pass);
-  for (auto& [key, sums] : pass.sums) settle(key.first, *key.second, sums, pass);
+  for (auto& [key, sums] : pass.sums) {
+    settle(key.first, *key.second, sums, pass);
+    for (const Spread& spread : sums.spreads)
+      if (spread.sum.size() > 0) settle(key.first, *key.second, spread, sums);
+  }
   Read read{{}, pass.lambda};
   for (std::size_t p = 0; p < failures_.size(); ++p)
     read.values.push_back(failures_[p].empty() ? of_parameter(p, pass) + of_edges(p, pass) : 0.0);

@@ -47,6 +47,13 @@ class Adjoint {
     int density = -1;
     Matrix sum;  ///< of (λ, 1) where there is a density
   };
+  /// Sums of weight·(y, z)′ of intervals of one length, (y, z) at their begin: a row for each point and output of the island. From where they are known
+  /// what the points bring is made once for all of them.
+  struct Spread {
+    double length = 0.0;
+    int uses = 0;
+    Matrix sum, injection;  ///< injection: λ at the begin for a unit of each weight
+  };
   /// Of one density in one mode.
   struct Even {
     std::vector<std::pair<Eigen::Index, double>> outputs;  ///< row and weight
@@ -61,6 +68,7 @@ class Adjoint {
     Matrix jump, lift;    ///< Σ λ (y, z)′ where the mode's projector or its lift takes inputs: n rows
     Matrix value, slope;  ///< of w and w′ themselves, where they move an instant: a row an input
     std::vector<Lengths> lengths;
+    std::vector<Spread> spreads;
   };
   struct Pass {
     Vector lambda;
@@ -93,6 +101,9 @@ class Adjoint {
   void run(const Functional& functional, const Vector& end, Pass& pass) const;
   void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
   void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
+  [[nodiscard]] Spread* spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
+  void settle(std::size_t island, const model::Mode& mode, const Spread& spread, Sums& sums) const;
+  [[nodiscard]] const linalg::Exponential& backward_of(const model::Mode& mode) const;
   void pass_segment(std::size_t number, Injections& injections, Pass& pass) const;
   void pass_instant(std::size_t number, const Functional& functional, Pass& pass) const;
   void take_stretches(const Functional& functional, Pass& pass) const;

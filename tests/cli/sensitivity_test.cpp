@@ -1,5 +1,6 @@
 // .sens: derivatives of measurements against those of closed forms, differentiated by hand.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -523,8 +524,12 @@ TEST_CASE("backwards from the measurement and forward along the parameter the de
     for (std::size_t k = 0; k < forward.size(); ++k) {
       INFO(deck.substr(0, deck.find('\n')) << ": " << forward[k]["measurement"].string << " to " << forward[k]["parameter"].string);
       CHECK(forward[k]["failure"].string == backward[k]["failure"].string);
-      const double d = forward[k]["derivative"].number, normalised = forward[k]["normalised"].number;
-      const double size = normalised != 0.0 ? std::abs(d / normalised) : 0.0;
+      const double d = forward[k]["derivative"].number;
+      const auto size_of = [](const Json& entry) {  // of the measurement against the parameter
+        const double normalised = entry["normalised"].number;
+        return normalised != 0.0 ? std::abs(entry["derivative"].number / normalised) : 0.0;
+      };
+      const double size = std::max(size_of(forward[k]), size_of(backward[k]));
       CHECK(std::abs(backward[k]["derivative"].number - d) <= same * std::abs(d) + cancelled * size + 1e-300);
       CHECK(std::abs(backward[k]["left"].number - forward[k]["left"].number) <= same * std::abs(d) + cancelled * size + 1e-300);
     }
