@@ -362,13 +362,15 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
   difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
   const auto instant = instant_at(time);
-  Jet left = jet_of(difference, time, instant ? Side::left : Side::right);
+  // Left of the begin of a period lies its end.
+  const double before = instant && sensitivity_.is_settled() && time <= same_place * run_.stop ? run_.stop : time;
+  Jet left = jet_of(difference, before, instant ? Side::left : Side::right);
   if (instant) {
     const Jet right = jet_of(difference, time, Side::right);
     const double size = std::abs(left.value) + std::abs(right.value);
     constexpr double jumps = 1e-9;
     const double scale =
-        std::max(std::abs(jet_of(crossing.left, time, Side::left).value), std::abs(jet_of(crossing.right, time, Side::left).value));
+        std::max(std::abs(jet_of(crossing.left, before, Side::left).value), std::abs(jet_of(crossing.right, before, Side::left).value));
     if (left.value * right.value <= 0.0 && size > jumps * scale) {
       MeasuredFunctional moves;
       moves.sum = shift_of(*instant);

@@ -9,7 +9,9 @@ namespace pwlsim::analysis {
 
 class RepeatedPieces : public engine::PieceSink {
  public:
-  RepeatedPieces(const engine::Probes& wanted, double period) : wanted_(wanted), period_(period), repeats_(wanted.sink != nullptr && wanted.to > period) {}
+  /// `has_begin`: what happens at the end of the period has happened at its begin already.
+  RepeatedPieces(const engine::Probes& wanted, double period, bool has_begin)
+      : wanted_(wanted), period_(period), has_begin_(has_begin), repeats_(wanted.sink != nullptr && wanted.to > period) {}
 
   /// What the run over one period is asked for.
   [[nodiscard]] engine::Probes probes() {
@@ -34,6 +36,8 @@ class RepeatedPieces : public engine::PieceSink {
     hand_on(kept_.back(), 0.0);
   }
   void impulse(double time, std::span<const double> values) override {
+    constexpr double at_end = 1e-12;  // of the period
+    if (has_begin_ && time >= period_ * (1.0 - at_end)) return;
     kept_.push_back({{}, {values.begin(), values.end()}, {}, time});
     hand_on(kept_.back(), 0.0);
   }
@@ -57,7 +61,7 @@ class RepeatedPieces : public engine::PieceSink {
 
   engine::Probes wanted_;
   double period_;
-  bool repeats_;
+  bool has_begin_, repeats_;
   std::vector<Kept> kept_;
 };
 

@@ -296,7 +296,7 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
   const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
-  const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = is_duty || card.input == SmallSignal::Input::frequency;
+  const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = moves_edges(card);
   std::vector<steady::Wave> waves;
   for (const std::string& name : is_timing ? card.sources : std::vector<std::string>()) {
     const auto& source = network.sources[static_cast<std::size_t>(sources_named(network, name).front())];
@@ -390,6 +390,23 @@ SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::s
   return evaluate(compiled, inputs, [&](double f, const std::vector<Complex>& amplitudes) {
     return steady::linear_response(linear, network.signals.size(), f, amplitudes);
   });
+}
+
+void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  SmallSignalResult names;
+  names.signals = result.signals;
+  const std::vector<Selection> selected = select_columns(compiled, names);
+  for (const int signal : signals) {
+    const auto number = static_cast<std::size_t>(signal);
+    const auto is_column = [&](const Selection& column) { return column.signal == number; };
+    if (number >= result.signals.size() && std::none_of(selected.begin(), selected.end(), is_column)) continue;
+    result.impulsive.push_back(compiled.network.signals[number].name);
+    for (auto& row : result.values)
+      if (number < row.size()) row[number] = {unknown, unknown};
+    for (std::size_t k = 0; k < selected.size(); ++k)
+      if (selected[k].signal == number) std::fill(result.columns[k].values.begin(), result.columns[k].values.end(), unknown);
+  }
 }
 
 std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled) {

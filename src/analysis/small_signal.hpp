@@ -40,7 +40,8 @@ struct SmallSignalResult {
   };
   std::vector<Column> columns;
   std::optional<LoopGain> loop;
-  std::vector<double> singular;  ///< frequencies of an infinite response
+  std::vector<double> singular;        ///< frequencies of an infinite response
+  std::vector<std::string> impulsive;  ///< signals that have impulses on the orbit, which move: they have no response here
 };
 
 /// What .ac adds to the network of the steady state.
@@ -61,6 +62,13 @@ struct SmallSignalInputs {
                                               bool is_driven);
 /// Of a linear circuit. `id` is E-ac-needs-pss where something in it switches.
 [[nodiscard]] SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message);
+
+/// Leaves out the responses of these signals of the network.
+void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
+/// Whether edges of sources move.
+[[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
+  return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;
+}
 
 /// Names of the columns, the frequency first.
 [[nodiscard]] std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled);

@@ -33,6 +33,7 @@ struct SweptRun {
   DerivativeTable sensitivities;
   std::optional<SmallSignalResult> small_signal;  ///< of .ac; kept for JSON and pictures
   std::vector<double> singular;                   ///< frequencies at which it is infinite
+  std::vector<std::string> impulsive;             ///< signals without one: they have impulses
   std::shared_ptr<SteadyState> orbit;             ///< null: none was asked for, or found
 };
 

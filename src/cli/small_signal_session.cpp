@@ -42,6 +42,7 @@ class SmallSignalSession : public AnalysisSession {
     if (!found.id.empty()) return fail_or_leave_out(run, found.id, found.message);
     response = std::move(found.result);
     for (const double f : response->singular) run.messages.report(singular_response_warning(f));
+    if (!response->impulsive.empty()) run.messages.report(impulsive_response_warning(response->impulsive));
     const int status = file_ ? write_whole(*file_, analysis::small_signal_csv(*response), run.messages) : 0;
     if (status == 0 && (file_ || run.options.no_rows))
       run.messages.remark(analysis::small_signal_summary(*response, file_ ? file_->name() : "nothing"));
@@ -91,6 +92,14 @@ Diagnostic singular_response_warning(double frequency, const std::string& where)
       "W-ac-singular",
       {},
       fmt::format("the response is infinite at {}{}: a free direction is in resonance there", analysis::quantity(frequency, "Hz"), where)};
+}
+
+Diagnostic impulsive_response_warning(const std::vector<std::string>& signals, const std::string& where) {
+  return {Severity::warning,
+          "W-ac-impulse",
+          {},
+          fmt::format("no response of {}{}: the orbit has impulses there, which the input moves; try a small resistance in their way",
+                      fmt::join(signals, ", "), where)};
 }
 
 std::unique_ptr<AnalysisSession> small_signal_session() { return std::make_unique<SmallSignalSession>(); }

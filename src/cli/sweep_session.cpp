@@ -72,9 +72,12 @@ class Sweep {
     for (std::size_t run = 0; run < records_.size(); ++run)
       if (!records_[run].sensitivities.empty())
         report_derivatives(records_[run].sensitivities, messages_, fmt::format(" in the run with {}", name(run)));
-    for (std::size_t run = 0; run < records_.size(); ++run)
+    for (std::size_t run = 0; run < records_.size(); ++run) {
+      if (!records_[run].impulsive.empty())
+        messages_.report(impulsive_response_warning(records_[run].impulsive, fmt::format(" in the run with {}", name(run))));
       for (const double f : records_[run].singular)
         messages_.report(singular_response_warning(f, fmt::format(" in the run with {}", name(run))));
+    }
     return task_.options.json ? status : std::max(status, print_tables());
   }
 
@@ -253,6 +256,7 @@ class Sweep {
     if (!response.result) return;
     texts.response = analysis::small_signal_rows(*response.result, prefix);
     record.singular = response.result->singular;
+    record.impulsive = response.result->impulsive;
     if (task_.options.json || !task_.options.plot.empty()) record.small_signal = std::move(response.result);
   }
 

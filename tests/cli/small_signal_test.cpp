@@ -371,6 +371,22 @@ TEST_CASE("a constant input of a self-timed orbit: the response is the derivativ
   CHECK(response(result, 1, "v(a)").real() == Approx(expected).epsilon(1e-7));
 }
 
+TEST_CASE("a current that is impulses has no response, with a warning; voltages beside it have theirs", "[unit]") {
+  // Linear in Vin: at 0 Hz the response of v(out) is its mean over Vin.
+  const Scratch scratch;
+  scratch.write(
+      "pump.net",
+      "pump\nVin in 0 5\nVg g 0 PULSE(0 1 0 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
+      ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.save v(out) i(Vin)\n.pss\n.meas pss mean AVG v(out)\n.ac list 0 1k from=Vin\n.end\n");
+  const Finished finished = run_in(scratch, {"pump.net", "--json"});
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("warning[W-ac-impulse]: no response of i(Vin)"));
+  const Json result = read_json(finished.out);
+  CHECK(response(result, 0, "v(out)").real() == Approx(result["measurements"][0]["value"].number / 5.0).epsilon(1e-11));
+  CHECK(result["ac"]["signals"][1]["re"][0].kind == Json::Kind::null);
+  CHECK_THAT(read_file(scratch / "pump.ac.csv"), Contains(",,\n"));
+}
+
 TEST_CASE("an infinite response is empty, with a warning", "[unit]") {
   // A capacitor that only a current source charges: multiplier 1, infinite where e^{jωT} = 1.
   const Scratch scratch;

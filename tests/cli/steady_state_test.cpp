@@ -313,6 +313,31 @@ TEST_CASE("an orbit that is not found: residuals, the best state, and whether it
   CHECK(read_file(scratch / "deck.csv").starts_with("time,"));
 }
 
+TEST_CASE("what happens at the begin of a period counts once: charges of jumps and edges", "[unit]") {
+  // A pump: C2 between two charges holds v₁ = v₀ e^{−T/2RC₂}-like values; what the source gives is what R takes, so the averages of both currents are one, and
+  // so is that of the charge that S2 passes on. The same with the gate's edges elsewhere in the period.
+  const Scratch scratch;
+  for (const std::string delay : {"0", "2u"}) {
+    const Json result = steady_state_of(
+        scratch, "pump\nVin in 0 5\nVg g 0 PULSE(0 1 " + delay +
+                     " 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
+                     ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.pss\n.meas pss load AVG i(R1)\n.meas pss taken AVG i(Vin)\n"
+                     ".meas pss passed AVG i(S2)\n.meas pss held INTEG i(C1)\n.meas pss three INTEG i(S1) FROM=1u TO=31u\n.meas pss power "
+                     "AVG v(in)*i(Vin)\n"
+                     ".meas pss on WHEN v(g)=0.5 RISE=1\n.meas pss width TRIG v(g)=0.5 RISE=1 TARG v(g)=0.5 FALL=1\n.end\n");
+    INFO("edges at " << delay);
+    const double load = measured(result, "load");
+    CHECK(load > 4.9e-3);
+    CHECK(measured(result, "taken") == Approx(-load).epsilon(1e-11));
+    CHECK(measured(result, "passed") == Approx(load).epsilon(1e-11));
+    CHECK(std::abs(measured(result, "held")) <= 1e-12 * load * 1e-5);
+    CHECK(measured(result, "three") == Approx(load * 3e-5).epsilon(1e-11));
+    CHECK(measured(result, "power") == Approx(-5.0 * load).epsilon(1e-11));
+    CHECK(measured(result, "on") == Approx(delay == "0" ? 0.0 : 2e-6).margin(1e-18));
+    CHECK(measured(result, "width") == Approx(5e-6).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("cycles_before_pop are periods before the search", "[unit]") {
   const Scratch scratch;
   const Json result =
