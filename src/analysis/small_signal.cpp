@@ -409,6 +409,11 @@ void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<in
   }
 }
 
+std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where) {
+  return fmt::format("no response of {}{}: the orbit has impulses there, which the input moves; try a small resistance in their way",
+                     fmt::join(signals, ", "), where);
+}
+
 std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled) {
   SmallSignalResult result;
   for (std::size_t k = 0; k < compiled.saved_signals(); ++k) result.signals.push_back(compiled.network.signals[k].name);

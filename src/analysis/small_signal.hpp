@@ -65,6 +65,8 @@ struct SmallSignalInputs {
 
 /// Leaves out the responses of these signals of the network.
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
+/// W-ac-impulse; `where`: " in the run with …".
+[[nodiscard]] std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where = "");
 /// Whether edges of sources move.
 [[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
   return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;

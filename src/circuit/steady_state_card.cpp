@@ -41,7 +41,7 @@ class SteadyStateReader {
         state_.is_free = true;
       else if (is_word(item, "when") && positional_ == 0)
         is_when_ = true;
-      else if (is_word(item, "rise") || is_word(item, "fall"))
+      else if (is_word(item, "rise") || is_word(item, "fall") || is_word(item, "cross"))
         take_edge(item);
       else
         take_positional(item);
@@ -87,7 +87,7 @@ class SteadyStateReader {
   void take_assignment(const Item& item) {
     const auto is = [&](std::string_view name) { return same_name(item.text, name); };
     if (item.items.size() > 1) return take_crossing(item);
-    if (is_when_ && (is("rise") || is("fall"))) return take_numbered_edge(item);
+    if (is_when_ && (is("rise") || is("fall") || is("cross"))) return take_numbered_edge(item);
     if (is("period") || is("max_period")) {
       (is("period") ? state_.period : state_.longest_period) = positive(item, item.text);
     } else if (is("freq")) {
@@ -163,7 +163,7 @@ class SteadyStateReader {
     state_.probe = add_probe(circuit_, std::move(signal));
   }
 
-  /// rise=1, as in .meas: every passage is one.
+  /// rise=1, as in .meas: every passage is one. Of passages in both directions (cross) the period begins with one that rises.
   void take_numbered_edge(const Item& item) {
     state_.is_falling = same_name(item.text, "fall");
     (void)count(item, item.text, "E-range");

@@ -95,11 +95,7 @@ Diagnostic singular_response_warning(double frequency, const std::string& where)
 }
 
 Diagnostic impulsive_response_warning(const std::vector<std::string>& signals, const std::string& where) {
-  return {Severity::warning,
-          "W-ac-impulse",
-          {},
-          fmt::format("no response of {}{}: the orbit has impulses there, which the input moves; try a small resistance in their way",
-                      fmt::join(signals, ", "), where)};
+  return {Severity::warning, "W-ac-impulse", {}, analysis::impulsive_text(signals, where)};
 }
 
 std::unique_ptr<AnalysisSession> small_signal_session() { return std::make_unique<SmallSignalSession>(); }

@@ -238,8 +238,8 @@ const double relay_period = 3e3 * 1e-7 * std::log(4.0 / 2.0) + 1e3 * 1e-7 * std:
 TEST_CASE("a self-timed period may begin where a signal crosses a level, or another signal", "[unit]") {
   const Scratch scratch;
   const auto orbit_of = [&](const std::string& card) { return steady_state_of(scratch, relay + card + "\n.end\n")["pss"]; };
-  for (const std::string card :
-       {".pss when v(a)=2 rise", ".pss when v(a)=2 rise=1", ".pss when v(a,x)=0\nV2 x 0 2", ".pss when v(a)=v(x)\nV2 x 0 2"}) {
+  for (const std::string card : {".pss when v(a)=2 rise", ".pss when v(a)=2 rise=1", ".pss when v(a)=2 cross=1",
+                                 ".pss when v(a,x)=0\nV2 x 0 2", ".pss when v(a)=v(x)\nV2 x 0 2"}) {
     INFO(card);
     const Json pss = orbit_of(card);
     CHECK(pss["period"].number == Approx(relay_period).epsilon(1e-12));
