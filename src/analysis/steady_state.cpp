@@ -367,7 +367,7 @@ class Finder {
     run.use_initial_conditions = true;
     run.span = card_.span;
     const bool is_driven = !state_.common.sources.empty();
-    if (is_driven) state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
+    state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
     state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period, is_driven](engine::Request request,
                                                                                                               engine::RowSink& sink) {
       RepeatedPieces repeated(request.probes, period, is_driven);

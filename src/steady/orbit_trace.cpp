@@ -21,16 +21,21 @@ void end_at(Trace& trace, double end) {
 }
 
 std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model, const Trace& trace, double period) {
+  constexpr double near = 1e-9;  // of the period
   std::vector<std::vector<double>> signals;
   for (std::size_t island = 0; island < model.islands.size(); ++island) {
     const model::System& system = model.islands[island].extraction.system;
     const model::Mode* mode = nullptr;
     std::vector<double> y;
-    for (const TraceSegment& segment : trace.tail)
-      if (segment.island == island) {
-        mode = segment.mode;
-        y = segment.y1;
-      }
+    const auto take = [&](const std::vector<TraceSegment>& segments) {
+      for (const TraceSegment& segment : segments)
+        if (segment.island == island && segment.begin + segment.length >= period * (1.0 - near)) {
+          mode = segment.mode;
+          y = segment.y1;
+        }
+    };
+    if (!trace.steps.empty()) take(trace.steps.back().segments);  // of a self-timed period, which ends with an instant
+    take(trace.tail);
     if (system.n == 0 && system.ports == 0 && !trace.steps.empty())  // nothing but sources, which runs do not bring along
       for (const engine::Change& change : trace.steps.front().changes)
         if (change.island == island && change.after != nullptr) {

@@ -338,6 +338,26 @@ TEST_CASE("what happens at the begin of a period counts once: charges of jumps a
   }
 }
 
+TEST_CASE("the event that begins a self-timed period is a passage at its begin, once", "[unit]") {
+  // v(b) jumps at both events of the switch: it is on for t₂ = τ₂ ln((7 − W)/(3 − W)), τ₂ = C (R₁ ∥ R₂), W = 10 V R₂/(R₁ + R₂), off for t₁ = τ₁ ln(7/3).
+  const double w = 10.0 * 100.0 / 1100.0, on = 1e-6 * (1000.0 * 100.0 / 1100.0) * std::log((7.0 - w) / (3.0 - w)),
+               off = 1e-3 * std::log(7.0 / 3.0);
+  const Scratch scratch;
+  for (const std::string card : {"on=S1", "off=S1"}) {
+    INFO(card);
+    const bool begins_on = card == "on=S1";
+    const Json result = steady_state_of(
+        scratch, "osc\nV1 vcc 0 10\nR1 vcc a 1k\nC1 a 0 1u\nS1 a b a 0 SX\nR2 b 0 100\n.model SX SW(Ron=0 Vt=5 Vh=2)\n.pss " + card +
+                     "\n.meas pss rises WHEN v(b)=1 RISE=1\n.meas pss falls WHEN v(b)=1 FALL=1\n.meas pss last WHEN v(b)=1 " +
+                     (begins_on ? "RISE" : "FALL") + "=LAST\n.meas pss next WHEN v(b)=1 CROSS=3 TO=" + std::to_string(1.5 * (on + off)) +
+                     "\n.end\n");
+    CHECK(measured(result, "rises") == Approx(begins_on ? 0.0 : off).epsilon(1e-11));
+    CHECK(measured(result, "falls") == Approx(begins_on ? on : 0.0).epsilon(1e-11));
+    CHECK(measured(result, "last") == 0.0);
+    CHECK(measured(result, "next") == Approx(on + off).epsilon(1e-11));
+  }
+}
+
 TEST_CASE("cycles_before_pop are periods before the search", "[unit]") {
   const Scratch scratch;
   const Json result =
