@@ -38,7 +38,8 @@ waveform::Figure bode_figure(const std::string& title, const SmallSignalResult& 
   figure.is_logarithmic = true;
   if (result.loop) {
     const LoopGain& loop = *result.loop;
-    add_curves(fmt::format("loop {}", loop.source), result.frequencies, [&](std::size_t k) { return loop.values[k]; }, figure);
+    add_curves(
+        fmt::format("loop {}", loop.source), result.frequencies, [&](std::size_t k) { return loop.values[k]; }, figure);
     waveform::Marks crossovers{"crossover", {}, {}}, margins{"gain margin", {}, {}};
     for (const auto& at : loop.crossovers) crossovers.x.push_back(std::log10(at.frequency));
     for (const auto& at : loop.gain_margins) margins.x.push_back(std::log10(at.frequency));
@@ -48,8 +49,32 @@ waveform::Figure bode_figure(const std::string& title, const SmallSignalResult& 
   }
   const std::size_t drawn = std::min(result.signals.size(), most_curves);
   for (std::size_t s = 0; s < drawn; ++s)
-    add_curves(result.signals[s], result.frequencies, [&](std::size_t k) { return result.values[k][s]; }, figure);
+    add_curves(
+        result.signals[s], result.frequencies, [&](std::size_t k) { return result.values[k][s]; }, figure);
   if (drawn < result.signals.size()) figure.title += fmt::format(" ({} of {} signals)", drawn, result.signals.size());
+  return figure;
+}
+
+bool has_response(const SweptRuns& runs) {
+  return std::any_of(runs.list.begin(), runs.list.end(), [](const SweptRun& run) { return run.small_signal.has_value(); });
+}
+
+waveform::Figure bode_figure(const std::string& title, const SweptRuns& runs) {
+  waveform::Figure figure{title, "frequency", "Hz", {{"magnitude", {}, "dB"}, {"phase", {}, "°"}}};
+  figure.is_logarithmic = true;
+  std::vector<std::size_t> have;
+  for (std::size_t k = 0; k < runs.list.size(); ++k)
+    if (const auto& result = runs.list[k].small_signal; result && (result->loop || !result->signals.empty())) have.push_back(k);
+  const std::size_t drawn = std::min(have.size(), most_curves);
+  for (std::size_t i = 0; i < drawn; ++i) {
+    const std::size_t run = have[drawn == 1 ? 0 : i * (have.size() - 1) / (drawn - 1)];
+    const SmallSignalResult& result = *runs.list[run].small_signal;
+    const std::string name = result.loop ? fmt::format("loop {}", result.loop->source) : result.signals.front();
+    add_curves(
+        fmt::format("{}, {}", name, runs.name(run)), result.frequencies,
+        [&](std::size_t k) { return result.loop ? result.loop->values[k] : result.values[k].front(); }, figure);
+  }
+  if (drawn < have.size()) figure.title += fmt::format(" ({} of {} runs)", drawn, have.size());
   return figure;
 }
 

@@ -20,7 +20,7 @@ std::string MeasuredFunctionals::event_at(std::size_t instant) const { return se
 /// Values that tie count all.
 void MeasuredFunctionals::add_extreme(double weight, std::size_t number, bool is_largest, MeasuredFunctional& sum) {
   const Measurement& measurement = run_.measurements->list[number];
-  const measure::Place& place = run_.places[number];
+  const measure::Place& place = run_.record.places[number];
   const auto known = run_.extremes.find(number);
   std::vector<double> times;
   if (known != run_.extremes.end()) times = is_largest ? known->second.largest : known->second.least;
@@ -95,7 +95,7 @@ MeasuredFunctional MeasuredFunctionals::of_wrap(const Measurement& measurement, 
 
 MeasuredFunctional MeasuredFunctionals::of_extreme_time(std::size_t number, bool is_largest) {
   const Measurement& measurement = run_.measurements->list[number];
-  const measure::Place& place = run_.places[number];
+  const measure::Place& place = run_.record.places[number];
   const double near = same_place * run_.stop, time = is_largest ? place.largest_at : place.least_at;
   MeasuredFunctional moves;
   const auto known = run_.extremes.find(number);

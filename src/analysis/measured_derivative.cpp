@@ -27,17 +27,55 @@ bool integrates(Kind kind) { return kind == Kind::average || kind == Kind::integ
 
 engine::Piece piece_of(const KeptPiece& kept) { return {kept.from, kept.to, kept.begin, kept.length, kept.values}; }
 
+/// The gradient to the probes at these values, where nothing but signals moves the expression; else empty.
+std::vector<double> gradient_by_signals(const ExpressionGradient& gradient, const std::vector<double>& signals,
+                                        const std::vector<double>& results) {
+  const GradientValue at = gradient.at(signals, results, 0.0);
+  const auto moves = [](const std::vector<double>& list) {
+    return std::any_of(list.begin(), list.end(), [](double x) { return x != 0.0; });
+  };
+  return moves(at.results) || moves(at.numbers) || at.has_kink ? std::vector<double>() : at.signals;
+}
+
+bool reads_time(const circuit::MeasuredExpression& expression) {
+  using StepKind = circuit::MeasuredExpression::Step::Kind;
+  return std::any_of(expression.steps.begin(), expression.steps.end(), [](const auto& step) { return step.kind == StepKind::time; });
+}
+
+/// Values of which no sum or product is another one's, nor zero.
+std::vector<double> some_values(std::size_t count) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < count; ++k) values.push_back(std::sin(static_cast<double>(k) + 1.0));
+  return values;
+}
+
+/// What the expression takes of each of its probes, where that is the same at all times and nothing but signals moves it; else empty.
+std::vector<double> even_weights(const circuit::MeasuredExpression& expression, const std::vector<double>& results) {
+  if (reads_time(expression) || !measure::Program(expression).is_linear()) return {};
+  const ExpressionGradient gradient(expression);
+  const std::vector<double> at_zero = gradient_by_signals(gradient, std::vector<double>(gradient.probes().size(), 0.0), results);
+  const std::vector<double> elsewhere = gradient_by_signals(gradient, some_values(gradient.probes().size()), results);
+  return at_zero == elsewhere ? at_zero : std::vector<double>();
+}
+
+/// Whether its derivative is read of pieces of the run.
+bool needs_pieces(const Measurement& measurement, const std::vector<double>& results) {
+  return integrates(measurement.kind) && (measurement.kind == Kind::rms || even_weights(measurement.expression, results).empty());
+}
+
+}  // namespace
+
 /// Keeps the pieces of integrals, and looks for all places of extremes.
 class PieceKeeper : public engine::PieceSink {
  public:
   explicit PieceKeeper(MeasuredPass& run) : run_(run), view_(run.measurements->probe_signals.size()) {
     for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
-      if (!run.failures[k].empty()) continue;
+      if (!run.record.failures[k].empty()) continue;
       const Measurement& measurement = run.measurements->list[k];
-      if (is_extreme(measurement.kind)) finders_.push_back({k, ExtremeFinder(measurement, run.places[k])});
-      if (!integrates(measurement.kind)) continue;
-      from_ = to_ > from_ ? std::min(from_, run.places[k].from) : run.places[k].from;
-      to_ = std::max(to_, run.places[k].to);
+      if (is_extreme(measurement.kind)) finders_.push_back({k, ExtremeFinder(measurement, run.record.places[k])});
+      if (!needs_pieces(measurement, run.record.values)) continue;
+      from_ = to_ > from_ ? std::min(from_, run.record.places[k].from) : run.record.places[k].from;
+      to_ = std::max(to_, run.record.places[k].to);
     }
   }
   void before_start(std::span<const double>) override {}
@@ -46,7 +84,7 @@ class PieceKeeper : public engine::PieceSink {
       run_.pieces.push_back({piece.from, piece.to, piece.begin, piece.length, {piece.values.begin(), piece.values.end()}});
     if (finders_.empty()) return;
     view_.set(piece);
-    for (auto& finder : finders_) finder.second.take(view_, run_.values);
+    for (auto& finder : finders_) finder.second.take(view_, run_.record.values);
   }
   void finish() {
     for (auto& finder : finders_) run_.extremes[finder.first] = finder.second.found();
@@ -59,46 +97,68 @@ class PieceKeeper : public engine::PieceSink {
   std::vector<std::pair<std::size_t, ExtremeFinder>> finders_;
 };
 
-}  // namespace
-
 MeasuredSum shift_of(std::size_t instant) {
   MeasuredSum sum;
   sum.run.shifts[instant] = 1.0;
   return sum;
 }
 
-MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request, double start,
-                         double stop, double longest_window) {
+MeasuredPass pass_of(const circuit::Measurements& measurements, const measure::Record& record, double start, double stop) {
   MeasuredPass run;
   run.measurements = &measurements;
   run.start = start;
   run.stop = stop;
+  run.record = record;
+  for (std::size_t k = 0; k < run.record.values.size(); ++k)
+    if (!run.record.failures[k].empty()) run.record.values[k] = std::numeric_limits<double>::quiet_NaN();
+  return run;
+}
+
+PieceLook::PieceLook(MeasuredPass& run) : run_(run) {
+  run.pieces.clear();
+  run.extremes.clear();
+  for (std::size_t k = 0; k < run.measurements->list.size(); ++k) {
+    const Measurement& measurement = run.measurements->list[k];
+    if (!run.record.failures[k].empty() || !(needs_pieces(measurement, run.record.values) || is_extreme(measurement.kind))) continue;
+    from_ = is_needed() ? std::min(from_, run.record.places[k].from) : run.record.places[k].from;
+    to_ = std::max(to_, run.record.places[k].to);
+  }
+  if (is_needed()) keeper_ = std::make_unique<PieceKeeper>(run);
+}
+
+PieceLook::~PieceLook() = default;
+
+engine::Probes PieceLook::probes() const {
+  return is_needed() ? engine::Probes{run_.measurements->probe_signals, from_, to_, keeper_.get()} : engine::Probes{};
+}
+
+void PieceLook::finish() {
+  if (keeper_) keeper_->finish();
+}
+
+MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request, double start,
+                         double stop, double longest_window, const measure::Record* known) {
   NoRows rows;
   request.grid = {[stop](std::uint64_t) { return stop; }, 1};
-  measure::Measuring measuring(measurements, start, stop, std::max(stop, longest_window));
-  while (measuring.begin_pass()) {
-    request.probes = measuring.probes();
-    const engine::Answer answer = simulate(request, rows);
-    measuring.end_pass(request.probes.to > stop ? answer.probed : answer.time);
-    if (answer.outcome != engine::Outcome::completed) break;
+  measure::Record record;
+  if (known != nullptr && known->values.size() == measurements.list.size()) {
+    record = *known;
+  } else {
+    measure::Measuring measuring(measurements, start, stop, std::max(stop, longest_window));
+    while (measuring.begin_pass()) {
+      request.probes = measuring.probes();
+      const engine::Answer answer = simulate(request, rows);
+      measuring.end_pass(request.probes.to > stop ? answer.probed : answer.time);
+      if (answer.outcome != engine::Outcome::completed) break;
+    }
+    record = measuring.record();
   }
-  run.values = measuring.values();
-  run.failures = measuring.failures();
-  run.places = measuring.places();
-  for (std::size_t k = 0; k < run.values.size(); ++k)
-    if (!run.failures[k].empty()) run.values[k] = std::numeric_limits<double>::quiet_NaN();
-  double from = 0.0, to = 0.0;
-  for (std::size_t k = 0; k < measurements.list.size(); ++k) {
-    run.has_impulse.push_back(measuring.met_impulse(k) ? 1 : 0);
-    if (!(integrates(measurements.list[k].kind) || is_extreme(measurements.list[k].kind)) || !run.failures[k].empty()) continue;
-    from = to > from ? std::min(from, run.places[k].from) : run.places[k].from;
-    to = std::max(to, run.places[k].to);
-  }
-  if (!(to > from)) return run;
-  PieceKeeper keeper(run);
-  request.probes = {measurements.probe_signals, from, to, &keeper};
+  MeasuredPass run = pass_of(measurements, record, start, stop);
+  PieceLook look(run);
+  if (!look.is_needed()) return run;
+  request.probes = look.probes();
   (void)simulate(request, rows);
-  keeper.finish();
+  look.finish();
   return run;
 }
 
@@ -171,7 +231,7 @@ MeasuredFunctionals::MeasuredFunctionals(const MeasuredPass& run, const steady::
 const MeasuredFunctional& MeasuredFunctionals::of(std::size_t measurement) {
   if (known_[measurement]) return *known_[measurement];
   std::string failure;
-  if (!run_.failures[measurement].empty()) failure = "the measurement failed: " + run_.failures[measurement];
+  if (!run_.record.failures[measurement].empty()) failure = "the measurement failed: " + run_.record.failures[measurement];
   for (const int other : circuit::results_read(run_.measurements->list[measurement]))
     if (const MeasuredFunctional& needed = of(static_cast<std::size_t>(other)); failure.empty()) failure = needed.failure;
   known_[measurement] = failure.empty() ? compute(measurement) : failed_functional(failure);
@@ -189,7 +249,7 @@ void MeasuredFunctionals::add_results(double weight, const GradientValue& gradie
 
 MeasuredFunctional MeasuredFunctionals::of_constant(const circuit::MeasuredExpression& expression) {
   MeasuredFunctional functional;
-  add_results(1.0, ExpressionGradient(expression).at({}, run_.values, 0.0), functional);
+  add_results(1.0, ExpressionGradient(expression).at({}, run_.record.values, 0.0), functional);
   return functional;
 }
 
@@ -200,7 +260,7 @@ MeasuredFunctionals::Jet MeasuredFunctionals::jet_of(const circuit::MeasuredExpr
   const std::vector<steady::SignalJet> jets = sensitivity_.signals_at(signals, time, side);
   std::vector<double> values;
   for (const steady::SignalJet& jet : jets) values.push_back(jet.value);
-  const GradientValue at = gradient.at(values, run_.values, time);
+  const GradientValue at = gradient.at(values, run_.record.values, time);
   Jet jet;
   jet.value = at.value;
   jet.rate = at.time;
@@ -262,7 +322,7 @@ MeasuredFunctional MeasuredFunctionals::compute(std::size_t number) {
 
 MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
-  const measure::Place& place = run_.places[number];
+  const measure::Place& place = run_.record.places[number];
   MeasuredFunctional moves = measurement.at ? of_constant(*measurement.at) : crossing_moves(*measurement.when, place.at);
   if (measurement.kind == Kind::time || !moves.failure.empty()) return moves;
   const Side side = place.at - place.piece_from <= place.piece_to - place.at ? Side::right : Side::left;
@@ -302,13 +362,15 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
   difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
   const auto instant = instant_at(time);
-  Jet left = jet_of(difference, time, instant ? Side::left : Side::right);
+  // Left of the begin of a period lies its end.
+  const double before = instant && sensitivity_.is_settled() && time <= same_place * run_.stop ? run_.stop : time;
+  Jet left = jet_of(difference, before, instant ? Side::left : Side::right);
   if (instant) {
     const Jet right = jet_of(difference, time, Side::right);
     const double size = std::abs(left.value) + std::abs(right.value);
     constexpr double jumps = 1e-9;
     const double scale =
-        std::max(std::abs(jet_of(crossing.left, time, Side::left).value), std::abs(jet_of(crossing.right, time, Side::left).value));
+        std::max(std::abs(jet_of(crossing.left, before, Side::left).value), std::abs(jet_of(crossing.right, before, Side::left).value));
     if (left.value * right.value <= 0.0 && size > jumps * scale) {
       MeasuredFunctional moves;
       moves.sum = shift_of(*instant);
@@ -333,7 +395,7 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
 
 MeasuredFunctional MeasuredFunctionals::of_window(std::size_t number) {
   const Measurement& measurement = run_.measurements->list[number];
-  const measure::Place& place = run_.places[number];
+  const measure::Place& place = run_.record.places[number];
   if (place.to > run_.stop * (1.0 + same_place)) return failed_functional("its window reaches beyond the period");
   MeasuredFunctional result;
   const bool is_range = measurement.kind == Kind::peak_to_peak;
@@ -342,9 +404,9 @@ MeasuredFunctional MeasuredFunctionals::of_window(std::size_t number) {
   if (measurement.kind == Kind::maximum || measurement.kind == Kind::minimum || is_range) return result;
   if (measurement.kind == Kind::time_of_maximum || measurement.kind == Kind::time_of_minimum)
     return of_extreme_time(number, measurement.kind == Kind::time_of_maximum);
-  if (run_.has_impulse[number] != 0) return failed_functional("an impulse lies in its window");
+  if (run_.record.impulses[number] != 0) return failed_functional("an impulse lies in its window");
   const bool squares = measurement.kind == Kind::rms;
-  const double length = place.to - place.from, value = run_.values[number];
+  const double length = place.to - place.from, value = run_.record.values[number];
   const double scale = measurement.kind == Kind::integral ? 1.0 : squares ? 1.0 / (2.0 * value * length) : 1.0 / length;
   add_integral(measurement, place, squares, scale, result);
   add_instants(measurement, place, squares, scale, result);
@@ -370,9 +432,45 @@ const MeasuredFunctionals::Shares& MeasuredFunctionals::shares_on(double from, d
   return shares;
 }
 
+MeasuredFunctionals::AffineGradient MeasuredFunctionals::affine_gradient(const circuit::MeasuredExpression& expression,
+                                                                         bool squares) const {
+  constexpr double same = 1e-12;  // of a gradient: what else it may be is a function of higher degree
+  const measure::Program program(expression);
+  if (reads_time(expression) || !program.is_polynomial() || (squares && !program.is_linear())) return {};
+  const ExpressionGradient gradient(expression);
+  const std::size_t count = gradient.probes().size();
+  // Of a square: 2·value·gradient.
+  const auto at = [&](const std::vector<double>& signals) {
+    std::vector<double> values = gradient_by_signals(gradient, signals, run_.record.values);
+    if (squares)
+      for (double& each : values) each *= 2.0 * gradient.at(signals, run_.record.values, 0.0).value;
+    return values;
+  };
+  AffineGradient affine{at(std::vector<double>(count, 0.0)), std::vector<double>(count * count, 0.0)};
+  if (affine.constant.size() != count) return {};
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<double> unit(count, 0.0);
+    unit[k] = 1.0;
+    const std::vector<double> there = at(unit);
+    if (there.size() != count) return {};
+    for (std::size_t i = 0; i < count; ++i) affine.slopes[i * count + k] = there[i] - affine.constant[i];
+  }
+  const std::vector<double> values = some_values(count), there = at(values);
+  if (there.size() != count) return {};
+  for (std::size_t i = 0; i < count; ++i) {
+    double own = affine.constant[i], size = std::abs(own);
+    for (std::size_t k = 0; k < count; ++k) {
+      own += affine.slopes[i * count + k] * values[k];
+      size += std::abs(affine.slopes[i * count + k] * values[k]);
+    }
+    if (!(std::abs(own - there[i]) <= same * size)) return {};
+  }
+  return affine;
+}
+
 /// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
-void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, std::size_t number, double from, double to, bool squares,
-                                     double scale, MeasuredFunctional& sum) {
+void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
+                                     double to, bool squares, double scale, MeasuredFunctional& sum) {
   const KeptPiece& kept = run_.pieces[number];
   const std::size_t n = linalg::legendre_points, width = signals_.size();
   steady::Functional::Interval& interval = sum.sum.run.intervals[number];
@@ -386,18 +484,26 @@ void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, std::si
     for (const int probe : gradient.probes()) values.emplace_back(kept.values.data() + static_cast<std::size_t>(probe) * n);
   const auto& rule = linalg::gauss_legendre();
   const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
-  std::vector<double> signals(gradient.probes().size());
+  std::vector<double> signals(gradient.probes().size()), of_signals;
   for (std::size_t i = 0; i < n; ++i) {
     const double time = from + 0.5 * (rule.point[i] + 1.0) * (to - from);
     const double x = is_whole ? rule.point[i] : 2.0 * (time - kept.begin) / kept.length - 1.0;
     for (std::size_t k = 0; k < signals.size(); ++k)
       signals[k] = is_whole ? kept.values[static_cast<std::size_t>(gradient.probes()[k]) * n + i] : values[k](x);
-    const GradientValue at = gradient.at(signals, run_.values, time);
-    const double weight = 0.5 * (to - from) * rule.weight[i] * scale * (squares ? 2.0 * at.value : 1.0);
-    add_numbers(weight, at);
+    double weight = 0.5 * (to - from) * rule.weight[i] * scale;
+    if (!affine.constant.empty()) {
+      of_signals = affine.constant;
+      for (std::size_t j = 0; j < signals.size(); ++j)
+        for (std::size_t k = 0; k < signals.size(); ++k) of_signals[j] += affine.slopes[j * signals.size() + k] * signals[k];
+    } else {
+      GradientValue at = gradient.at(signals, run_.record.values, time);
+      if (squares) weight *= 2.0 * at.value;
+      add_numbers(weight, at);
+      of_signals = std::move(at.signals);
+    }
     const auto take = [&](std::size_t point, double share) {
       for (std::size_t k = 0; k < signals.size(); ++k)
-        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * at.signals[k];
+        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * of_signals[k];
     };
     if (is_whole) {
       take(i, weight);
@@ -416,6 +522,18 @@ void MeasuredFunctionals::add_numbers(double weight, const GradientValue& at) {
   add(read_.numbers, at.numbers);
 }
 
+/// ∫ of a sum of signals.
+bool MeasuredFunctionals::add_stretch(const Measurement& measurement, const measure::Place& place, double scale, MeasuredFunctional& sum) {
+  const std::vector<double> weights = even_weights(measurement.expression, run_.record.values);
+  if (weights.empty()) return false;
+  steady::Functional even;
+  even.stretches.push_back({place.from, place.to, std::vector<double>(signals_.size(), 0.0)});
+  const ExpressionGradient gradient(measurement.expression);
+  for (std::size_t k = 0; k < weights.size(); ++k) even.stretches[0].weights[static_cast<std::size_t>(gradient.probes()[k])] += weights[k];
+  sum.sum.run.add(scale, even);
+  return true;
+}
+
 void MeasuredFunctionals::add_integral(const Measurement& measurement, const measure::Place& place, bool squares, double scale,
                                        MeasuredFunctional& sum) {
   const ExpressionGradient gradient(measurement.expression);
@@ -423,18 +541,20 @@ void MeasuredFunctionals::add_integral(const Measurement& measurement, const mea
   measure::PieceView view(signals_.size());
   double size = 0.0;
   read_ = {};
-  for (std::size_t k = 0; k < run_.pieces.size(); ++k) {
+  const AffineGradient affine = affine_gradient(measurement.expression, squares);
+  const bool is_even = !squares && add_stretch(measurement, place, scale, sum);
+  for (std::size_t k = 0; k < run_.pieces.size() && !is_even; ++k) {
     const KeptPiece& kept = run_.pieces[k];
     const double from = std::max(kept.from, place.from), to = std::min(kept.to, place.to);
     if (!(from < to)) continue;
     if (program.is_polynomial()) {
-      add_inside(gradient, k, from, to, squares, scale, sum);
+      add_inside(gradient, affine, k, from, to, squares, scale, sum);
       continue;
     }
     view.set(piece_of(kept));
-    const bool resolved = view.resolve(program, run_.values, from, to, size, [&](const measure::Part& part) {
+    const bool resolved = view.resolve(program, run_.record.values, from, to, size, [&](const measure::Part& part) {
       for (const double value : part.values) size = std::max(size, std::abs(value));
-      add_inside(gradient, k, part.from, part.to, squares, scale, sum);
+      add_inside(gradient, affine, k, part.from, part.to, squares, scale, sum);
     });
     if (!resolved) sum.failure = "the expression moves too fast to be followed";
   }
@@ -454,9 +574,13 @@ void MeasuredFunctionals::add_instants(const Measurement& measurement, const mea
                                        MeasuredFunctional& sum) {
   const auto& instants = sensitivity_.orbit().instants();
   const double near = same_place * run_.stop;
+  std::vector<int> read;
+  const ExpressionGradient gradient(measurement.expression);
+  for (const int probe : gradient.probes()) read.push_back(signals_[static_cast<std::size_t>(probe)]);
   for (std::size_t k = 0; k < instants.size(); ++k) {
     const double time = instants[k].time;
     if (time < place.from - near || time > place.to + near) continue;
+    if (time > near && !sensitivity_.may_jump(k, read)) continue;
     const bool is_wrap = time <= near, at_from = std::abs(time - place.from) <= near, at_to = std::abs(time - place.to) <= near;
     if (is_wrap && !sensitivity_.is_settled()) {
       sum.obstacles.push_back({shift_of(k), {}, "an edge at t = 0 moves"});
@@ -489,6 +613,8 @@ double ForwardReader::read(const MeasuredSum& sum) { return read(sum.run) + read
 double ForwardReader::read(const steady::Functional& functional) {
   const std::vector<int>& signals = run_.measurements->probe_signals;
   long double sum = 0.0L;
+  for (const steady::Functional::Stretch& stretch : functional.stretches)
+    sum += sensitivity_.moved_over(followed_, parameter_, signals, stretch);
   for (const auto& [instant, weight] : functional.shifts) sum += weight * followed_.shifts[instant];
   for (const steady::Functional::Point& point : functional.points) {
     const std::vector<steady::MovedJet> jets = sensitivity_.moved_signals_at(followed_, parameter_, signals, point.time, point.side);

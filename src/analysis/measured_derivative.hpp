@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,17 +42,36 @@ struct KeptPiece {
 struct MeasuredPass {
   const circuit::Measurements* measurements = nullptr;
   double start = 0.0, stop = 0.0;
-  std::vector<double> values;  ///< of every measurement
-  std::vector<std::string> failures;
-  std::vector<measure::Place> places;
-  std::vector<char> has_impulse;
+  measure::Record record;
   std::vector<KeptPiece> pieces;                  ///< over all windows of integrals
   std::map<std::size_t, ExtremePlaces> extremes;  ///< by measurement
 };
 
-/// Measures: `simulate` runs over the whole.
+/// What of the run's pieces derivatives read.
+class PieceKeeper;
+class PieceLook {
+ public:
+  /// `run`, whose record is known, takes pieces and extremes.
+  explicit PieceLook(MeasuredPass& run);
+  PieceLook(const PieceLook&) = delete;
+  PieceLook& operator=(const PieceLook&) = delete;
+  ~PieceLook();
+  [[nodiscard]] bool is_needed() const { return to_ > from_; }
+  /// Of a run over the whole; without a sink where nothing is needed.
+  [[nodiscard]] engine::Probes probes() const;
+  void finish();
+
+ private:
+  MeasuredPass& run_;
+  double from_ = 0.0, to_ = 0.0;
+  std::unique_ptr<PieceKeeper> keeper_;
+};
+
+/// What a run has measured, without its pieces.
+[[nodiscard]] MeasuredPass pass_of(const circuit::Measurements& measurements, const measure::Record& record, double start, double stop);
+/// Measures: `simulate` runs over the whole. `known`: what has been measured already, or null.
 [[nodiscard]] MeasuredPass measure_run(const circuit::Measurements& measurements, const Simulate& simulate, engine::Request request,
-                                       double start, double stop, double longest_window);
+                                       double start, double stop, double longest_window, const measure::Record* known);
 
 /// A sum of what is read of the run's derivative, of the derivatives of numbers that cards hold, and of the run's begin and end.
 struct MeasuredSum {
@@ -135,8 +155,15 @@ class MeasuredFunctionals {
   [[nodiscard]] MeasuredFunctional of_window(std::size_t measurement);
   void add_integral(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
                     MeasuredFunctional& sum);
-  void add_inside(const measure::ExpressionGradient& gradient, std::size_t piece, double from, double to, bool squares, double scale,
-                  MeasuredFunctional& sum);
+  /// The gradient of a polynomial of second degree in the signals, read at every point of a run: g + H·s.
+  struct AffineGradient {
+    std::vector<double> constant, slopes;  ///< slopes: row by row; both empty: it is none
+  };
+  [[nodiscard]] AffineGradient affine_gradient(const circuit::MeasuredExpression& expression, bool squares) const;
+  void add_inside(const measure::ExpressionGradient& gradient, const AffineGradient& affine, std::size_t piece, double from, double to,
+                  bool squares, double scale, MeasuredFunctional& sum);
+  [[nodiscard]] bool add_stretch(const circuit::Measurement& measurement, const measure::Place& place, double scale,
+                                 MeasuredFunctional& sum);
   void add_instants(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
                     MeasuredFunctional& sum);
   void add_extreme(double weight, std::size_t measurement, bool is_largest, MeasuredFunctional& sum);

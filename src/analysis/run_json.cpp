@@ -94,6 +94,7 @@ void write_runs(JsonWriter& json, const SweptRuns& sweep, const std::vector<std:
     write_operating_point(json, signals, run.operating_point.empty() ? nullptr : &run.operating_point);
     write_measurements(json, run.measurements);
     write_orbit(json, run.orbit.get());
+    write_small_signals(json, run.small_signal ? &*run.small_signal : nullptr);
     write_derivatives(json, run.sensitivities);
     write_certificate(json, run.certificate);
     json.end_object();

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "analysis/beside_kinks.hpp"
 #include "analysis/derivative_columns.hpp"
@@ -211,7 +212,8 @@ DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Meas
   return table_of(card, measurements, values, failed_columns(card, measurements, failure));
 }
 
-DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt) {
+DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt,
+                                  const measure::Record* measured) {
   const Sensitivities& card = *compiled.analyses.sensitivities;
   const circuit::Measurements& measurements = state.compiled.measurements;
   if (!are_wanted(card, measurements)) return {};
@@ -223,9 +225,9 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   request.use_initial_conditions = true;
   request.interrupt = &interrupt;
   const MeasuredPass run =
-      measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period);
+      measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period, measured);
   OrbitMoves moves(compiled, state, sensitivity, linear);
-  return table_of(card, measurements, run.values, derivative_columns(card, run, sensitivity, moves));
+  return table_of(card, measurements, run.record.values, derivative_columns(card, run, sensitivity, moves));
 }
 
 namespace {
@@ -244,8 +246,8 @@ struct OnOrbit {
 /// A run of `.tran`, with the parameters as inputs.
 class RunDerivatives : public RunMotion {
  public:
-  RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt)
-      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt) {}
+  RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt, const measure::Record* measured)
+      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt), known_(measured) {}
 
   DerivativeTable run() {
     const circuit::Transient& transient = *compiled_.analyses.transient;
@@ -259,26 +261,21 @@ class RunDerivatives : public RunMotion {
     request.interrupt = &interrupt_;
     engine::March march(*model_, {request.non_unique, &interrupt_});
     if (!find_start(transient)) return failed_derivatives(compiled_, measurements, failure_);
-    steady::TraceRecorder recorder(begin_.on);
-    engine::RunState end = begin_;
-    const engine::Answer answer = march.advance(end, transient.stop.seconds * (1.0 + beyond_end), &recorder);
-    trace_ = recorder.take();
-    steady::end_at(trace_, transient.stop.seconds);
-    if (answer.outcome != engine::Outcome::completed) {
-      end = begin_;
-      steady::TraceRecorder again(begin_.on);
-      if (march.advance(end, transient.stop.seconds, &again).outcome != engine::Outcome::completed)
-        return failed_derivatives(compiled_, measurements, "the run did not complete");
-      trace_ = again.take();
-    }
-    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
-    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
     request.unsaved_signals = network.signals.size();
-    const MeasuredPass measured = measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0);
+    const bool is_measured = known_ != nullptr && known_->values.size() == measurements.list.size();
+    MeasuredPass measured =
+        is_measured ? pass_of(measurements, *known_, transient.start.seconds, transient.stop.seconds)
+                    : measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0, nullptr);
+    if (!take_trace(march, transient.stop.seconds * (1.0 + beyond_end), is_measured ? &measured : nullptr) &&
+        !take_trace(march, transient.stop.seconds, is_measured ? &measured : nullptr))
+      return failed_derivatives(compiled_, measurements, "the run did not complete");
+    steady::end_at(trace_, transient.stop.seconds);
+    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
+    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
     linear_ = &linear;
     sensitivity_ = &sensitivity;
-    return table_of(card_, measurements, measured.values, derivative_columns(card_, measured, sensitivity, *this));
+    return table_of(card_, measurements, measured.record.values, derivative_columns(card_, measured, sensitivity, *this));
   }
 
   std::string failure(std::size_t p) override { return start_of(p).failure; }
@@ -299,6 +296,18 @@ class RunDerivatives : public RunMotion {
   }
 
  private:
+  /// The run up to `stop`, and what of its pieces is needed, where `measured` is not null. False where it did not complete.
+  bool take_trace(engine::March& march, double stop, MeasuredPass* measured) {
+    steady::TraceRecorder recorder(begin_.on);
+    engine::RunState end = begin_;
+    std::optional<PieceLook> look;
+    if (measured != nullptr) look.emplace(*measured);
+    const engine::Answer answer = march.advance(end, stop, &recorder, look ? look->probes() : engine::Probes{});
+    trace_ = recorder.take();
+    if (look) look->finish();
+    return answer.outcome == engine::Outcome::completed;
+  }
+
   bool find_start(const circuit::Transient& transient) {
     if (orbit_ != nullptr) {
       const auto there = state_in(*model_, *orbit_);
@@ -352,6 +361,7 @@ class RunDerivatives : public RunMotion {
   const Sensitivities& card_;
   const SteadyState* orbit_;
   const std::atomic<int>& interrupt_;
+  const measure::Record* known_;  ///< null: the run has not been measured
   steady::SensitivityInputs inputs_;
   std::shared_ptr<const engine::ExactModel> model_;
   engine::Start start_;
@@ -368,34 +378,37 @@ std::string number_text(double value, int digits) { return digits == 0 ? fmt::fo
 
 }  // namespace
 
-DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
+DerivativeTable run_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt,
+                                const measure::Record* measured) {
   if (!are_wanted(*compiled.analyses.sensitivities, compiled.measurements)) return {};
-  return RunDerivatives(compiled, state, interrupt).run();
+  return RunDerivatives(compiled, state, interrupt, measured).run();
 }
 
 namespace {
 
-DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt) {
+DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt,
+                                  const MeasuredBefore& measured) {
   DerivativeTable table;
-  if (state != nullptr) table = orbit_derivatives(compiled, *state, interrupt);
+  if (state != nullptr) table = orbit_derivatives(compiled, *state, interrupt, measured.orbit);
   if (!compiled.analyses.transient) return table;
-  DerivativeTable more = run_derivatives(compiled, state, interrupt);
+  DerivativeTable more = run_derivatives(compiled, state, interrupt, measured.run);
   table.insert(table.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   return table;
 }
 
 /// Of a deck that is another one than that of `state`.
 DerivativeTable moved_derivatives(const Compiled& compiled, bool has_orbit, const std::atomic<int>& interrupt) {
-  if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt);
+  if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt, {});
   const SteadyState state = find_steady_state(compiled, interrupt);
-  return state.is_found ? exact_derivatives(compiled, &state, interrupt) : DerivativeTable();
+  return state.is_found ? exact_derivatives(compiled, &state, interrupt, {}) : DerivativeTable();
 }
 
 }  // namespace
 
-DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt) {
+DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* state, bool is_exact, const std::atomic<int>& interrupt,
+                                 const MeasuredBefore& measured) {
   if (is_exact) {
-    DerivativeTable table = exact_derivatives(compiled, state, interrupt);
+    DerivativeTable table = exact_derivatives(compiled, state, interrupt, measured);
     resolve_kinks(
         compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
     return table;
@@ -432,10 +445,18 @@ std::string derivative_text(const DerivativeTable& table, int digits) {
   return text;
 }
 
+std::vector<std::string> derivative_columns() {
+  return {"measurement", "parameter", "derivative", "normalised", "left", "right", "failure"};
+}
+
 std::string derivative_csv(const DerivativeTable& table) {
-  std::string text = "measurement,parameter,derivative,normalised,left,right,failure\n";
+  return fmt::format("{}\n", fmt::join(derivative_columns(), ",")) + derivative_rows(table);
+}
+
+std::string derivative_rows(const DerivativeTable& table, const std::string& prefix) {
+  std::string text;
   for (const Derivative& d : table) {
-    text += waveform::csv_field(d.measurement) + ',' + waveform::csv_field(d.parameter);
+    text += prefix + waveform::csv_field(d.measurement) + ',' + waveform::csv_field(d.parameter);
     if (d.failure.empty())
       text += fmt::format(",{},{},{},{},", d.value, std::isfinite(d.normalised) ? fmt::format("{}", d.normalised) : "", d.left, d.right);
     else

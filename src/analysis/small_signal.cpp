@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <numbers>
 
 #include "analysis/quantity.hpp"
@@ -13,6 +15,7 @@
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/start.hpp"
 #include "steady/transfer.hpp"
+#include "steady/wave.hpp"
 #include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
@@ -24,10 +27,16 @@ using Response = std::function<steady::ComplexVector(double frequency, const std
 
 double degrees(Complex value) { return std::arg(value) * 180.0 / std::numbers::pi; }
 
+/// "X1:V1" and "X1.V1" are one.
+bool is_same_element(std::string a, std::string b) {
+  for (std::string* name : {&a, &b}) std::replace(name->begin(), name->end(), ':', '.');
+  return same_name(a, b);
+}
+
 std::vector<int> sources_named(const model::Network& network, const std::string& name) {
   std::vector<int> numbers;
   for (std::size_t k = 0; k < network.sources.size(); ++k)
-    if (same_name(network.sources[k].label.name, name)) numbers.push_back(static_cast<int>(k));
+    if (is_same_element(network.sources[k].label.name, name)) numbers.push_back(static_cast<int>(k));
   return numbers;
 }
 
@@ -41,7 +50,7 @@ void add_input_on(model::Network& network, const std::vector<int>& sources, Comp
 
 void add_loop_signals(model::Network& network, const std::string& source, SmallSignalInputs& inputs) {
   for (const model::Branch& branch : network.branches) {
-    if (!same_name(branch.label.name, source)) continue;
+    if (!is_same_element(branch.label.name, source)) continue;
     const auto signal_of = [&](model::NodeIndex node) {
       model::LinearForm form;
       if (node != model::ground) form.push_back({model::Term::Kind::node_voltage, node, 1.0});
@@ -57,7 +66,7 @@ void add_loop_signals(model::Network& network, const std::string& source, SmallS
 /// A second input; false where `name` is no current source at a node of the voltage source `loop`.
 bool add_loop_current(model::Network& network, const std::string& loop, const std::string& name, SmallSignalInputs& inputs) {
   const auto is_named = [](const std::string& wanted) {
-    return [&wanted](const auto& part) { return same_name(part.label.name, wanted); };
+    return [&wanted](const auto& part) { return is_same_element(part.label.name, wanted); };
   };
   const auto injection = std::find_if(network.injections.begin(), network.injections.end(), is_named(name));
   const auto branch = std::find_if(network.branches.begin(), network.branches.end(), is_named(loop));
@@ -83,22 +92,30 @@ Complex gain_at(const SmallSignalInputs& inputs, const Response& response, doubl
   return (by_voltage * by_current - 1.0) / (by_voltage + by_current + 2.0);
 }
 
-/// The times in a period at which a pulse of the source ends; both edges where `falling_only` is false.
-steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const model::Pulse& pulse, bool falling_only, Complex shift) {
+/// A pulse that begins later by a unit, or that ends later by one (`ends_only`).
+steady::Wave moved_pulse(const model::Pulse& pulse, bool ends_only, int input) {
+  model::Pulse by{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  (ends_only ? by.width : by.delay) = 1.0;
+  return {input, pulse, by, -1, ""};
+}
+
+/// Pulses that move in time: each input by its own, as much as `by` says.
+steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const std::vector<steady::Wave>& waves, const std::vector<Complex>& by) {
   constexpr double same_time = 1e-9;  // of the period
-  steady::TimeShifts shifts(orbit.instants().size(), 0.0);
-  const model::Track track = model::make_track(pulse);
-  const double threshold = 0.5 * (pulse.initial + pulse.pulsed);
-  const double sense = pulse.pulsed > pulse.initial ? 1.0 : -1.0;
-  for (std::size_t i = 0; i < shifts.size(); ++i) {
-    const double time = orbit.instants()[i].time, near = same_time * orbit.period();
-    const model::Track::Cursor left = track.before(time + orbit.period() - near), right = track.before(time + orbit.period() + near);
-    const double before = left.at(time + orbit.period() - near), after = right.at(time + orbit.period() + near);
-    const bool moves = before != after;
-    const bool falls = sense * after < sense * before || (moves && sense * before > sense * threshold);
-    if (moves && (falls || !falling_only)) shifts[i] = shift;
+  steady::TimeShifts moved;
+  for (const steady::LinearInstant& instant : orbit.instants()) {
+    Complex& shift = moved.shifts.emplace_back(0.0);
+    const bool passes_threshold = instant.island >= 0 || instant.level_switch >= 0;
+    for (std::size_t k = 0; k < waves.size(); ++k) {
+      auto own = steady::edge_shift(waves[k], instant.time, same_time * orbit.period(), true);
+      if (!own && !passes_threshold) own = steady::corner_shift(waves[k], instant.time, same_time * orbit.period(), true);
+      if (own) shift = by[k] * *own;
+    }
   }
-  return shifts;
+  moved.amplitude = [&waves, by](std::size_t input, double time) {
+    return by[input] * steady::wave_state(waves[input], time, time, true)[0];
+  };
+  return moved;
 }
 
 /// A zero of a real function between two frequencies at which it has different signs, by the Illinois method in log f.
@@ -150,6 +167,17 @@ LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, con
     }
   }
   return loop;
+}
+
+/// c₀ for a constant input of an orbit whose phase nothing holds: its limit from frequencies at which there is one, c₀(ω) = Re c₀(0) + a ω² + b ω⁴ + ….
+steady::ComplexVector limit_at_rest(double period, const std::function<steady::ComplexVector(double frequency)>& at) {
+  constexpr double slow = 2e-5;        // of 1/period: what the series leaves out is of the order of (2π·slow)⁴
+  constexpr double same_value = 1e-3;  // of two responses: they have a limit
+  const steady::ComplexVector one = at(slow / period), two = at(2.0 * slow / period);
+  steady::ComplexVector limit = ((4.0 * one - two) / 3.0).real().cast<Complex>();
+  for (Eigen::Index k = 0; k < limit.size(); ++k)
+    if (!(std::abs(one[k] - two[k]) <= same_value * std::abs(one[k]))) limit[k] = std::numeric_limits<double>::quiet_NaN();
+  return limit;
 }
 
 using Column = SmallSignal::Column;
@@ -251,6 +279,7 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
         inputs.message = fmt::format("{} is not a PULSE source of the circuit: only edges of PULSE sources can be moved", name);
         return inputs;
       }
+      add_input_on(network, sources, 0.0, inputs);
     }
     return inputs;
   }
@@ -267,38 +296,91 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
   const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
-  const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
-    if (card.input != SmallSignal::Input::frequency && card.input != SmallSignal::Input::duty)
-      return transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
-    steady::TimeShifts shifts(linear.instants().size(), 0.0);
-    for (const std::string& name : card.sources) {
-      const auto& pulse = std::get<model::Pulse>(network.sources[static_cast<std::size_t>(sources_named(network, name).front())].function);
-      const bool is_duty = card.input == SmallSignal::Input::duty;
-      const Complex shift = is_duty ? Complex(pulse.period) : -pulse.period / (Complex(0.0, 2.0 * std::numbers::pi) * f);
-      const steady::TimeShifts own = shifts_of(linear, pulse, is_duty, shift);
-      for (std::size_t i = 0; i < shifts.size(); ++i) shifts[i] += own[i];
+  const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = moves_edges(card);
+  std::vector<steady::Wave> waves;
+  for (const std::string& name : is_timing ? card.sources : std::vector<std::string>()) {
+    const auto& source = network.sources[static_cast<std::size_t>(sources_named(network, name).front())];
+    waves.push_back(moved_pulse(std::get<model::Pulse>(source.function), is_duty, static_cast<int>(waves.size())));
+  }
+  const auto at = [&](double f, const std::vector<Complex>& amplitudes) {
+    if (!is_timing) return transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
+    std::vector<Complex> by;
+    for (const steady::Wave& wave : waves) {
+      const double period = std::get<model::Pulse>(wave.function).period;
+      by.push_back(is_duty ? Complex(period) : -period / (Complex(0.0, 2.0 * std::numbers::pi) * f));
     }
-    return transfer.at(f, card.harmonic, {}, shifts, sample).signals;
+    return transfer.at(f, card.harmonic, amplitudes, shifts_of(linear, waves, by), sample).signals;
+  };
+  const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
+    const bool is_limit = f == 0.0 && !is_driven && !is_timing && card.harmonic == 0 && !sample;
+    return is_limit ? limit_at_rest(orbit.period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
   return evaluate(compiled, inputs, response);
 }
 
-SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message) {
+namespace {
+
+/// A circuit without switches, with its inputs.
+struct LinearCircuit {
+  model::Network network;
+  SmallSignalInputs inputs;
+  std::shared_ptr<const engine::ExactModel> model;
+  std::string id, message;  ///< of an error
+};
+
+/// What belongs to a period, "" where the card asks for nothing of the kind.
+std::string periodic_part(const SmallSignal& card) {
+  if (card.input == SmallSignal::Input::frequency) return "freq() modulates a period";
+  if (card.input == SmallSignal::Input::duty) return "duty() modulates edges of a period";
+  if (card.harmonic != 0) return "harm= is a sideband of a period";
+  if (card.sample) return "sample= is a time of a period";
+  return "";
+}
+
+LinearCircuit linear_circuit(const circuit::Compiled& compiled) {
   const SmallSignal& card = *compiled.analyses.small_signal;
-  model::Network network = compiled.network;
-  const SmallSignalInputs inputs = add_small_signal_inputs(card, network);
+  LinearCircuit circuit;
+  circuit.network = compiled.network;
+  circuit.inputs = add_small_signal_inputs(card, circuit.network);
   Diagnostics diagnostics;
-  const auto model = engine::prepare(network, diagnostics);
-  if (!model) return {};
-  for (const engine::IslandModel& island : model->islands)
-    if (const model::System& system = island.extraction.system; system.ports > 0) {
-      id = "E-ac-needs-pss";
-      message = fmt::format("{} switches: small signals are those around a periodic steady state; try .pss", system.port.front().name);
-      return {};
-    }
-  id = inputs.id;
-  message = inputs.message;
-  if (!id.empty()) return {};
+  circuit.model = engine::prepare(circuit.network, diagnostics);
+  if (!circuit.model) return circuit;
+  const auto fail = [&](std::string id, std::string message) {
+    circuit.id = std::move(id);
+    circuit.message = std::move(message);
+    return circuit;
+  };
+  for (const engine::IslandModel& island : circuit.model->islands)
+    if (const model::System& system = island.extraction.system; system.ports > 0)
+      return fail("E-ac-needs-pss",
+                  fmt::format("{} switches: small signals are those around a periodic steady state; try .pss", system.port.front().name));
+  if (const std::string part = periodic_part(card); circuit.inputs.id.empty() && !part.empty())
+    return fail("E-ac-needs-pss", part + ", and the deck has none; try .pss");
+  return fail(circuit.inputs.id, circuit.inputs.message);
+}
+
+}  // namespace
+
+std::string small_signal_problem(const circuit::Compiled& compiled, std::string& id) {
+  if (!compiled.analyses.steady_state) {
+    LinearCircuit circuit = linear_circuit(compiled);
+    id = std::move(circuit.id);
+    return std::move(circuit.message);
+  }
+  model::Network network = compiled.network;
+  SmallSignalInputs inputs = add_small_signal_inputs(*compiled.analyses.small_signal, network);
+  id = std::move(inputs.id);
+  return std::move(inputs.message);
+}
+
+SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message) {
+  LinearCircuit circuit = linear_circuit(compiled);
+  id = std::move(circuit.id);
+  message = std::move(circuit.message);
+  const auto& model = circuit.model;
+  const model::Network& network = circuit.network;
+  const SmallSignalInputs& inputs = circuit.inputs;
+  if (!id.empty() || !model) return {};
   engine::March march(*model, {});
   engine::RunState state = engine::start_from_initial_values(*model);
   steady::TraceRecorder recorder(state.on);
@@ -310,12 +392,47 @@ SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::s
   });
 }
 
+void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  SmallSignalResult names;
+  names.signals = result.signals;
+  const std::vector<Selection> selected = select_columns(compiled, names);
+  for (const int signal : signals) {
+    const auto number = static_cast<std::size_t>(signal);
+    const auto is_column = [&](const Selection& column) { return column.signal == number; };
+    if (number >= result.signals.size() && std::none_of(selected.begin(), selected.end(), is_column)) continue;
+    result.impulsive.push_back(compiled.network.signals[number].name);
+    for (auto& row : result.values)
+      if (number < row.size()) row[number] = {unknown, unknown};
+    for (std::size_t k = 0; k < selected.size(); ++k)
+      if (selected[k].signal == number) std::fill(result.columns[k].values.begin(), result.columns[k].values.end(), unknown);
+  }
+}
+
+std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where) {
+  return fmt::format("no response of {}{}: the orbit has impulses there, which the input moves; try a small resistance in their way",
+                     fmt::join(signals, ", "), where);
+}
+
+std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled) {
+  SmallSignalResult result;
+  for (std::size_t k = 0; k < compiled.saved_signals(); ++k) result.signals.push_back(compiled.network.signals[k].name);
+  (void)select_columns(compiled, result);
+  std::vector<std::string> names{"frequency"};
+  for (SmallSignalResult::Column& column : result.columns) names.push_back(std::move(column.name));
+  return names;
+}
+
 std::string small_signal_csv(const SmallSignalResult& result) {
   std::string text = "frequency";
   for (const SmallSignalResult::Column& column : result.columns) text += ',' + waveform::csv_field(column.name);
-  text += '\n';
+  return text + '\n' + small_signal_rows(result);
+}
+
+std::string small_signal_rows(const SmallSignalResult& result, const std::string& prefix) {
+  std::string text;
   for (std::size_t k = 0; k < result.frequencies.size(); ++k) {
-    text += fmt::format("{}", result.frequencies[k]);
+    text += fmt::format("{}{}", prefix, result.frequencies[k]);
     for (const SmallSignalResult::Column& column : result.columns) {
       text += ',';
       if (std::isfinite(column.values[k])) text += fmt::format("{}", column.values[k]);

@@ -31,7 +31,7 @@ struct LoopGain {
 
 struct SmallSignalResult {
   std::vector<std::string> signals;
-  std::vector<double> frequencies;                         ///< Hz
+  std::vector<double> frequencies;                        ///< Hz
   std::vector<std::vector<std::complex<double>>> values;  ///< a frequency, a signal; not finite where the response is infinite
   /// A column of the rows.
   struct Column {
@@ -40,29 +40,46 @@ struct SmallSignalResult {
   };
   std::vector<Column> columns;
   std::optional<LoopGain> loop;
-  std::vector<double> singular;  ///< frequencies of an infinite response
+  std::vector<double> singular;        ///< frequencies of an infinite response
+  std::vector<std::string> impulsive;  ///< signals that have impulses on the orbit, which move: they have no response here
 };
 
 /// What .ac adds to the network of the steady state.
 struct SmallSignalInputs {
-  std::string id, message;           ///< of an error: E-ac-no-input, …
-  std::vector<std::string> names;    ///< of the inputs in the network
+  std::string id, message;         ///< of an error: E-ac-no-input, …
+  std::vector<std::string> names;  ///< of the inputs in the network
   std::vector<std::complex<double>> amplitudes;
-  int positive = -1, negative = -1;  ///< signals: n+ and n− of the source of a loop gain
-  int current = -1;                  ///< signal: its current, where a current source is the second input
+  int positive = -1, negative = -1;                               ///< signals: n+ and n− of the source of a loop gain
+  int current = -1;                                               ///< signal: its current, where a current source is the second input
   double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source brings there
 };
 /// `network` gets inputs, and signals behind its own.
 [[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
 
 /// Around an orbit of a model with these inputs, in `network`.
-[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
-                                              const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven);
+[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
+                                              const model::Network& network, const engine::ExactModel& model, const steady::Orbit& orbit,
+                                              bool is_driven);
 /// Of a linear circuit. `id` is E-ac-needs-pss where something in it switches.
 [[nodiscard]] SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message);
 
-/// The rows: frequency, magnitude and phase in degrees of every signal.
+/// Leaves out the responses of these signals of the network.
+void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
+/// W-ac-impulse; `where`: " in the run with …".
+[[nodiscard]] std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where = "");
+/// Whether edges of sources move.
+[[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
+  return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;
+}
+
+/// Names of the columns, the frequency first.
+[[nodiscard]] std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled);
+/// The rows: frequency, magnitude and phase in degrees of every signal; each behind `prefix`.
+[[nodiscard]] std::string small_signal_rows(const SmallSignalResult& result, const std::string& prefix = "");
+/// The same under a head.
 [[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
+/// Why there can be no response, whatever the orbit; empty where there can. `id` is that of the error.
+[[nodiscard]] std::string small_signal_problem(const circuit::Compiled& compiled, std::string& id);
 /// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
 [[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);
 /// The member `ac`.

@@ -19,6 +19,7 @@
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/touches.hpp"
+#include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -161,6 +162,15 @@ class Finder {
                                                       : engine::NonUnique::error;
   }
 
+  /// With as many digits as tell the two apart.
+  static std::string multiple_text(double asked, double period) {
+    constexpr int most_digits = 17;
+    int digits = 6;
+    while (digits < most_digits && quantity(asked, "s", digits) == quantity(period, "s", digits)) ++digits;
+    return fmt::format("period={} is not a multiple of {}, the common period of the sources; try period={}", quantity(asked, "s", digits),
+                       quantity(period, "s", digits), period);
+  }
+
   /// E-pss-no-period and what is wrong with period=.
   bool choose_period() {
     task_.multiple = state_.multiple = card_.multiple;
@@ -180,21 +190,19 @@ class Finder {
       period = *card_.period;
     } else if (card_.period && !card_.is_hint) {
       const std::int64_t whole = steady::whole_multiple(*card_.period, period);
-      if (whole == 0)
-        return fail("E-pss-not-a-multiple",
-                    fmt::format("period={} is not a multiple of {}, the common period of the sources; try period={}",
-                                quantity(*card_.period, "s"), quantity(period, "s"), period),
-                    true);
+      if (whole == 0) return fail("E-pss-not-a-multiple", multiple_text(*card_.period, period), true);
       task_.multiple = state_.multiple = static_cast<int>(whole) * card_.multiple;
     }
     state_.common.seconds = period;
     task_.period = period * task_.multiple;
+    if (card_.periods_before) task_.periods_before = *card_.periods_before;
     if (card_.settling_time) task_.periods_before = static_cast<int>(std::min(1e6, std::ceil(*card_.settling_time / period)));
     return true;
   }
 
   engine::RunState start() {
-    const engine::Start from = card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
+    const engine::Start from =
+        card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
     return from;
   }
@@ -239,24 +247,26 @@ class Finder {
         state_.is_found = true;
         return remark_on_orbit();
       case Verdict::no_orbit:
-        fail("E-pss-no-orbit", fmt::format("there is no periodic orbit: each period adds {}, and nothing limits it", drift_text()));
+        fail("E-pss-no-orbit", orbit.drift_turns
+                                   ? fmt::format("there is no periodic orbit: the sources drive a resonance without losses, each period "
+                                                 "adds {}, and nothing limits it",
+                                                 drift_text())
+                                   : fmt::format("there is no periodic orbit: each period adds {}, and nothing limits it", drift_text()));
         return;
       case Verdict::drifts:
-        fail("E-pss-not-converged", fmt::format("no orbit was found: each period still adds {} after {} periods", drift_text(), orbit.periods_simulated));
-        break;
-      case Verdict::not_converged: {
-        std::vector<double> last(orbit.residuals.end() - static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, orbit.residuals.size())), orbit.residuals.end());
         fail("E-pss-not-converged",
-             fmt::format("no orbit of period {} was found in {} Newton steps and {} periods; the last residuals are {:.2g}; try k={}, tstab=, or maxperiods=",
-                         quantity(orbit.period, "s"), orbit.iterations, orbit.periods_simulated, fmt::join(last, ", "), 2 * card_.multiple));
+             fmt::format("no orbit was found: each period still adds {} after {} periods", drift_text(), orbit.periods_simulated));
         break;
-      }
+      case Verdict::not_converged:
+        fail("E-pss-not-converged", not_converged_text());
+        break;
       case Verdict::no_event:
         if (card_.trigger == Trigger::none)
           fail("E-pss-no-oscillation",
                "the circuit has no periodic source and settles to a constant state; try .op for its operating point");
         else
-          fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(), quantity(orbit.answer.time, "s")));
+          fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(),
+                                               quantity(orbit.answer.time, "s")));
         return;
       case Verdict::run_failed:
         fail(orbit.answer.id, "on the way to the orbit, " + orbit.answer.message);
@@ -269,8 +279,28 @@ class Finder {
   }
 
   [[nodiscard]] std::string trigger_text() const {
-    if (card_.trigger == Trigger::crosses) return fmt::format("when {}={} {}", card_.element, card_.level, card_.is_falling ? "fall" : "rise");
+    if (card_.trigger == Trigger::crosses)
+      return fmt::format("when {}={} {}", card_.element, card_.level, card_.is_falling ? "fall" : "rise");
     return fmt::format("{}={}", card_.trigger == Trigger::closes ? "on" : "off", card_.element);
+  }
+
+  [[nodiscard]] std::string not_converged_text() const {
+    constexpr std::size_t most_residuals = 4, most_states = 6;
+    const Orbit& orbit = state_.orbit;
+    const auto listed = static_cast<std::ptrdiff_t>(std::min(most_residuals, orbit.residuals.size()));
+    const std::vector<double> last(orbit.residuals.end() - listed, orbit.residuals.end());
+    std::vector<std::string> states;
+    if (!orbit.trace.steps.empty())
+      for (const NamedState& s : states_after_start(*model_, orbit.trace))
+        if (states.size() < most_states) states.push_back(fmt::format("{} = {}", s.name, quantity(s.value, s.unit)));
+    std::string text = fmt::format("no orbit of period {} was found in {} and {}; the last residuals are {:.2g}",
+                                   quantity(orbit.period, "s"), counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),
+                                   counted(static_cast<std::uint64_t>(orbit.periods_simulated), "period"), fmt::join(last, ", "));
+    if (!states.empty()) text += fmt::format("; the best attempt, whose rows are written, begins at {}", fmt::join(states, ", "));
+    if (orbit.repeats_modes) return text + "; its modes repeat from period to period; try tstab=, or maxperiods=";
+    const int k = card_.multiple;
+    return text + fmt::format("; its modes differ from period to period (chaos?); try k={}, k={}, k={}, tstab=, or maxperiods=", 2 * k,
+                              3 * k, 4 * k);
   }
 
   [[nodiscard]] std::string drift_text() const {
@@ -281,7 +311,8 @@ class Finder {
   void remark_on_orbit() {
     const Orbit& orbit = state_.orbit;
     if (!orbit.kink.empty())
-      say(Severity::warning, "W-pss-graze", fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
+      say(Severity::warning, "W-pss-graze",
+          fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
     for (const steady::Touch& touch : steady::touches(orbit.trace))
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit touches, but does not cross, the threshold of {} at t = {}: multipliers are those of one side",
@@ -292,13 +323,16 @@ class Finder {
                       guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
-      for (const steady::Vector& direction : orbit.free_directions) names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);
+      for (const steady::Vector& direction : orbit.free_directions)
+        names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);
       say(Severity::note, "N-pss-not-unique",
-          fmt::format("the orbit is one of a family (multiplier 1): the offset of {} is not determined; it is kept from the start", fmt::join(names, ", ")));
+          fmt::format("the orbit is one of a family (multiplier 1): the offset of {} is not determined; it is kept from the start",
+                      fmt::join(names, ", ")));
     }
-    if (orbit.has_shorter_period)
+    if (orbit.repeats_after > 0)
       say(Severity::note, "N-pss-shorter-period",
-          fmt::format("the orbit found for k={} repeats after fewer periods of the sources: its period is a fraction of {}", state_.multiple, quantity(orbit.period, "s")));
+          fmt::format("the orbit found for k={} has the period {}, that of k={}", state_.multiple,
+                      quantity(orbit.period * orbit.repeats_after / state_.multiple, "s"), orbit.repeats_after));
     if (spectral_radius(orbit) > 1.0 + marginal_multiplier) say(Severity::warning, "W-pss-unstable", instability_text(orbit));
   }
 
@@ -307,10 +341,13 @@ class Finder {
     const std::complex<double> value = worst->value;
     const double growth = 100.0 * (std::abs(value) - 1.0);
     if (value.imag() != 0.0)
-      return fmt::format("the orbit is unstable: multiplier {:.4g}{:+.4g}j, a slow oscillation of {} grows by {:.3g} % a period", value.real(), value.imag(),
-                         quantity(std::abs(std::arg(value)) / (2.0 * std::numbers::pi * orbit.period), "Hz", 3), growth);
+      return fmt::format("the orbit is unstable: multiplier {:.4g}{:+.4g}j, a slow oscillation of {} grows by {:.3g} % a period",
+                         value.real(), value.imag(), quantity(std::abs(std::arg(value)) / (2.0 * std::numbers::pi * orbit.period), "Hz", 3),
+                         growth);
     if (value.real() < 0.0)
-      return fmt::format("the orbit is unstable: multiplier {:.4g}, the period doubles; try slope compensation, or k=2 for the doubled orbit", value.real());
+      return fmt::format(
+          "the orbit is unstable: multiplier {:.4g}, the period doubles; try slope compensation, or k=2 for the doubled orbit",
+          value.real());
     return fmt::format("the orbit is unstable: multiplier {:.4g}, a deviation runs away by {:.3g} % a period", value.real(), growth);
   }
 
@@ -329,8 +366,11 @@ class Finder {
     if (card_.points != points_when_omitted) run.step = {orbit.period / card_.points, ""};
     run.use_initial_conditions = true;
     run.span = card_.span;
-    state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period](engine::Request request, engine::RowSink& sink) {
-      RepeatedPieces repeated(request.probes, period);
+    const bool is_driven = !state_.common.sources.empty();
+    state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
+    state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period, is_driven](engine::Request request,
+                                                                                                              engine::RowSink& sink) {
+      RepeatedPieces repeated(request.probes, period, is_driven);
       request.probes = repeated.probes();
       engine::Answer answer = march->run(begin, request, sink);
       if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
@@ -383,7 +423,10 @@ std::optional<engine::RunState> state_in(const engine::ExactModel& model, const 
     const auto at = static_cast<std::size_t>(same - known.begin());
     there.xi.push_back(begin.xi[at]);
     there.active.push_back(begin.active[at]);
+    const bool is_read_alike = !begin.signals.empty() && island.extraction.system.output_signal == same->extraction.system.output_signal;
+    if (is_read_alike) there.signals.push_back(begin.signals[at]);
   }
+  if (there.signals.size() != there.xi.size()) there.signals.clear();
   return there;
 }
 
@@ -403,19 +446,107 @@ Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnost
 }
 
 measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt) {
-  class Nowhere : public waveform::RowWriter {
-   public:
-    bool write(std::span<const double>) override { return true; }
-    bool flush() override { return true; }
-  } nowhere;
-  RunControl control;
-  control.interrupt = &interrupt;
-  control.longest_window = most_periods_measured * state.orbit.period;
-  return run_rows(state.compiled, state.simulate, nowhere, control).measurements;
+  return orbit_rows(state, "", nullptr, false, interrupt);
 }
 
+measure::Results orbit_rows(const SteadyState& state, const std::string& prefix, std::string* text, bool with_events,
+                            const std::atomic<int>& interrupt) {
+  class Lines : public waveform::RowWriter {
+   public:
+    Lines(const std::string& prefix, std::size_t columns, std::string* text) : prefix_(prefix), columns_(columns), text_(text) {}
+    bool write(std::span<const double> values) override {
+      for (std::size_t at = 0; text_ != nullptr && at < values.size(); at += columns_)
+        waveform::append_csv_row(*text_, prefix_, values.subspan(at, columns_));
+      return true;
+    }
+    bool flush() override { return true; }
+
+   private:
+    const std::string& prefix_;
+    std::size_t columns_;
+    std::string* text_;
+  } lines(prefix, 1 + state.compiled.saved_signals(), text);
+  RunControl control;
+  control.events = with_events && text != nullptr;
+  control.interrupt = &interrupt;
+  control.longest_window = most_periods_measured * state.orbit.period;
+  return run_rows(state.compiled, state.simulate, lines, control).measurements;
+}
+
+namespace {
+
+/// Signals of the deck that have impulses on the orbit whose size or time a small input moves: at jumps of the state, and at edges of sources where these
+/// move (`with_edges`).
+std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& state, bool with_edges) {
+  class Impulses : public engine::PieceSink {
+   public:
+    Impulses(std::size_t signals, std::function<bool(double)> counts) : has_(signals, 0), counts_(std::move(counts)) {}
+    void before_start(std::span<const double>) override {}
+    void take(const engine::Piece&) override {}
+    void impulse(double time, std::span<const double> values) override {
+      for (std::size_t k = 0; k < values.size() && counts_(time); ++k)
+        if (values[k] != 0.0) has_[k] = 1;
+    }
+    [[nodiscard]] std::vector<int> found() const {
+      std::vector<int> list;
+      for (std::size_t k = 0; k < has_.size(); ++k)
+        if (has_[k] != 0) list.push_back(static_cast<int>(k));
+      return list;
+    }
+
+   private:
+    std::vector<char> has_;
+    std::function<bool(double)> counts_;
+  };
+  const auto& steps = state.orbit.trace.steps;
+  const auto jumps = [](const steady::TraceStep& step) { return step.has_jump; };
+  if (!with_edges && std::none_of(steps.begin(), steps.end(), jumps)) return {};
+  constexpr double near = 1e-12;  // of the period
+  const double period = state.orbit.period;
+  const auto is_jump = [&](double time) {
+    return std::any_of(steps.begin(), steps.end(), [&](const steady::TraceStep& step) {
+      const double apart = std::abs(step.time - time);
+      return step.has_jump && std::min(apart, period - apart) <= near * period;
+    });
+  };
+  // Of the deck's own signals; those of the search stand behind them.
+  std::vector<int> signals;
+  for (std::size_t k = 0; k < compiled.network.signals.size(); ++k) signals.push_back(static_cast<int>(k));
+  Impulses impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
+  engine::Request request;
+  request.stop = period;
+  request.use_initial_conditions = true;
+  request.unsaved_signals = state.compiled.network.signals.size();
+  request.probes = {signals, 0.0, period, &impulses};
+  class Nowhere : public engine::RowSink {
+   public:
+    bool write(std::span<const double>, std::size_t) override { return true; }
+  } nowhere;
+  (void)state.simulate(request, nowhere);
+  return impulses.found();
+}
+
+}  // namespace
+
 SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
-  return small_signals(compiled, *state.inputs, state.compiled.network, *state.model, state.orbit, !state.common.sources.empty());
+  SmallSignalResult result =
+      small_signals(compiled, *state.inputs, state.compiled.network, *state.model, state.orbit, !state.common.sources.empty());
+  const std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(*compiled.analyses.small_signal));
+  if (!impulsive.empty()) leave_out_impulsive(compiled, impulsive, result);
+  return result;
+}
+
+DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
+  DeckResponse response;
+  if (state == nullptr) {
+    SmallSignalResult result = linear_small_signals(compiled, response.id, response.message);
+    if (response.id.empty()) response.result = std::move(result);
+    return response;
+  }
+  if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
+  if (!state->orbit.kink.empty()) return {{}, "E-ac-no-derivative", "the orbit has no derivative: " + state->orbit.kink};
+  response.result = small_signals(compiled, *state);
+  return response;
 }
 
 std::string orbit_summary(const SteadyState& state, const std::string& output) {
@@ -426,7 +557,8 @@ std::string orbit_summary(const SteadyState& state, const std::string& output) {
     stability = radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal";
     stability += fmt::format(", largest multiplier {:.3g}", radius);
     if (radius < 1.0 - marginal_multiplier && radius > 0.01)
-      stability += fmt::format(" (settles in {} to 1 %)", counted(static_cast<std::uint64_t>(std::ceil(std::log(0.01) / std::log(radius))), "period"));
+      stability += fmt::format(" (settles in {} to 1 %)",
+                               counted(static_cast<std::uint64_t>(std::ceil(std::log(0.01) / std::log(radius))), "period"));
   }
   return fmt::format("orbit of {}: period {}, {}, {}, residual {:.1g}; {}\n", output, quantity(orbit.period, "s"),
                      counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),

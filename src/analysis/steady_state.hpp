@@ -58,6 +58,9 @@ using OrbitSearch = std::function<SteadyState()>;
 
 /// The orbit's own measurements.
 [[nodiscard]] measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt);
+/// The same, and the rows as lines of CSV behind `prefix`, where `text` is not null.
+[[nodiscard]] measure::Results orbit_rows(const SteadyState& state, const std::string& prefix, std::string* text, bool with_events,
+                                          const std::atomic<int>& interrupt);
 
 /// A window of a measurement may hold so many periods.
 inline constexpr double most_periods_measured = 1e4;
@@ -68,6 +71,12 @@ inline constexpr const char* orbit_needs_exact_engine =
 
 /// Small signals around the orbit.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
+/// Those that the deck asks for, around the orbit where there is one (else null).
+struct DeckResponse {
+  std::optional<SmallSignalResult> result;
+  std::string id, message;  ///< of an error; empty where there is a response
+};
+[[nodiscard]] DeckResponse deck_response(const circuit::Compiled& compiled, const SteadyState* state);
 
 /// "orbit of buck.csv: period 5 µs, …".
 [[nodiscard]] std::string orbit_summary(const SteadyState& state, const std::string& output);

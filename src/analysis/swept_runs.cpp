@@ -102,6 +102,7 @@ void take_transient(const TransientRun& transient, SweptRun& run) {
   run.certificate = transient.answer.certificate;
   run.remarks = transient.answer.remarks;
   run.measurements = transient.measurements;
+  run.measured = transient.measured;
   run.rows = transient.rows;
   run.seconds_write = transient.seconds_write;
 }
@@ -121,6 +122,12 @@ std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::str
   for (const circuit::Sweep& sweep : sweeps.list) text += waveform::csv_field(sweep.name) + ",";
   for (const std::string& column : columns) text += waveform::csv_field(column) + ",";
   text.back() = '\n';
+  return text;
+}
+
+std::string sweep_prefix(const circuit::Sweeps& sweeps, std::size_t run) {
+  std::string text;
+  for (const double stepped : sweeps.point(run)) text += waveform::shortest(stepped) + ",";
   return text;
 }
 
@@ -144,7 +151,7 @@ std::string file_table(const SweptRuns& runs) {
   std::string text = sweep_head(runs.sweeps, {"file", "rows", "end", "failure"});
   for (std::size_t k = 0; k < runs.list.size(); ++k) {
     const SweptRun& run = runs.list[k];
-    for (const double stepped : runs.sweeps.point(k)) text += waveform::shortest(stepped) + ",";
+    text += sweep_prefix(runs.sweeps, k);
     const std::string name = std::filesystem::path(run.file).filename().string();
     text += fmt::format("{},{},{},{}\n", waveform::csv_field(name), run.rows, waveform::shortest(run.end),
                         waveform::csv_field(failure_text(run)));

@@ -8,6 +8,7 @@
 #include "analysis/report.hpp"
 #include "analysis/run_recorder.hpp"
 #include "analysis/sensitivity.hpp"
+#include "analysis/small_signal.hpp"
 #include "analysis/steady_state.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/analyses.hpp"
@@ -25,11 +26,15 @@ struct SweptRun {
   engine::Certificate certificate;
   std::vector<engine::Remark> remarks;
   measure::Results measurements;
+  measure::Record measured;             ///< of the run, until its derivatives are known
   std::vector<double> operating_point;  ///< of the saved signals; empty where none was asked for, or found
   std::uint64_t rows = 0;
   double seconds_write = 0.0;
   DerivativeTable sensitivities;
-  std::shared_ptr<SteadyState> orbit;  ///< null: none was asked for, or found
+  std::optional<SmallSignalResult> small_signal;  ///< of .ac; kept for JSON and pictures
+  std::vector<double> singular;                   ///< frequencies at which it is infinite
+  std::vector<std::string> impulsive;             ///< signals without one: they have impulses
+  std::shared_ptr<SteadyState> orbit;             ///< null: none was asked for, or found
 };
 
 /// Why it did not reach its end; empty where it did.
@@ -65,6 +70,8 @@ void take_operating_point(const engine::OperatingPoint& point, SweptRun& run);
 
 /// The head of a CSV of runs: what is stepped, then `columns`.
 [[nodiscard]] std::string sweep_head(const circuit::Sweeps& sweeps, const std::vector<std::string>& columns);
+/// What each of its lines begins with.
+[[nodiscard]] std::string sweep_prefix(const circuit::Sweeps& sweeps, std::size_t run);
 /// CSV, a line a run: the stepped values, then those of the signals at the operating point, to so many significant digits (0: all); "failed" where
 /// there are none.
 [[nodiscard]] std::string operating_point_table(const SweptRuns& runs, const std::vector<std::string>& signals, int digits = 0);

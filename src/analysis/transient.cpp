@@ -225,6 +225,7 @@ class MeasuredRun {
   }
 
   [[nodiscard]] measure::Results results() const { return measuring_.results(); }
+  [[nodiscard]] measure::Record record() const { return measuring_.record(); }
 
  private:
   /// A signal meanwhile counts as one in the first run.
@@ -315,6 +316,7 @@ TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulat
   if (control.recorder != nullptr) control.recorder->end(std::max(run.answer.time, sink.last_time()));
   run.is_written = sink.flush();
   run.measurements = measured.results();
+  run.measured = measured.record();
   run.rows = sink.rows();
   run.last_row = sink.last_time();
   run.seconds_write = sink.seconds();

@@ -57,6 +57,7 @@ struct TransientRun {
   bool is_written = true;  ///< the writer took all
   double seconds_write = 0.0;
   measure::Results measurements;
+  measure::Record measured;  ///< the same, for derivatives
 };
 
 /// What the deck asks of an engine, on its own grid.

@@ -83,6 +83,10 @@ Response response_of(const analysis::SmallSignalResult& from, std::vector<Messag
   response.values.resize(from.signals.size());
   for (std::size_t k = 0; k < from.signals.size(); ++k)
     for (const auto& row : from.values) response.values[k].push_back(row[k]);
+  if (!from.impulsive.empty()) {
+    const std::string text = analysis::impulsive_text(from.impulsive);
+    response.messages.push_back({Message::Kind::warning, "W-ac-impulse", text, "warning[W-ac-impulse]: " + text + '\n'});
+  }
   if (!from.loop) return response;
   LoopGain& loop = response.loop.emplace();
   loop.values = from.loop->values;

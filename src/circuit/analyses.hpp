@@ -46,6 +46,7 @@ struct SteadyState {
   bool is_falling = false;
   std::optional<double> settling_time;  ///< tstab, s
   int points = 1000;                    ///< rows are a period divided by so many
+  std::optional<int> periods_before;    ///< likewise, of the sources (`.pop`)
   std::optional<int> most_iterations, most_periods;
   double tolerance = 0.0;  ///< of the residual; 0: rounding
   bool is_free = false;    ///< self-timed, although sources are there

@@ -41,7 +41,7 @@ class SteadyStateReader {
         state_.is_free = true;
       else if (is_word(item, "when") && positional_ == 0)
         is_when_ = true;
-      else if (is_word(item, "rise") || is_word(item, "fall"))
+      else if (is_word(item, "rise") || is_word(item, "fall") || is_word(item, "cross"))
         take_edge(item);
       else
         take_positional(item);
@@ -87,7 +87,7 @@ class SteadyStateReader {
   void take_assignment(const Item& item) {
     const auto is = [&](std::string_view name) { return same_name(item.text, name); };
     if (item.items.size() > 1) return take_crossing(item);
-    if (is_when_ && (is("rise") || is("fall"))) return take_numbered_edge(item);
+    if (is_when_ && (is("rise") || is("fall") || is("cross"))) return take_numbered_edge(item);
     if (is("period") || is("max_period")) {
       (is("period") ? state_.period : state_.longest_period) = positive(item, item.text);
     } else if (is("freq")) {
@@ -101,15 +101,18 @@ class SteadyStateReader {
     } else if (is("trig_cond")) {
       state_.trigger = !item.items.empty() && item.items[0].text.starts_with("1") ? Trigger::opens : Trigger::closes;
     } else if (is("tstab")) {
-      const std::optional<double> value = item.items.empty() ? std::nullopt : number(item.items[0]);
+      if (item.items.empty()) return fail("E-missing-value", item.span, "a value is missing after tstab=");
+      const std::optional<double> value = number(item.items[0]);
       if (value && !(*value >= 0.0)) fail("E-range", item.span, "tstab must not be negative");
       state_.settling_time = value;
     } else if (is("points")) {
       state_.points = count(item, "points", "E-range");
     } else if (is("maxiter")) {
       state_.most_iterations = count(item, "maxiter", "E-range");
-    } else if (is("maxperiods") || is("cycles_before_pop")) {
+    } else if (is("maxperiods")) {
       state_.most_periods = count(item, item.text, "E-range");
+    } else if (is("cycles_before_pop")) {
+      state_.periods_before = count(item, item.text, "E-range");
     } else if (is("tol")) {
       state_.tolerance = positive(item, "tol");
     } else if (!is("td_run_after_pop_fails")) {
@@ -160,7 +163,7 @@ class SteadyStateReader {
     state_.probe = add_probe(circuit_, std::move(signal));
   }
 
-  /// rise=1, as in .meas: every passage is one.
+  /// rise=1, as in .meas: every passage is one. Of passages in both directions (cross) the period begins with one that rises.
   void take_numbered_edge(const Item& item) {
     state_.is_falling = same_name(item.text, "fall");
     (void)count(item, item.text, "E-range");

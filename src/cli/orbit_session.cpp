@@ -20,8 +20,11 @@ class OrbitSession : public AnalysisSession {
   [[nodiscard]] bool needs_those_before() const override { return false; }
 
   [[nodiscard]] int open_files(RunContext& run) override {
-    if (!run.analyses().transient || run.is_stepped()) return 0;
-    return run.open(orbit_file_name(run.rows_name()), file_);
+    const RunOptions& options = run.options;
+    if (!run.analyses().transient) return 0;
+    if (!run.is_stepped()) return run.open(options.no_rows ? options.output : orbit_file_name(options.output), file_);
+    const bool has_table = !options.no_rows && options.output != "-" && options.format == analysis::RowFormat::csv;
+    return has_table ? run.open(orbit_file_name(options.output), run.sweep_files.orbit) : 0;
   }
 
   [[nodiscard]] int run(RunContext& run) override {
@@ -33,13 +36,20 @@ class OrbitSession : public AnalysisSession {
     for (const Diagnostic& message : state.messages) run.messages.report(message);
     const int status = state.is_found || state.has_best_attempt ? rows(run, state) : 0;
     if (!state.is_found) {
-      const int failed = run.fail(state.is_wrong_input ? Status::wrong_input : Status::run_failed, state.id, state.message);
+      const int failed = fail(run, state);
       return caught_signal() != 0 ? status_of_signal(caught_signal()) : failed;
     }
     return status == 0 && run.analyses().transient ? start_from_orbit(run, state) : status;
   }
 
  private:
+  /// A mistake of the card is shown there.
+  static int fail(RunContext& run, const analysis::SteadyState& state) {
+    if (!state.is_wrong_input) return run.fail(Status::run_failed, state.id, state.message);
+    run.messages.report({Severity::error, state.id, run.analyses().steady_state->span, state.message}, run.sources);
+    return static_cast<int>(Status::wrong_input);
+  }
+
   static int start_from_orbit(RunContext& run, const analysis::SteadyState& state) {
     Diagnostics diagnostics;
     run.engine.simulate = analysis::from_orbit(*run.compiled, state, diagnostics);
@@ -65,6 +75,7 @@ class OrbitSession : public AnalysisSession {
       run.note_rows(orbit.ending == Ending::write_failed, is_complete, orbit.answer.time);
     }
     run.outcome.measurements = std::move(orbit.measurements);
+    run.measured_orbit = std::move(orbit.measured);
     const int measured = run.report_measurements(run.outcome.measurements, is_complete);
     run.report.seconds.total = run.seconds();
     if (!is_complete) return std::max(run.conclude(orbit, file), measured);

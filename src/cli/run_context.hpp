@@ -19,6 +19,11 @@
 
 namespace pwlsim::cli {
 
+/// Of a deck with .step: what stands beside the rows, a table for all runs each.
+struct SweepFiles {
+  std::optional<waveform::OutputFile> orbit, response, derivatives;
+};
+
 struct RunContext {
   explicit RunContext(const RunOptions& run_options) : options(run_options), messages(run_options.quiet) {}
 
@@ -32,8 +37,10 @@ struct RunContext {
   analysis::OrbitSearch orbit_search;  ///< of a deck with nothing but `.pss` and what goes around it; else empty
   double reltol = 0.0;
   std::optional<waveform::OutputFile> rows_file, report_file;
+  SweepFiles sweep_files;
   PictureFile plot_file;
   std::optional<analysis::RunRecorder> recorder;  ///< of the rows that --plot and --report show
+  measure::Record measured_run, measured_orbit;   ///< of .tran and of .pss, for .sens
   double seconds_search = 0.0;                    ///< of what .pss simulates on its way to the orbit
   analysis::RunReport report;
   analysis::RunOutcome outcome;

@@ -16,14 +16,15 @@ class SensitivitySession : public AnalysisSession {
   [[nodiscard]] bool is_asked(const circuit::Analyses& analyses) const override { return analyses.sensitivities.has_value(); }
 
   [[nodiscard]] int open_files(RunContext& run) override {
-    if (run.options.no_rows || run.is_stepped() || run.options.output == "-") return 0;
-    return run.open(sensitivity_file_name(run.rows_name()), file_);
+    if (run.options.no_rows || run.options.output == "-") return 0;
+    return run.open(sensitivity_file_name(run.options.output), run.is_stepped() ? run.sweep_files.derivatives : file_);
   }
 
   [[nodiscard]] int run(RunContext& run) override {
     analysis::RunOutcome& outcome = run.outcome;
     const analysis::SteadyState* orbit = outcome.steady_state ? &*outcome.steady_state : nullptr;
-    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.name == "exact", caught_signal());
+    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.name == "exact", caught_signal(),
+                                                       {&run.measured_run, &run.measured_orbit});
     report_derivatives(outcome.sensitivities, run.messages);
     int status = 0;
     if (!run.options.json)

@@ -166,9 +166,11 @@ void Session::warn_of_size() {
 
 /// Standard output takes the rows of one analysis.
 int Session::check_one_table() {
-  const bool goes_to_pipe = run_.options.output == "-" && !run_.is_stepped() && !run_.options.no_rows;
+  const bool goes_to_pipe = run_.options.output == "-" && !run_.options.no_rows;
   const circuit::Analyses& deck = run_.analyses();
-  if (!goes_to_pipe || !deck.steady_state || (!deck.transient && !deck.small_signal)) return 0;
+  // Of a sweep the orbits beside runs have no rows there.
+  const bool has_another = (deck.transient && !run_.is_stepped()) || (deck.small_signal && !deck.transient);
+  if (!goes_to_pipe || !deck.steady_state || !has_another) return 0;
   return run_.fail(Status::wrong_input, "E-option-conflict",
                    "the analyses of the deck have rows of their own each, and standard output takes one table; try -o with a file name");
 }
@@ -196,7 +198,7 @@ int Session::sweep() {
   circuit::Compiled first = *run_.compiled;
   auto& measured = first.measurements.list;
   measured.insert(measured.end(), first.orbit_measurements.list.begin(), first.orbit_measurements.list.end());
-  const SweepTask task{run_.options, deck_, run_.sources, first, run_.reltol, run_.rows_file ? &*run_.rows_file : nullptr};
+  const SweepTask task{run_.options, deck_, run_.sources, first, run_.reltol, run_.rows_file ? &*run_.rows_file : nullptr, run_.sweep_files};
   const int status = run_sweep(task, run_.messages, run_.report, run_.outcome.sweep);
   if (run_.engine.warning) run_.messages.report(*run_.engine.warning);
   run_.report.seconds.total = run_.seconds();

@@ -6,29 +6,12 @@
 #include "analysis/quantity.hpp"
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"
+#include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
 #include "waveform/png.hpp"
 
 namespace pwlsim::cli {
 namespace {
-
-struct Failure {
-  std::string id, message;
-};
-
-/// Empty where there is a response.
-Failure find_response(const circuit::Compiled& compiled, analysis::RunOutcome& outcome) {
-  if (!compiled.analyses.steady_state) {
-    Failure failure;
-    outcome.small_signal = analysis::linear_small_signals(compiled, failure.id, failure.message);
-    return failure;
-  }
-  const analysis::SteadyState& state = *outcome.steady_state;
-  if (!state.inputs->id.empty()) return {state.inputs->id, state.inputs->message};
-  if (!state.orbit.kink.empty()) return {"E-ac-no-derivative", "the orbit has no derivative: " + state.orbit.kink};
-  outcome.small_signal = analysis::small_signals(compiled, state);
-  return {};
-}
 
 /// Beside a .tran without .pss, as in decks of other simulators, it is left out with a warning where it cannot be.
 class SmallSignalSession : public AnalysisSession {
@@ -38,15 +21,16 @@ class SmallSignalSession : public AnalysisSession {
   [[nodiscard]] int open_files(RunContext& run) override {
     const RunOptions& options = run.options;
     const bool has_rows = run.rows_file.has_value();
-    const bool has_run = run.analyses().transient.has_value(),
-               goes_to_pipe = options.output == "-" && !run.is_stepped() && !options.no_rows;
+    const bool has_run = run.analyses().transient.has_value(), goes_to_pipe = options.output == "-" && !options.no_rows;
+    if (run.is_stepped() || run.analyses().steady_state)
+      if (const int status = check(run); status != 0 || is_left_out_) return status;
     if (goes_to_pipe && has_run)
       run.messages.report({Severity::warning, "W-ignored-card", run.analyses().small_signal->span,
                            "the rows of .ac are left out: standard output takes those of .tran"},
                           run.sources);
     int status = 0;
-    if (!options.no_rows && !run.is_stepped() && !(goes_to_pipe && has_run))
-      status = run.open(small_signal_file_name(run.rows_name()), file_);
+    if (!options.no_rows && !(goes_to_pipe && has_run))
+      status = run.open(small_signal_file_name(options.output), run.is_stepped() ? run.sweep_files.response : file_);
     if (status == 0 && !options.plot.empty())
       status = bode_file_.open(has_rows ? bode_file_name(options.plot) : options.plot, run.files, run.messages);
     return status;
@@ -54,40 +38,65 @@ class SmallSignalSession : public AnalysisSession {
 
   [[nodiscard]] int run(RunContext& run) override {
     auto& response = run.outcome.small_signal;
-    if (const Failure failure = find_response(*run.compiled, run.outcome); !failure.id.empty()) {
-      response.reset();
-      const circuit::Analyses& analyses = run.analyses();
-      if (analyses.steady_state || !analyses.transient) return run.fail(Status::wrong_input, failure.id, failure.message);
-      run.messages.report(
-          {Severity::warning, "W-ignored-card", analyses.small_signal->span, fmt::format(".ac is ignored: {}", failure.message)},
-          run.sources);
-      return 0;
-    }
-    for (const double f : response->singular)
-      run.messages.report({Severity::warning,
-                           "W-ac-singular",
-                           {},
-                           fmt::format("the response is infinite at {}: a free direction of the orbit is in resonance there",
-                                       analysis::quantity(f, "Hz"))});
-    if (!file_) return 0;
-    const int status = write_whole(*file_, analysis::small_signal_csv(*response), run.messages);
-    if (status == 0) run.messages.remark(analysis::small_signal_summary(*response, file_->name()));
+    analysis::DeckResponse found = analysis::deck_response(*run.compiled, run.outcome.steady_state ? &*run.outcome.steady_state : nullptr);
+    if (!found.id.empty()) return fail_or_leave_out(run, found.id, found.message);
+    response = std::move(found.result);
+    for (const double f : response->singular) run.messages.report(singular_response_warning(f));
+    if (!response->impulsive.empty()) run.messages.report(impulsive_response_warning(response->impulsive));
+    const int status = file_ ? write_whole(*file_, analysis::small_signal_csv(*response), run.messages) : 0;
+    if (status == 0 && (file_ || run.options.no_rows))
+      run.messages.remark(analysis::small_signal_summary(*response, file_ ? file_->name() : "nothing"));
     return status;
   }
 
   [[nodiscard]] int write_pictures(RunContext& run) override {
-    if (!bode_file_.is_open() || !run.outcome.small_signal) return 0;
+    if (!bode_file_.is_open() || !(run.outcome.small_signal || analysis::has_response(run.outcome.sweep))) return 0;
     std::string beside;
-    const std::string svg = waveform::svg(analysis::bode_figure(run.outcome.title, *run.outcome.small_signal));
+    const std::string svg = waveform::svg(run.is_stepped() ? analysis::bode_figure(run.outcome.title, run.outcome.sweep)
+                                                           : analysis::bode_figure(run.outcome.title, *run.outcome.small_signal));
     return write_picture(bode_file_, svg, run, run.outcome.plot.empty() ? run.outcome.plot : beside);
   }
 
  private:
+  int fail_or_leave_out(RunContext& run, const std::string& id, const std::string& message) {
+    const circuit::Analyses& analyses = run.analyses();
+    const circuit::SmallSignal& card = *analyses.small_signal;
+    if (analyses.steady_state || !analyses.transient) {
+      const bool names_input = card.input != circuit::SmallSignal::Input::marked || !card.loop.empty();
+      run.messages.report({Severity::error, id, names_input && id == "E-ac-no-input" ? card.input_span : card.span, message}, run.sources);
+      return static_cast<int>(Status::wrong_input);
+    }
+    run.messages.report({Severity::warning, "W-ignored-card", card.span, fmt::format(".ac is ignored: {}", message)}, run.sources);
+    is_left_out_ = true;
+    run.compiled->analyses.small_signal.reset();
+    return 0;
+  }
+
+  /// Before anything is written; of a sweep the first run represents the deck.
+  int check(RunContext& run) {
+    std::string id;
+    const std::string message = analysis::small_signal_problem(*run.compiled, id);
+    return id.empty() ? 0 : fail_or_leave_out(run, id, message);
+  }
+
   std::optional<waveform::OutputFile> file_;
   PictureFile bode_file_;
+  bool is_left_out_ = false;  ///< beside a .tran
 };
 
 }  // namespace
+
+Diagnostic singular_response_warning(double frequency, const std::string& where) {
+  return {
+      Severity::warning,
+      "W-ac-singular",
+      {},
+      fmt::format("the response is infinite at {}{}: a free direction is in resonance there", analysis::quantity(frequency, "Hz"), where)};
+}
+
+Diagnostic impulsive_response_warning(const std::vector<std::string>& signals, const std::string& where) {
+  return {Severity::warning, "W-ac-impulse", {}, analysis::impulsive_text(signals, where)};
+}
 
 std::unique_ptr<AnalysisSession> small_signal_session() { return std::make_unique<SmallSignalSession>(); }
 

@@ -23,6 +23,7 @@
 #include "cli/progress.hpp"
 #include "cli/sensitivity_session.hpp"
 #include "cli/signals.hpp"
+#include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
 #include "cli/status.hpp"
 #include "waveform/raw_file.hpp"
@@ -52,6 +53,10 @@ class Sweep {
 
   int run() {
     if (task_.rows != nullptr && !task_.options.split) begin_rows(*task_.rows);
+    orbits_.begin(task_.beside.orbit, sweeps_, columns_, runs_ahead * threads_);
+    if (task_.beside.response)
+      responses_.begin(task_.beside.response, sweeps_, analysis::small_signal_columns(task_.first), runs_ahead * threads_);
+    derivatives_.begin(task_.beside.derivatives, sweeps_, analysis::derivative_columns(), runs_ahead * threads_);
     look_for_sources();
     {
       Progress progress(task_.options.progress, static_cast<double>(records_.size()));
@@ -59,16 +64,50 @@ class Sweep {
     }
     runs_.sum_up(report_);
     tell_remarks();
-    const int status = std::max(tell_failures(), task_.rows != nullptr ? complete(*task_.rows) : 0);
+    int status = std::max(tell_failures(), task_.rows != nullptr ? complete(*task_.rows) : 0);
+    for (std::optional<waveform::OutputFile>* file : {&task_.beside.orbit, &task_.beside.response, &task_.beside.derivatives})
+      if (*file) status = std::max(status, complete_beside(**file));
     tell_measurements(&measure::Result::failure, measure::failure_warning);
     tell_measurements(&measure::Result::left_out, measure::left_out_warning);
     for (std::size_t run = 0; run < records_.size(); ++run)
       if (!records_[run].sensitivities.empty())
         report_derivatives(records_[run].sensitivities, messages_, fmt::format(" in the run with {}", name(run)));
+    for (std::size_t run = 0; run < records_.size(); ++run) {
+      if (!records_[run].impulsive.empty())
+        messages_.report(impulsive_response_warning(records_[run].impulsive, fmt::format(" in the run with {}", name(run))));
+      for (const double f : records_[run].singular)
+        messages_.report(singular_response_warning(f, fmt::format(" in the run with {}", name(run))));
+    }
     return task_.options.json ? status : std::max(status, print_tables());
   }
 
  private:
+  /// A table beside the rows: lines of all runs, in their order.
+  class Beside {
+   public:
+    void begin(std::optional<waveform::OutputFile>& file, const circuit::Sweeps& sweeps, const std::vector<std::string>& columns,
+               std::size_t ahead) {
+      if (!file) return;
+      file->write(analysis::sweep_head(sweeps, columns));
+      rows_.emplace(*file, ahead, 0);
+    }
+    [[nodiscard]] bool is_wanted() const { return rows_.has_value(); }
+    void wait_to_begin(std::size_t run) {
+      if (rows_) rows_->wait_to_begin(run);
+    }
+    void finish(std::size_t run, std::string text) {
+      if (rows_) (void)rows_->finish(run, std::move(text));
+    }
+
+   private:
+    std::optional<analysis::OrderedRows> rows_;
+  };
+
+  /// Of one run, for these tables.
+  struct Texts {
+    std::string orbit, response, derivatives;
+  };
+
   [[nodiscard]] bool is_raw() const { return task_.options.format == analysis::RowFormat::raw; }
   [[nodiscard]] std::string name(std::size_t run) const { return runs_.name(run); }
 
@@ -104,6 +143,7 @@ class Sweep {
   void work() {
     for (std::size_t run = begun_++; run < records_.size(); run = begun_++) {
       if (rows_) rows_->wait_to_begin(run);
+      for (Beside* table : {&orbits_, &responses_, &derivatives_}) table->wait_to_begin(run);
       one_run(run);
       const std::scoped_lock lock(mutex_);
       ++finished_;
@@ -114,23 +154,28 @@ class Sweep {
   void one_run(std::size_t run) {
     SweptRun& record = records_[run];
     bool has_rows = false;
+    Texts texts;
     try {
       if (caught_signal() != 0 || writing_failed_ || (rows_ && rows_->failed()))
         record.interrupted = true;
       else
-        has_rows = simulate(run, record);
+        has_rows = simulate(run, record, texts);
     } catch (...) {  // want of memory, or a defect of the program: the other runs go on
       record.id = "E-internal";
       record.message = "the run met a state it should never reach, or no memory is left";
     }
     if (!has_rows && rows_) (void)rows_->finish(run, "");
+    orbits_.finish(run, std::move(texts.orbit));
+    responses_.finish(run, std::move(texts.response));
+    derivatives_.finish(run, std::move(texts.derivatives));
   }
 
   /// Where constant sources are stepped and there is nothing but a .tran, the model is the same in all runs. Not for files of their own, which have the
   /// bits of a deck with these values.
   void look_for_sources() {
     const circuit::Analyses& analyses = task_.first.analyses;
-    if (task_.options.split || !analyses.transient || analyses.steady_state || analyses.operating_point || analyses.sensitivities) return;
+    const bool has_others = analyses.steady_state || analyses.operating_point || analyses.sensitivities || analyses.small_signal;
+    if (task_.options.split || !analyses.transient || has_others) return;
     std::vector<std::string> names;
     for (const circuit::Sweep& sweep : sweeps_.list) {
       if (!sweep.is_source()) return;
@@ -161,7 +206,7 @@ class Sweep {
   }
 
   /// False where the run did not come to rows of the one file.
-  bool simulate(std::size_t run, SweptRun& record) {
+  bool simulate(std::size_t run, SweptRun& record, Texts& texts) {
     if (sources_) return simulate_sources(run, record);
     Diagnostics diagnostics;
     SourceStore sources = task_.sources;  // shipped subcircuits are added
@@ -177,16 +222,42 @@ class Sweep {
       return false;
     }
     const bool runs_on = compiled->analyses.transient.has_value(), is_exact = engine.name == "exact";
+    const std::string prefix = analysis::sweep_prefix(sweeps_, run);
     std::optional<circuit::Compiled> deck;
     if (compiled->analyses.sensitivities) deck = compiled;
     if (compiled->analyses.steady_state && !take_orbit(*compiled, engine, record)) return false;
     if (task_.options.no_rows) engine.simulate = analysis::without_rows(std::move(engine.simulate));
     if (compiled->analyses.operating_point) take_operating_point(engine.operating_point(), record);
-    if (!compiled->analyses.transient) return false;
+    const bool responds = task_.first.analyses.small_signal.has_value();
+    if (responds) take_response(*compiled, prefix, record, texts);
+    if (!compiled->analyses.transient) {
+      record.done = record.id.empty() && (record.done || responds);
+      return false;
+    }
     const bool has_rows = run_transient(run, *compiled, engine.simulate, record);
-    if (deck && record.done) record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal());
-    if (record.orbit) finish_orbit(runs_on, record);
+    if (deck && record.done) {
+      const analysis::MeasuredBefore measured =
+          runs_on ? analysis::MeasuredBefore{&record.measured, nullptr} : analysis::MeasuredBefore{nullptr, &record.measured};
+      record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal(), measured);
+      texts.derivatives = analysis::derivative_rows(record.sensitivities, prefix);
+    }
+    record.measured = {};
+    if (record.orbit) finish_orbit(runs_on, prefix, record, texts);
     return has_rows;
+  }
+
+  /// Small signals around the orbit, or of a linear circuit.
+  void take_response(const circuit::Compiled& compiled, const std::string& prefix, SweptRun& record, Texts& texts) const {
+    analysis::DeckResponse response = analysis::deck_response(compiled, record.orbit.get());
+    if (record.id.empty()) {
+      record.id = response.id;
+      record.message = response.message;
+    }
+    if (!response.result) return;
+    texts.response = analysis::small_signal_rows(*response.result, prefix);
+    record.singular = response.result->singular;
+    record.impulsive = response.result->impulsive;
+    if (task_.options.json || !task_.options.plot.empty()) record.small_signal = std::move(response.result);
   }
 
   /// The run is one period of the orbit, or starts on it where the deck has .tran, too. False where there is none.
@@ -217,11 +288,13 @@ class Sweep {
     return true;
   }
 
-  /// Remarks and measurements of the orbit itself; what only its run needs goes.
-  static void finish_orbit(bool runs_on, SweptRun& record) {
+  /// Remarks, measurements and rows of the orbit itself; what only its run needs goes.
+  void finish_orbit(bool runs_on, const std::string& prefix, SweptRun& record, Texts& texts) const {
     analysis::SteadyState& state = *record.orbit;
     for (const Diagnostic& message : state.messages) record.remarks.push_back({message.id, message.text});
-    if (runs_on) record.measurements.add(analysis::orbit_measurements(state, caught_signal()));
+    if (runs_on)
+      record.measurements.add(
+          analysis::orbit_rows(state, prefix, orbits_.is_wanted() ? &texts.orbit : nullptr, task_.options.events, caught_signal()));
     state.orbit.trace = {};
     state.compiled = {};
     state.simulate = nullptr;
@@ -317,6 +390,16 @@ class Sweep {
                                  report_.statistics.events));
   }
 
+  /// A table that every run has its lines in.
+  int complete_beside(waveform::OutputFile& file) {
+    if (file.commit()) {
+      messages_.remark(fmt::format("wrote {}: {} runs\n", file.name(), report_.runs - report_.failed_runs));
+      return 0;
+    }
+    if (file.closed_pipe()) return static_cast<int>(Status::closed_pipe);
+    return fail(messages_, Status::file_error, cannot_write, fmt::format("{}: {}", file.name(), file.problem()));
+  }
+
   int complete_table(waveform::OutputFile& file) {
     const int status = write_whole(file, analysis::file_table(runs_), messages_);
     const auto files = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return !record.file.empty(); });
@@ -384,6 +467,7 @@ class Sweep {
   std::optional<analysis::SteppedSources> sources_;
   std::optional<waveform::RawWriter> raw_;     ///< of the head and the number of rows
   std::optional<analysis::OrderedRows> rows_;  ///< of a deck with .tran
+  Beside orbits_, responses_, derivatives_;
   std::atomic<std::size_t> begun_ = 0;
   std::atomic<bool> writing_failed_ = false;  ///< of a run's own file
   std::mutex mutex_;                          ///< of finished_

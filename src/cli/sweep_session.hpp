@@ -5,6 +5,7 @@
 #include "circuit/compile.hpp"
 #include "cli/command_line.hpp"
 #include "cli/messages.hpp"
+#include "cli/run_context.hpp"
 #include "netlist/ast.hpp"
 #include "waveform/output_file.hpp"
 
@@ -17,6 +18,7 @@ struct SweepTask {
   const circuit::Compiled& first;        ///< the deck as the first run has it
   double reltol = 0.0;                   ///< of the sparse engine
   waveform::OutputFile* rows = nullptr;  ///< null where the deck has no .tran; with --split of the table of the runs
+  SweepFiles& beside;
 };
 
 /// Runs them on all cores, writes their rows in order, or each run's to a file of its own, and commits the file, prints operating points and measurements as tables. A run that

@@ -30,6 +30,7 @@ class TransientSession : public AnalysisSession {
     const bool is_complete = transient.ending == Ending::completed;
     run.note_rows(transient.ending == Ending::write_failed, is_complete, transient.answer.time);
     measure::Results own = std::move(transient.measurements);
+    run.measured_run = std::move(transient.measured);
     const int measured = is_complete ? 0 : run.report_measurements(own, false);
     const int status = run.conclude(transient, *run.rows_file);  // an error comes last
     const int measured_whole = is_complete ? run.report_measurements(own, true) : 0;

@@ -40,6 +40,8 @@ class ThresholdWatch {
   [[nodiscard]] std::optional<double> threshold_at(int number, double value, double noise) const;
   /// The control stays at a threshold from `time` on.
   void rests(int number, double threshold, double time);
+  /// s
+  [[nodiscard]] double stop() const { return stop_; }
   /// The switch has changed sides after t = 0.
   void changed(int number);
   /// All that a clock's sources do.

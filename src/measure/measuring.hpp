@@ -38,6 +38,14 @@ struct Results {
   }
 };
 
+/// What is known of every measurement, hidden ones too, when all passes are over.
+struct Record {
+  std::vector<double> values;
+  std::vector<std::string> failures;
+  std::vector<Place> places;
+  std::vector<char> impulses;  ///< whether the value leaves impulses out, or holds some
+};
+
 class Measuring : public engine::PieceSink {
  public:
   /// `start`, `stop`: of the rows, s; `end`: of what windows may reach, s (a periodic run goes on behind `stop`). The measurements must outlive this.
@@ -50,12 +58,7 @@ class Measuring : public engine::PieceSink {
   [[nodiscard]] engine::Probes probes();
   void end_pass(double reached);
   [[nodiscard]] Results results() const;
-  /// Of every measurement, hidden ones too.
-  [[nodiscard]] const std::vector<double>& values() const { return values_; }
-  [[nodiscard]] const std::vector<std::string>& failures() const { return failures_; }
-  [[nodiscard]] const std::vector<Place>& places() const { return places_; }
-  /// Whether the value leaves impulses out, or holds some.
-  [[nodiscard]] bool met_impulse(std::size_t index) const { return impulses_[index] != 0; }
+  [[nodiscard]] Record record() const { return {values_, failures_, places_, impulses_}; }
 
   void before_start(std::span<const double> values) override;
   void take(const engine::Piece& piece) override;

@@ -57,6 +57,7 @@ Adjoint::Adjoint(const Sensitivity& sensitivity, std::vector<int> signals) : alo
   forward_only_.assign(count, 0);
   kinks_.assign(count, 0);
   for (std::size_t p = 0; p < count; ++p) examine(p);
+  for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) shares_.push_back(along_.shares_of(island, signals_));
 }
 
 void Adjoint::examine(std::size_t parameter) {
@@ -113,38 +114,179 @@ Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double sin
   return yz;
 }
 
-/// Back over an interval that begins with (y, z).
-void Adjoint::travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass) const {
+/// Where stretches overlap their weights add up.
+void Adjoint::take_stretches(const Functional& functional, Pass& pass) const {
+  std::vector<double> ends;
+  for (const Functional::Stretch& stretch : functional.stretches) ends.insert(ends.end(), {stretch.begin, stretch.end});
+  std::sort(ends.begin(), ends.end());
+  for (std::size_t k = 1; k < ends.size(); ++k) {
+    if (!(ends[k - 1] < ends[k])) continue;
+    Pass::Density density{ends[k - 1], ends[k], std::vector<double>(signals_.size(), 0.0)};
+    for (const Functional::Stretch& stretch : functional.stretches)
+      if (stretch.begin <= density.begin && density.end <= stretch.end)
+        for (std::size_t j = 0; j < signals_.size(); ++j) density.weights[j] += stretch.weights[j];
+    pass.densities.push_back(std::move(density));
+  }
+}
+
+const Adjoint::Even& Adjoint::even_of(const Sensitivity::Segment& segment, int density, Pass& pass) const {
   const Mode& mode = *segment.mode;
-  if (mode.n1 == 0 || !(length > 0.0)) return;
+  const auto known = pass.even.find({&mode, density});
+  if (known != pass.even.end()) return known->second;
+  Even& even = pass.even[{&mode, density}];
+  const Eigen::Index n = mode.n1;
+  Eigen::RowVectorXd c = Eigen::RowVectorXd::Zero(n);
+  for (const auto& [row, signal] : shares_[segment.island]) {
+    const double weight = pass.densities[static_cast<std::size_t>(density)].weights[signal];
+    if (weight == 0.0) continue;
+    even.outputs.emplace_back(row, weight);
+    c += weight * mode.outputs.row(row).head(n);
+  }
+  const double rate = mode.flow.rate(), size = c.norm();
+  if (size > 0.0) even.scale = rate > 0.0 ? size / rate : size;
+  even.a = Matrix::Zero(n + 1, n + 1);
+  even.a.topLeftCorner(n, n) = mode.flow.a().topLeftCorner(n, n);
+  even.a.bottomLeftCorner(1, n) = c / even.scale;
+  even.backward = linalg::Exponential(even.a.transpose(), rate > 0.0 ? 2.0 * rate : 1e-30);
+  return even;
+}
+
+void Adjoint::cross(const Sensitivity::Segment& segment, double since, double end, const Vector& begin, Vector& lambda, Pass& pass) const {
+  // From the last density that begins before the end, down to `since`.
+  auto after = std::partition_point(pass.densities.begin(), pass.densities.end(),
+                                    [&](const Pass::Density& d) { return d.begin < segment.begin + end; });
+  const auto go = [&](double from, int density) {
+    if (!(from < end)) return;
+    travel(segment, end - from, later(segment, begin, from), lambda, pass, density);
+    end = from;
+  };
+  while (after != pass.densities.begin() && !shares_[segment.island].empty()) {
+    const Pass::Density& density = *--after;
+    if (!(density.end > segment.begin + since)) break;
+    go(std::max(since, density.end - segment.begin), -1);
+    go(std::max(since, density.begin - segment.begin), static_cast<int>(after - pass.densities.begin()));
+  }
+  go(since, -1);
+}
+
+/// Back over an interval that begins with (y, z).
+void Adjoint::travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass, int density) const {
+  const Mode& mode = *segment.mode;
+  const Even* const even = density >= 0 ? &even_of(segment, density, pass) : nullptr;
+  const bool has_density = even != nullptr && !even->outputs.empty();
+  if ((mode.n1 == 0 && !has_density) || !(length > 0.0)) return;
+  if (!has_density) density = -1;
+  const Eigen::Index n = mode.n1;
+  Vector state(n + 1);
+  state << lambda, even != nullptr ? even->scale : 1.0;
   if (pass.collects) {
     Sums& sums = sums_of(pass, segment.island, mode);
-    const auto same = [&](const Lengths& known) { return std::abs(known.length - length) <= same_length * length; };
+    const auto same = [&](const Lengths& known) {
+      return known.density == density && std::abs(known.length - length) <= same_length * length;
+    };
     auto known = std::find_if(sums.lengths.begin(), sums.lengths.end(), same);
     if (known == sums.lengths.end()) {
-      if (sums.lengths.size() == most_lengths) settle(segment.island, mode, sums);
-      sums.lengths.push_back({length, Matrix::Zero(mode.n1, yz.size())});
+      if (sums.lengths.size() == most_lengths) settle(segment.island, mode, sums, pass);
+      sums.lengths.push_back({length, density, Matrix::Zero(has_density ? n + 1 : n, yz.size())});
       known = sums.lengths.end() - 1;
     }
-    known->sum.noalias() += lambda * yz.transpose();
+    known->sum.noalias() += state.head(known->sum.rows()) * yz.transpose();
   }
+  if (n == 0) return;
+  Vector work(2 * state.size());
+  if (has_density) {
+    even->backward.apply(length, state.data(), work.data());
+    lambda = state.head(n);
+    return;
+  }
+  backward_of(mode).apply(length, lambda.data(), work.data());
+}
+
+const linalg::Exponential& Adjoint::backward_of(const Mode& mode) const {
   auto back = backward_.find(&mode);
   if (back == backward_.end())
     back = backward_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1).transpose(), mode.flow.rate())).first;
-  Vector work(2 * lambda.size());
-  back->second.apply(length, lambda.data(), work.data());
+  return back->second;
 }
 
-void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums) const {
+/// Null where intervals of that length are still few.
+Adjoint::Spread* Adjoint::spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
+  constexpr int worth = 8;                  // so many intervals
+  constexpr std::size_t most_spreads = 32;  // of a mode
+  const auto same = [&](const Spread& known) { return std::abs(known.length - length) <= same_length * length; };
+  auto known = std::find_if(sums.spreads.begin(), sums.spreads.end(), same);
+  if (known == sums.spreads.end()) {
+    if (sums.spreads.size() == most_spreads) return nullptr;
+    sums.spreads.push_back({length, 0, {}, {}});
+    known = sums.spreads.end() - 1;
+  }
+  if (++known->uses < worth) return nullptr;
+  if (known->sum.size() > 0) return &*known;
+  const Mode& mode = *segment.mode;
+  const auto& outputs = shares_[segment.island];
+  const auto& rule = linalg::gauss_legendre();
+  const auto count = static_cast<Eigen::Index>(outputs.size());
+  known->sum = Matrix::Zero(static_cast<Eigen::Index>(linalg::legendre_points) * count, flow(segment.island, mode).source.rows());
+  known->injection = Matrix::Zero(mode.n1, known->sum.rows());
+  Vector work(2 * mode.n1);
+  for (std::size_t i = 0; i < linalg::legendre_points && mode.n1 > 0; ++i)
+    for (Eigen::Index k = 0; k < count; ++k) {
+      auto column = known->injection.col(static_cast<Eigen::Index>(i) * count + k);
+      column = mode.outputs.row(outputs[static_cast<std::size_t>(k)].first).head(mode.n1).transpose();
+      backward_of(mode).apply_once(0.5 * (rule.point[i] + 1.0) * length, column.data(), work.data());
+    }
+  return &*known;
+}
+
+void Adjoint::settle(std::size_t island, const Mode& mode, const Spread& spread, Sums& sums) const {
+  const auto& outputs = shares_[island];
+  const auto& rule = linalg::gauss_legendre();
+  const Sensitivity::Flow& own = flow(island, mode);
+  const auto count = static_cast<Eigen::Index>(outputs.size());
   const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
-  for (const Lengths& each : sums.lengths) sums.moment += moment_of(a, flow(island, mode).source, each.sum, each.length);
+  const auto time_of = [&](std::size_t i) { return 0.5 * (rule.point[i] + 1.0) * spread.length; };
+  const auto to_time = [&](double time) {
+    Matrix e = own.signals->minus_identity(time);
+    e.diagonal().array() += 1.0;
+    return e;
+  };
+  Matrix lambda = Matrix::Zero(mode.n1, spread.sum.cols());  // λ (y, z)′, (y, z) at the begin
+  Matrix at = to_time(time_of(linalg::legendre_points - 1));
+  for (std::size_t i = linalg::legendre_points; i-- > 0;) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index row = outputs[static_cast<std::size_t>(k)].first;
+      const auto weights = spread.sum.row(static_cast<Eigen::Index>(i) * count + k);
+      lambda += mode.outputs.row(row).head(mode.n1).transpose() * weights;
+      sums.outputs.row(row) += weights * at.transpose();
+    }
+    const double before = i > 0 ? time_of(i - 1) : 0.0, length = time_of(i) - before;
+    at = to_time(before);
+    if (mode.n1 == 0) continue;
+    sums.moment += moment_of(a, own.source, lambda * at.transpose(), length);
+    Vector work(2 * mode.n1);
+    for (Eigen::Index k = 0; k < lambda.cols(); ++k) backward_of(mode).apply(length, lambda.col(k).data(), work.data());
+  }
+}
+
+void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums, Pass& pass) const {
+  const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
+  for (const Lengths& each : sums.lengths) {
+    if (each.density < 0) {
+      sums.moment += moment_of(a, flow(island, mode).source, each.sum, each.length);
+      continue;
+    }
+    const Even& even = pass.even.at({&mode, each.density});
+    const Matrix moment = moment_of(even.a, flow(island, mode).source, each.sum, each.length);
+    sums.moment += moment.topRows(mode.n1);
+    for (const auto& [row, weight] : even.outputs) sums.outputs.row(row) += weight / even.scale * moment.row(mode.n1);
+  }
   sums.lengths.clear();
 }
 
 void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& injections) const {
   for (const Functional::Point& point : functional.points)
     for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
-      const auto outputs = along_.shares_of(island, signals_);
+      const auto& outputs = shares_[island];
       const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, point.time, point.side);
       if (segment == nullptr) continue;
       const Mode& mode = *segment->mode;
@@ -168,12 +310,25 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
   const auto& rule = linalg::gauss_legendre();
   constexpr std::size_t points = linalg::legendre_points;
   for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
-    const auto outputs = along_.shares_of(island, signals_);
+    const auto& outputs = shares_[island];
     const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, interval.inside, Side::right);
     if (segment == nullptr) continue;
     const Mode& mode = *segment->mode;
     const double since = std::max(interval.begin - segment->begin, 0.0);
     Sums& sums = sums_of(pass, island, mode);
+    Injection& injection = injections[static_cast<std::size_t>(segment - along_.segments_.data())].emplace_back();
+    injection.since = since;
+    if (Spread* const spread = spread_of(*segment, interval.length, sums)) {
+      const auto count = static_cast<Eigen::Index>(outputs.size());
+      Vector weights(spread->sum.rows());
+      for (std::size_t i = 0; i < points; ++i)
+        for (Eigen::Index k = 0; k < count; ++k)
+          weights[static_cast<Eigen::Index>(i) * count + k] =
+              interval.weights[i * signals_.size() + outputs[static_cast<std::size_t>(k)].second];
+      if (pass.collects) spread->sum.noalias() += weights * later(*segment, begin_of(*segment), since).transpose();
+      injection.weight = spread->injection * weights;
+      continue;
+    }
     std::vector<Vector> yz{later(*segment, begin_of(*segment), since)};  // at the begin, then at each point
     std::vector<double> length;
     double before = 0.0;
@@ -193,7 +348,7 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
       }
       travel(*segment, length[i], yz[i], lambda, pass);
     }
-    injections[static_cast<std::size_t>(segment - along_.segments_.data())].push_back({since, lambda});
+    injection.weight = lambda;
   }
 }
 
@@ -201,7 +356,14 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
   const Sensitivity::Segment& segment = along_.segments_[number];
   const Mode& mode = *segment.mode;
   const Stacking& stacking = along_.orbit_.stacking();
-  if (stacking.count(segment.island) == 0) return;
+  if (stacking.count(segment.island) == 0) {
+    Vector none;
+    // Parts that hold nothing but sources have segments of their own, behind those of the run.
+    const bool has_own = number < along_.static_first_ && stacking.system(segment.island).ports == 0;
+    if (!has_own && !pass.densities.empty() && !shares_[segment.island].empty())
+      cross(segment, 0.0, segment.length, begin_of(segment), none, pass);
+    return;
+  }
   auto block = pass.lambda.segment(stacking.first(segment.island), stacking.count(segment.island));
   const Vector begin = begin_of(segment);
   if (mode.constrained && pass.collects)
@@ -212,12 +374,12 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
     std::vector<Injection>& list = own->second;
     std::stable_sort(list.begin(), list.end(), [](const Injection& a, const Injection& b) { return a.since > b.since; });
     for (const Injection& injection : list) {
-      if (injection.since < end) travel(segment, end - injection.since, later(segment, begin, injection.since), lambda, pass);
+      if (injection.since < end) cross(segment, injection.since, end, begin, lambda, pass);
       end = std::min(end, injection.since);
       lambda += injection.weight;
     }
   }
-  travel(segment, end, begin, lambda, pass);
+  cross(segment, 0.0, end, begin, lambda, pass);
   if (mode.constrained)
     block = mode.basis * lambda;
   else
@@ -272,6 +434,9 @@ void Adjoint::run(const Functional& functional, const Vector& end, Pass& pass) c
   pass.shifts.assign(along_.orbit_.instants().size(), 0.0);
   pass.read = functional.shifts;
   Injections injections;
+  take_stretches(functional, pass);
+  for (std::size_t s = along_.segments_.size(); s-- > along_.static_first_;)
+    if (!pass.densities.empty()) pass_segment(s, injections, pass);
   take_points(functional, pass, injections);
   for (const auto& [number, interval] : functional.intervals) take_interval(interval, pass, injections);
   for (std::size_t s = along_.static_first_; s-- > along_.first_.back();) pass_segment(s, injections, pass);
@@ -292,7 +457,11 @@ Vector Adjoint::to_start(const Functional& functional, const Vector& end) const 
 Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) const {
   Pass pass;
   run(functional, end, pass);
-  for (auto& [key, sums] : pass.sums) settle(key.first, *key.second, sums);
+  for (auto& [key, sums] : pass.sums) {
+    settle(key.first, *key.second, sums, pass);
+    for (const Spread& spread : sums.spreads)
+      if (spread.sum.size() > 0) settle(key.first, *key.second, spread, sums);
+  }
   Read read{{}, pass.lambda};
   for (std::size_t p = 0; p < failures_.size(); ++p)
     read.values.push_back(failures_[p].empty() ? of_parameter(p, pass) + of_edges(p, pass) : 0.0);

@@ -1,11 +1,11 @@
 #pragma once
 /// Derivatives of one measurement to all parameters at once, backwards along the run:
 ///
-///     λ′ = −A′λ,   λ⁻ = P′λ⁺ + on_state′σ,   σ = d·λ⁺ + (what the measurement reads of the instant's shift),
+///     λ′ = −A′λ − c,   λ⁻ = P′λ⁺ + on_state′σ,   σ = d·λ⁺ + (what the measurement reads of the instant's shift),
 ///
-/// λ growing by what the measurement reads of the signals at each of its points. A parameter's inputs w = row·(y, z) then bring ∫ λ′(b w + b₁ w′) dt, for
+/// λ growing by what the measurement reads of the signals at each of its points; c is what it reads of them throughout (an average). A parameter's inputs w = row·(y, z) then bring ∫ λ′(b w + b₁ w′) dt, for
 /// which one matrix ∫ λ (y, z)′ dt a mode serves all parameters: it is linear in λ y′ at the ends of intervals, which are added up over all intervals of
-/// one length.
+/// one length. With c these are those of (λ, 1), whose last row is ∫ (y, z)′ dt.
 ///
 /// Cao, Li, Petzold & Serban, Adjoint sensitivity analysis for differential-algebraic equations, SIAM J. Sci. Comput. 24 (2003), for the method; the
 /// instants are the transpose of steady/sensitivity.hpp.
@@ -44,7 +44,22 @@ class Adjoint {
   /// Sums of λ y′ at intervals of nearly one length.
   struct Lengths {
     double length = 0.0;
-    Matrix sum;
+    int density = -1;
+    Matrix sum;  ///< of (λ, 1) where there is a density
+  };
+  /// Sums of weight·(y, z)′ of intervals of one length, (y, z) at their begin: a row for each point and output of the island. From where they are known
+  /// what the points bring is made once for all of them.
+  struct Spread {
+    double length = 0.0;
+    int uses = 0;
+    Matrix sum, injection;  ///< injection: λ at the begin for a unit of each weight
+  };
+  /// Of one density in one mode.
+  struct Even {
+    std::vector<std::pair<Eigen::Index, double>> outputs;  ///< row and weight
+    Matrix a;                                              ///< (A 0; c′/scale 0): its transpose moves (λ, scale) backwards
+    double scale = 1.0;
+    linalg::Exponential backward;
   };
   /// Sums over one mode of what multiplies the columns of its inputs; w = row·(y, z) is known by parameter only at the end.
   struct Sums {
@@ -53,6 +68,7 @@ class Adjoint {
     Matrix jump, lift;    ///< Σ λ (y, z)′ where the mode's projector or its lift takes inputs: n rows
     Matrix value, slope;  ///< of w and w′ themselves, where they move an instant: a row an input
     std::vector<Lengths> lengths;
+    std::vector<Spread> spreads;
   };
   struct Pass {
     Vector lambda;
@@ -60,6 +76,13 @@ class Adjoint {
     std::map<std::pair<std::size_t, const model::Mode*>, Sums> sums;
     std::vector<double> shifts;          ///< σ of each instant
     std::map<std::size_t, double> read;  ///< what the measurement reads of the instants' shifts
+    /// Weights of the signals, throughout intervals of time, which do not overlap.
+    struct Density {
+      double begin = 0.0, end = 0.0;
+      std::vector<double> weights;
+    };
+    std::vector<Density> densities;  ///< in order of time
+    std::map<std::pair<const model::Mode*, int>, Even> even;
   };
   struct Injection {
     double since = 0.0;  ///< s from the begin of the segment
@@ -78,15 +101,23 @@ class Adjoint {
   void run(const Functional& functional, const Vector& end, Pass& pass) const;
   void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
   void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
+  [[nodiscard]] Spread* spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
+  void settle(std::size_t island, const model::Mode& mode, const Spread& spread, Sums& sums) const;
+  [[nodiscard]] const linalg::Exponential& backward_of(const model::Mode& mode) const;
   void pass_segment(std::size_t number, Injections& injections, Pass& pass) const;
   void pass_instant(std::size_t number, const Functional& functional, Pass& pass) const;
-  void travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass) const;
-  void settle(std::size_t island, const model::Mode& mode, Sums& sums) const;
+  void take_stretches(const Functional& functional, Pass& pass) const;
+  [[nodiscard]] const Even& even_of(const Sensitivity::Segment& segment, int density, Pass& pass) const;
+  /// Over the part of a segment that begins `since` after its begin; `begin`: (y, z) at the segment's begin.
+  void cross(const Sensitivity::Segment& segment, double since, double end, const Vector& begin, Vector& lambda, Pass& pass) const;
+  void travel(const Sensitivity::Segment& segment, double length, const Vector& yz, Vector& lambda, Pass& pass, int density = -1) const;
+  void settle(std::size_t island, const model::Mode& mode, Sums& sums, Pass& pass) const;
   [[nodiscard]] double of_parameter(std::size_t parameter, Pass& pass) const;
   [[nodiscard]] double of_edges(std::size_t parameter, const Pass& pass) const;
 
   const Sensitivity& along_;
   std::vector<int> signals_;
+  std::vector<std::vector<Sensitivity::Share>> shares_;  ///< of each island
   std::vector<std::string> failures_;
   std::vector<char> forward_only_, kinks_;
   mutable std::map<const model::Mode*, linalg::Exponential> backward_;  ///< of A′ of a mode's own coordinates

@@ -1,5 +1,7 @@
 #include "steady/functional.hpp"
 
+#include <algorithm>
+
 namespace pwlsim::steady {
 
 void Functional::add(double weight, const Functional& other) {
@@ -9,6 +11,14 @@ void Functional::add(double weight, const Functional& other) {
     return list;
   };
   for (const Point& point : other.points) points.push_back({point.time, point.side, scaled(point.moved), scaled(point.rates)});
+  for (const Stretch& stretch : other.stretches) {
+    const auto same = [&](const Stretch& own) { return own.begin == stretch.begin && own.end == stretch.end; };
+    const auto own = std::find_if(stretches.begin(), stretches.end(), same);
+    if (own == stretches.end())
+      stretches.push_back({stretch.begin, stretch.end, scaled(stretch.weights)});
+    else
+      for (std::size_t k = 0; k < own->weights.size(); ++k) own->weights[k] += weight * stretch.weights[k];
+  }
   for (const auto& [number, interval] : other.intervals) {
     Interval& own = intervals[number];
     if (own.weights.empty()) {

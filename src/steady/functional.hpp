@@ -22,13 +22,19 @@ struct Functional {
     double inside = 0.0, begin = 0.0, length = 0.0;
     std::vector<double> weights;  ///< point by point, of each signal
   };
+  /// ∫ over [begin, end] of signals with weights that do not change.
+  struct Stretch {
+    double begin = 0.0, end = 0.0;
+    std::vector<double> weights;  ///< of each signal
+  };
   std::vector<Point> points;
+  std::vector<Stretch> stretches;
   std::map<std::size_t, Interval> intervals;  ///< by number of the piece
   std::map<std::size_t, double> shifts;       ///< weights of dt/dp of instants
 
   /// += weight·other.
   void add(double weight, const Functional& other);
-  [[nodiscard]] bool is_empty() const { return points.empty() && intervals.empty() && shifts.empty(); }
+  [[nodiscard]] bool is_empty() const { return points.empty() && stretches.empty() && intervals.empty() && shifts.empty(); }
 };
 
 }  // namespace pwlsim::steady

@@ -103,10 +103,15 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     linear.d = Vector::Zero(n);
     linear.outputs = Vector::Zero(static_cast<Eigen::Index>(system.outputs.size()));
     if (change.before == nullptr || change.y_before.empty()) continue;
-    Vector before = state_speed(system, *change.before, change.y_before);
-    for (const Mode* mode : change.by_way_of)
-      if (mode->constrained) before = mode->projector * before;
-    linear.d = (before - state_speed(system, *change.after, change.y_after)).head(n);
+    const auto is_constrained = [](const Mode* mode) { return mode->constrained; };
+    if (std::any_of(change.by_way_of.begin(), change.by_way_of.end(), is_constrained)) {
+      Vector before = state_speed(system, *change.before, change.y_before);
+      for (const Mode* mode : change.by_way_of)
+        if (mode->constrained) before = mode->projector * before;
+      linear.d = before.head(n) - store_speed(system, *change.after, change.y_after);
+    } else if (n > 0) {
+      linear.d = store_speed(system, *change.before, change.y_before) - store_speed(system, *change.after, change.y_after);
+    }
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
   for (const Change& change : changes) take_beside(change, instant);
@@ -114,9 +119,10 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
 
 /// Guards that are passed by chance at the time of another one, or of an edge.
 void LinearisedOrbit::take_beside(const Change& change, LinearInstant& instant) const {
-  if (!depends_on_order(stacking_.system(change.island), change)) return;
-  for (const int row : guards_beside(change, same_instant * (period_ + instant.time))) {
-    if (static_cast<int>(change.island) == instant.island && row == instant.row) continue;
+  std::vector<int> rows = guards_beside(change, same_instant * (period_ + instant.time));
+  if (static_cast<int>(change.island) == instant.island) std::erase(rows, instant.row);
+  if (rows.empty() || !depends_on_order(stacking_.system(change.island), change)) return;
+  for (const int row : rows) {
     LinearGuard guard;
     guard.on_w.assign(inputs_, 0.0);
     guard.on_slope.assign(inputs_, 0.0);

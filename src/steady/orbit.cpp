@@ -22,12 +22,22 @@ constexpr double lone_drift = 1e-6;      ///< of the residual: what else moves b
 constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
 constexpr int points_inside = 7;
 constexpr int most_drifts = 12;
+constexpr double little_motion = 1e-6;    ///< of a direction in a period: it stands still
 constexpr double much_better = 0.5;       ///< of a residual: a step that pays
 constexpr int bold_steps = 3;             ///< of Newton's method that need not pay
 constexpr int steps_followed = 6;         ///< implicit ones, before Newton's method is tried again
 constexpr int phases_before_periods = 4;  ///< such phases, before periods are simulated
 constexpr double first_pace = 4.0, slower = 0.25,
                  faster = 4.0;  ///< periods of an implicit step, and what becomes of them from one to the next
+
+/// The modes of each island, in order.
+std::vector<std::pair<std::size_t, const model::Mode*>> modes_of(const Trace& trace) {
+  std::vector<std::pair<std::size_t, const model::Mode*>> modes;
+  for (const TraceStep& step : trace.steps)
+    for (const engine::Change& change : step.changes)
+      if (change.before != change.after) modes.emplace_back(change.island, change.after);
+  return modes;
+}
 
 /// One period from a state.
 struct Lap {
@@ -68,6 +78,13 @@ class Search {
       fail(lap_);
       return std::move(orbit_);
     }
+    if (orbit_.residuals.empty()) {
+      take_size();
+      orbit_.residuals.push_back(residual(state_, lap_).norm() / orbit_.largest);
+    }
+    const int simulated = orbit_.periods_simulated;
+    orbit_.repeats_modes = modes_of(lap(lap_.end).trace) == modes_of(lap_.trace);
+    orbit_.periods_simulated = simulated;  // the look at the period behind is none of the search
     orbit_.begin = state_;
     orbit_.trace = std::move(lap_.trace);
     orbit_.period = lap_.time;
@@ -292,10 +309,24 @@ class Search {
       return simulate_on(4 << std::min(drifts_, 6)) ? Progress::stepped : Progress::failed;
     }
     orbit_.verdict = is_free ? Verdict::no_orbit : Verdict::drifts;
+    orbit_.drift_turns = turns(orbit_.drift);
     orbit_.begin = state_;
     orbit_.trace = std::move(lap_.trace);
     orbit_.period = lap_.time;
     return Progress::failed;
+  }
+
+  /// Whether a direction that a period leaves as it is moves on the way.
+  [[nodiscard]] bool turns(const Vector& direction) const {
+    const auto moves = [&](const TraceSegment& s) {
+      const int n = stacking_.count(s.island);
+      const auto own = direction.segment(stacking_.first(s.island), n);
+      const Vector c = s.mode->constrained ? Vector(s.mode->basis.transpose() * own) : Vector(own);
+      return n > 0 && (s.mode->flow.a().topLeftCorner(s.mode->n1, s.mode->n1) * c).norm() * lap_.time > little_motion * direction.norm();
+    };
+    for (const TraceStep& step : lap_.trace.steps)
+      if (std::any_of(step.segments.begin(), step.segments.end(), moves)) return true;
+    return std::any_of(lap_.trace.tail.begin(), lap_.trace.tail.end(), moves);
   }
 
   Orbit finish(const Vector& f) {

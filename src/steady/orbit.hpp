@@ -60,7 +60,9 @@ struct Orbit {
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
   std::vector<double> residuals;        ///< of the iterations
   std::string section;                  ///< self-timed: the event that begins the period
-  bool has_shorter_period = false;      ///< driven, k > 1: the orbit found repeats sooner
+  int repeats_after = 0;                ///< k > 1: the orbit found repeats after so many of its k periods; 0: after all of them
+  bool drift_turns = false;             ///< what drifts oscillates within the period: a resonance
+  bool repeats_modes = false;           ///< not converged: the best attempt goes through the same modes in the next period
 };
 
 [[nodiscard]] Orbit find_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);

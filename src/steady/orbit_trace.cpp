@@ -20,6 +20,37 @@ void end_at(Trace& trace, double end) {
   steps.erase(behind, steps.end());
 }
 
+std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model, const Trace& trace, double period) {
+  constexpr double near = 1e-9;  // of the period
+  std::vector<std::vector<double>> signals;
+  for (std::size_t island = 0; island < model.islands.size(); ++island) {
+    const model::System& system = model.islands[island].extraction.system;
+    const model::Mode* mode = nullptr;
+    std::vector<double> y;
+    const auto take = [&](const std::vector<TraceSegment>& segments) {
+      for (const TraceSegment& segment : segments)
+        if (segment.island == island && segment.begin + segment.length >= period * (1.0 - near)) {
+          mode = segment.mode;
+          y = segment.y1;
+        }
+    };
+    if (!trace.steps.empty()) take(trace.steps.back().segments);  // of a self-timed period, which ends with an instant
+    take(trace.tail);
+    if (system.n == 0 && system.ports == 0 && !trace.steps.empty())  // nothing but sources, which runs do not bring along
+      for (const engine::Change& change : trace.steps.front().changes)
+        if (change.island == island && change.after != nullptr) {
+          mode = change.after;
+          y.assign(static_cast<std::size_t>(mode->ny), 0.0);
+          system.exosystem->evaluate(system.exosystem->start(period), period, y.data());
+        }
+    if (mode == nullptr) return {};
+    std::vector<double>& own = signals.emplace_back(system.outputs.size());
+    for (std::size_t row = 0; row < own.size(); ++row)
+      own[row] = mode->outputs.row(static_cast<Eigen::Index>(row)).dot(Eigen::Map<const linalg::Vector>(y.data(), mode->ny));
+  }
+  return signals;
+}
+
 void TraceRecorder::segment(const engine::SegmentView& view) {
   const auto copy = [&](const double* y) { return std::vector<double>(y, y + view.mode->ny); };
   segments_.push_back({view.island, view.mode, view.begin, view.length, copy(view.y0), copy(view.y1)});

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "engine/exact/exact_model.hpp"
 #include "engine/exact/observer.hpp"
 
 namespace pwlsim::steady {
@@ -32,6 +33,9 @@ struct Trace {
 
 /// Leaves out instants behind `end`, s. One at the end stays, with what the run does behind it.
 void end_at(Trace& trace, double end);
+
+/// Each island's share of its signals left of the end of a period that the trace holds; empty where one is not known.
+[[nodiscard]] std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model, const Trace& trace, double period);
 
 /// Whether the run is to end at this instant, given the switches left of it.
 using EndsAt = std::function<bool(const engine::InstantView&, const std::vector<char>& on_before)>;

@@ -98,7 +98,7 @@ class Finder {
       orbit.section = section->name;
       if (task.multiple > 1 && orbit.verdict == Verdict::found) {
         task.period = orbit.period;
-        orbit.has_shorter_period = repeats_sooner(march_, orbit, task);
+        orbit.repeats_after = repeats_after(march_, orbit, task);
       }
       return orbit;
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/legendre.hpp"
 #include "model/store_values.hpp"
@@ -506,9 +507,10 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
     const std::vector<Share> shares = shares_of(island, signals);
     const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
     if (segment == nullptr) continue;
-    Vector y = vector_of(*segment->y0), work(2 * y.size());
     const double since = std::clamp(time - segment->begin, 0.0, segment->length);
-    if (since > 0.0) segment->mode->flow.apply(since, y.data(), work.data());
+    const bool is_end = since > 0.0 && segment->length - since <= same_time * same_time * (length_ + time);
+    Vector y = vector_of(is_end ? *segment->y1 : *segment->y0), work(2 * y.size());
+    if (since > 0.0 && !is_end) segment->mode->flow.apply(since, y.data(), work.data());
     const Vector rate = segment->mode->flow.a() * y;
     for (const auto& [row, signal] : shares) {
       jets[signal].value += segment->mode->outputs.row(row).dot(y);
@@ -516,6 +518,67 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
     }
   }
   return jets;
+}
+
+bool Sensitivity::may_jump(std::size_t instant, const std::vector<int>& signals) const {
+  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
+  for (std::size_t island = 0; island < model_.islands.size(); ++island)
+    if (is_static(orbit_.stacking().system(island)) && !shares_of(island, signals).empty()) return true;  // such parts have no changes
+  for (const Change& change : trace_.steps[instant].changes) {
+    const std::vector<Share> shares = shares_of(change.island, signals);
+    if (shares.empty()) continue;
+    if (change.before == nullptr || change.y_before.empty()) return true;
+    const Eigen::Map<const Vector> before(change.y_before.data(), change.before->ny), after(change.y_after.data(), change.after->ny);
+    for (const auto& [row, signal] : shares) {
+      const double left = change.before->outputs.row(row).dot(before), right = change.after->outputs.row(row).dot(after);
+      if (!(std::abs(left - right) <= rounding * (std::abs(left) + std::abs(right)))) return true;
+    }
+  }
+  return false;
+}
+
+const Sensitivity::Flow::Integral& Sensitivity::integral_of(const Flow& flow, const Eigen::RowVectorXd& row) const {
+  for (const Flow::Integral& known : flow.integrals)
+    if (known.row == row) return known;
+  Flow::Integral& own = flow.integrals.emplace_back();
+  const Matrix& a = flow.block->a();
+  const Eigen::Index size = a.rows();
+  const double rate = flow.block->rate(), weight = row.norm();
+  own.row = row;
+  own.scale = weight > 0.0 ? weight / rate : 1.0;
+  Matrix block = Matrix::Zero(size + 1, size + 1);
+  block.topLeftCorner(size, size) = a;
+  block.bottomLeftCorner(1, size) = row / own.scale;
+  own.block = std::make_unique<linalg::Exponential>(std::move(block), 2.0 * rate);
+  return own;
+}
+
+double Sensitivity::moved_over(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                               const Functional::Stretch& stretch) const {
+  long double sum = 0.0L;
+  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
+    const std::vector<Share> shares = shares_of(island, signals);
+    if (shares.empty()) continue;
+    for (const std::size_t number : of_island_[island]) {
+      const Segment& segment = segments_[number];
+      const double from = std::max(segment.begin, stretch.begin), to = std::min(segment.end(), stretch.end);
+      if (!(from < to)) continue;
+      const Mode& mode = *segment.mode;
+      const Flow& flow = flow_of(parameter, island, mode);
+      Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(flow.ny + flow.nz + mode.n1);
+      for (const auto& [output, signal] : shares) {
+        row.head(flow.ny + flow.nz) += stretch.weights[signal] * flow.outputs.row(output);
+        row.tail(mode.n1) += stretch.weights[signal] * flow.scale * mode.outputs.row(output).head(mode.n1);
+      }
+      if (row.isZero(0.0)) continue;
+      const Flow::Integral& integral = integral_of(flow, row);
+      Vector state(row.size() + 1), work(2 * state.size());
+      state << at(flow, segment, followed.begins[number], from - segment.begin), 0.0;
+      integral.block->apply(to - from, state.data(), work.data());
+      sum += static_cast<long double>(state[row.size()]) * integral.scale;
+    }
+  }
+  return static_cast<double>(sum);
 }
 
 std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,

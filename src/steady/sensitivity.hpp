@@ -61,6 +61,11 @@ class Sensitivity {
   /// on behind its end: values[point][signal]. To be asked for the same signals each time.
   [[nodiscard]] std::vector<std::vector<double>> moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                                           double inside, double begin, double length) const;
+  /// ∫ over the stretch of its signals' derivatives.
+  [[nodiscard]] double moved_over(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
+                                  const Functional::Stretch& stretch) const;
+  /// Whether one of the signals may have another value right of the instant than left of it, beyond rounding.
+  [[nodiscard]] bool may_jump(std::size_t instant, const std::vector<int>& signals) const;
   [[nodiscard]] const LinearisedOrbit& orbit() const { return orbit_; }
   /// "S1 opens at t = 2e-3 s".
   [[nodiscard]] std::string instant_text(std::size_t instant) const;
@@ -92,6 +97,13 @@ class Sensitivity {
       Matrix rows;
     };
     mutable std::map<double, Points> points;
+    /// Of (y, z, c_p) with the integral of what the row reads of it behind it.
+    struct Integral {
+      Eigen::RowVectorXd row;
+      double scale = 1.0;  ///< of the integral within the block
+      std::unique_ptr<linalg::Exponential> block;
+    };
+    mutable std::vector<Integral> integrals;
   };
 
   void add(const TraceSegment& segment);
@@ -132,6 +144,7 @@ class Sensitivity {
   void check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const;
   void pass_change(std::size_t parameter, const engine::Change& change, const LinearChange& linear, double time, double shift,
                    Vector& xi) const;
+  [[nodiscard]] const Flow::Integral& integral_of(const Flow& flow, const Eigen::RowVectorXd& row) const;
   [[nodiscard]] const Segment* segment_at(std::size_t island, double time, Side side) const;
   using Share = std::pair<Eigen::Index, std::size_t>;
   /// Outputs of an island that are parts of signals: the output's row, and the place among `signals`.

@@ -26,21 +26,23 @@ engine::RunState beside(const engine::March& march, const Orbit& orbit) {
 
 }  // namespace
 
-bool repeats_sooner(engine::March& march, const Orbit& orbit, const OrbitTask& task) {
+int repeats_after(engine::March& march, const Orbit& orbit, const OrbitTask& task) {
   const Stacking stacking(march.model());
   for (int part = 1; part <= task.multiple / 2; ++part) {
     if (task.multiple % part != 0) continue;
     engine::RunState state = orbit.begin;
     const engine::Answer answer = march.advance(state, task.period * part / task.multiple, nullptr);
     if (answer.outcome != engine::Outcome::completed) continue;
-    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return true;
+    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return part;
   }
-  return false;
+  return 0;
 }
 
 Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task) {
   Orbit orbit = find_orbit(march, start, task);
-  if (task.multiple == 1 || orbit.verdict != Verdict::found || !repeats_sooner(march, orbit, task)) return orbit;
+  if (task.multiple == 1 || orbit.verdict != Verdict::found) return orbit;
+  orbit.repeats_after = repeats_after(march, orbit, task);
+  if (orbit.repeats_after == 0) return orbit;
   const auto again = [&](const engine::RunState& from, int periods) {
     OrbitTask further = task;
     further.periods_before = periods;
@@ -49,11 +51,10 @@ Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, con
     return other;
   };
   Orbit other = again(beside(march, orbit), few_periods_after_push);
-  if (other.verdict != Verdict::found || repeats_sooner(march, other, task)) other = again(start, periods_of_long_run);
-  if (other.verdict != Verdict::found || repeats_sooner(march, other, task)) other = again(beside(march, orbit), periods_after_push);
-  if (other.verdict == Verdict::found && !repeats_sooner(march, other, task)) return other;
+  if (other.verdict != Verdict::found || repeats_after(march, other, task) != 0) other = again(start, periods_of_long_run);
+  if (other.verdict != Verdict::found || repeats_after(march, other, task) != 0) other = again(beside(march, orbit), periods_after_push);
+  if (other.verdict == Verdict::found && repeats_after(march, other, task) == 0) return other;
   orbit.periods_simulated = other.periods_simulated;
-  orbit.has_shorter_period = true;
   return orbit;
 }
 

@@ -9,7 +9,7 @@ namespace pwlsim::steady {
 /// that orbit, along its eigenvector of the largest negative multiplier.
 [[nodiscard]] Orbit find_driven_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);
 
-/// Whether the orbit closes after a divisor of its `task.multiple` periods, `task.period` being that of all of them.
-[[nodiscard]] bool repeats_sooner(engine::March& march, const Orbit& orbit, const OrbitTask& task);
+/// The divisor of its `task.multiple` periods after which the orbit closes, `task.period` being that of all of them; 0: it takes all of them.
+[[nodiscard]] int repeats_after(engine::March& march, const Orbit& orbit, const OrbitTask& task);
 
 }  // namespace pwlsim::steady

@@ -17,6 +17,7 @@ constexpr double resonant = 1e-7;
 constexpr double brief = 1e-3;  ///< of its norm: then most of what is solved for would cancel
 /// Smallest size of I − e^{−jωT}Φ against the larger of 1 and its norm.
 constexpr double singular_response = 1e-12;
+constexpr double just_beside = 1e-9;  ///< of the period: this far beside an instant what holds on that side is in force
 
 /// ∫ e^{−jωt} dt from `begin` on.
 Complex phase_integral(double omega, double begin, double length) {
@@ -47,7 +48,8 @@ ComplexMatrix shifted(const Mode& mode, double omega) {
 
 /// Columns of the mode's matrix for inputs of these amplitudes: w and w′ = jωw.
 template <class Rows>
-auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows& rows, int first, double omega, const std::vector<Complex>& amplitudes) {
+auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows& rows, int first, double omega,
+                   const std::vector<Complex>& amplitudes) {
   ComplexVector sum = ComplexVector::Zero(rows.rows());
   for (std::size_t k = 0; k < orbit.inputs(); ++k) {
     const InputColumns& column = orbit.columns(island, k);
@@ -72,13 +74,17 @@ struct Inverse {
 /// One period at one frequency.
 struct Transfer::Pass {
   double omega = 0.0, omega_out = 0.0;  ///< of the input; m·ω_s of the harmonic asked for
-  const std::vector<Complex>& amplitudes;
-  const TimeShifts& shifts;
-  ComplexVector r;       ///< of all islands
-  ComplexVector sums;    ///< T·c_m of the signals
+  std::vector<Complex> amplitudes;      ///< in force
+  const TimeShifts& moved;
+  ComplexVector r;     ///< of all islands
+  ComplexVector sums;  ///< T·c_m of the signals
   bool collects = false;
   std::optional<double> sample;  ///< s: the deviation at that time of the period in place of its mean
   std::map<const Mode*, Inverse> inverse, inverse_out;
+
+  void take_amplitudes(double time) {
+    for (std::size_t k = 0; k < amplitudes.size() && moved.amplitude; ++k) amplitudes[k] = moved.amplitude(k, time);
+  }
 };
 
 Transfer::Transfer(const LinearisedOrbit& orbit, std::size_t signals) : orbit_(orbit), signals_(signals) {
@@ -125,7 +131,8 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
   if (can_solve(inverse, pass.omega) && can_solve(inverse_out, total)) {
     stretch.end += inverse.solve(ComplexVector(turn * (propagator(mode, length) * b) - b));
     if (pass.collects)
-      stretch.integral = inverse_out.solve(ComplexVector(turn1 * stretch.end - turn0 * c0 - phase_integral(pass.omega_out, s.begin, length) * b));
+      stretch.integral =
+          inverse_out.solve(ComplexVector(turn1 * stretch.end - turn0 * c0 - phase_integral(pass.omega_out, s.begin, length) * b));
     return stretch;
   }
   // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
@@ -147,6 +154,7 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
   const Stacking& stacking = orbit_.stacking();
   const System& system = stacking.system(s.island);
   auto block = pass.r.segment(stacking.first(s.island), stacking.count(s.island));
+  pass.take_amplitudes(s.begin + 0.5 * s.length);
   const ComplexVector b = input_columns(orbit_, s.island, mode.flow.a(), mode.n1, pass.omega, pass.amplitudes).head(mode.n1);
   const ComplexVector c0 = mode.constrained ? ComplexVector(mode.basis.transpose() * block) : ComplexVector(block);
   const Stretch stretch = travel(s, s.length, c0, b, pass);
@@ -168,6 +176,8 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
 
 void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass) {
   const Stacking& stacking = orbit_.stacking();
+  const double near = just_beside * orbit_.period();
+  pass.take_amplitudes(at.time > near ? at.time - near : orbit_.period() - near);
   Complex delta = shift;
   for (std::size_t k = 0; k < orbit_.inputs(); ++k) delta += pass.amplitudes[k] * (at.on_w[k] + j * pass.omega * at.on_slope[k]);
   if (at.island >= 0) {
@@ -175,6 +185,7 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
     delta += (at.on_state.cast<Complex>() * pass.r.segment(stacking.first(island), stacking.count(island))).value();
   }
   const Complex turn = std::exp(-j * pass.omega_out * at.time);
+  pass.take_amplitudes(at.time + near);
   for (const LinearChange& change : at.changes) {
     const int n = stacking.count(change.island);
     const System& system = stacking.system(change.island);
@@ -195,7 +206,7 @@ void Transfer::run(Pass& pass) {
   for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
     const LinearInstant& at = orbit_.instants()[i];
     for (const LinearSegment& s : at.segments) segment(s, pass);
-    instant(at, i < pass.shifts.size() ? pass.shifts[i] : Complex(0.0), pass);
+    instant(at, i < pass.moved.shifts.size() ? pass.moved.shifts[i] : Complex(0.0), pass);
   }
   for (const LinearSegment& s : orbit_.tail()) segment(s, pass);
 }

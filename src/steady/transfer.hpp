@@ -5,6 +5,7 @@
 /// jumps by y⁻ − y⁺ at an instant that moves adds (y⁻ − y⁺)·δt̂. Floquet theory of piecewise linear systems; Middlebrook & Ćuk 1976 is its average.
 
 #include <complex>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -17,8 +18,12 @@ using Complex = std::complex<double>;
 using ComplexVector = Eigen::VectorXcd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-/// Direct shifts of instants, besides those by state and inputs: δt̂ of each instant of the orbit, s.
-using TimeShifts = std::vector<Complex>;
+/// What moves a waveform in time: direct shifts of the instants at which it or its slope jumps, and between them an input of its own.
+struct TimeShifts {
+  std::vector<Complex> shifts;  ///< δt̂ of each instant of the orbit, s, besides those by state and inputs; empty: none
+  /// Amplitude of an input in force at a time of the period that is no corner; empty: as `amplitudes` has it.
+  std::function<Complex(std::size_t input, double time)> amplitude{};
+};
 
 class Transfer {
  public:
@@ -29,7 +34,7 @@ class Transfer {
     ComplexVector signals;     ///< c_m of each; not finite where the response is infinite
     bool is_singular = false;  ///< e^{jωT} is a multiplier, and the input reaches its direction
   };
-  /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes and, where there are any, these shifts. With `sample`, s, the sampled response: e^{−jωt}δy at
+  /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes, or of a waveform that is moved. With `sample`, s, the sampled response: e^{−jωt}δy at
   /// that time of the period instead.
   [[nodiscard]] Response at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts = {},
                             std::optional<double> sample = std::nullopt);
@@ -52,6 +57,7 @@ class Transfer {
 };
 
 /// A linear circuit without switches and diodes, in the mode that it is in for good.
-[[nodiscard]] ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency, const std::vector<Complex>& amplitudes);
+[[nodiscard]] ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency,
+                                            const std::vector<Complex>& amplitudes);
 
 }  // namespace pwlsim::steady

@@ -192,6 +192,11 @@ Vector state_speed(const model::System& system, const model::Mode& mode, const s
   return x;
 }
 
+Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
+  if (mode.constrained) return state_speed(system, mode, y).head(system.n);
+  return mode.flow.a().topRows(mode.n1) * Eigen::Map<const Vector>(y.data(), mode.ny);
+}
+
 std::vector<int> guards_beside(const engine::Change& change, double near) {
   std::vector<int> rows;
   if (change.before == nullptr || change.y_before.empty()) return rows;

@@ -55,6 +55,8 @@ struct Variation {
 
 /// (ξ, ζ)′ where the mode is at y.
 [[nodiscard]] Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
+/// Its first part: ξ′.
+[[nodiscard]] Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
 
 /// Whether the guard of a change is passed rather than touched: the mode changes, or, where the switch lies in another island, the switch.
 [[nodiscard]] bool passes_guard(const model::System& system, const engine::Change& change, const std::vector<char>& on_before,

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
+#include <filesystem>
 #include <sstream>
 
 #include "cli/run_in.hpp"
@@ -116,7 +117,8 @@ TEST_CASE("a closed loop with a comparator, beside a simulation of small sines",
       double low = 0.0, high = period;
       for (int step = 0; step < 60; ++step) (margin(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
       const double edge = low, top = rising(edge);
-      const auto integral = [&](double level, double start, double from, double length) {  // of (level + (start − level)e^{−t/τ})·e^{−jω(from + t)}
+      const auto integral = [&](double level, double start, double from,
+                                double length) {  // of (level + (start − level)e^{−t/τ})·e^{−jω(from + t)}
         const Complex turn = std::exp(-j * omega * from);
         return turn * (level * (1.0 - std::exp(-j * omega * length)) / (j * omega) +
                        (start - level) * (1.0 - std::exp(-(1.0 / tau + j * omega) * length)) / (1.0 / tau + j * omega));
@@ -131,7 +133,8 @@ TEST_CASE("a closed loop with a comparator, beside a simulation of small sines",
   const Scratch scratch;
   std::ostringstream deck;
   deck.precision(17);
-  deck << "loop\nVs p 0 10\nVr r 0 PULSE(0 1 0 1m 0 0 1m)\nVc c 0 0.7 AC 1\nE1 e 0 VALUE={V(c)-0.05*V(o)}\nS1 p a e r SX\nS2 a 0 r e SX\nR1 a o 1k\nC1 o 0 1u "
+  deck << "loop\nVs p 0 10\nVr r 0 PULSE(0 1 0 1m 0 0 1m)\nVc c 0 0.7 AC 1\nE1 e 0 VALUE={V(c)-0.05*V(o)}\nS1 p a e r SX\nS2 a 0 r e "
+          "SX\nR1 a o 1k\nC1 o 0 1u "
           "ic=4\n.model SX SW(Ron=0 Vt=0)\n.save v(o)\n.pss uic\n.ac list "
        << f << "\n.end\n";
   check_equal(response(result_of(scratch, deck.str()), 0, "v(o)"), reference, 1e-7);
@@ -202,7 +205,8 @@ TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is 
 TEST_CASE(".print ac chooses columns", "[unit]") {
   // 1/(1 + jωRC) at ωRC = 1: 1/√2, −45 degrees, 1/2 − j/2.
   const Scratch scratch;
-  scratch.write("rc.net", "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(a)\n.print ac vdb(b) vr(b) vi(b) i(R1)\n.ac list {1/(2*pi*1m)}\n.end\n");
+  scratch.write("rc.net",
+                "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(a)\n.print ac vdb(b) vr(b) vi(b) i(R1)\n.ac list {1/(2*pi*1m)}\n.end\n");
   CHECK(run_in(scratch, {"rc.net"}).status == 0);
   std::istringstream rows(read_file(scratch / "rc.ac.csv"));
   std::string head, row;
@@ -234,11 +238,162 @@ TEST_CASE("standard output takes the rows of one analysis", "[unit]") {
   CHECK(run_in(scratch, {"alone.net", "-o", "-"}).out.starts_with("frequency,vm(b),vp(b)\n100,"));
 }
 
+TEST_CASE("runs of .step have their responses in one table", "[unit]") {
+  // |1/(1 + jωRC)| at ωRC = 1 and 2.
+  const Scratch scratch;
+  const std::string deck =
+      "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b {r}\nC1 b 0 1u\n.save v(b)\n.step param r list 1k 2k\n.ac list "
+      "{1/(2*pi*1m)}\n";
+  for (const std::string card : {"", ".pss\n", ".tran 1m 2m\n"}) {
+    scratch.write("rc.net", deck + card + ".end\n");
+    const Finished finished = run_in(scratch, {"rc.net", "--json"});
+    REQUIRE(finished.status == 0);
+    std::istringstream rows(read_file(scratch / "rc.ac.csv"));
+    std::string line;
+    std::getline(rows, line);
+    CHECK(line == "r,frequency,vm(b),vp(b)");
+    for (const double r : {1000.0, 2000.0}) {
+      double stepped = 0.0, f = 0.0, magnitude = 0.0, phase = 0.0;
+      char comma = 0;
+      rows >> stepped >> comma >> f >> comma >> magnitude >> comma >> phase;
+      CHECK(stepped == r);
+      CHECK(magnitude == Approx(std::abs(1.0 / (1.0 + j * r * 1e-3))).epsilon(1e-12));
+      CHECK(phase == Approx(-std::atan(r * 1e-3) * 180.0 / M_PI).epsilon(1e-12));
+    }
+    const Json result = read_json(finished.out);
+    CHECK(result["runs"][1]["failure"].kind == Json::Kind::null);
+    check_equal(response(result["runs"][1], 0, "v(b)"), 1.0 / (1.0 + 2.0 * j), 1e-12);
+  }
+}
+
+TEST_CASE("runs of .step that have no response are refused, or left out beside a .tran", "[unit]") {
+  const Scratch scratch;
+  const std::string rectifier =
+      "rectifier\n.param r=1k\nV1 a 0 SIN(0 1 50) AC 1\nD1 a b DX\nR1 b 0 {r}\n.model DX D\n.step param r list 1k 2k\n.ac dec 1 1 10\n";
+  scratch.write("switches.net", rectifier + ".end\n");
+  const Finished needs = run_in(scratch, {"switches.net"});
+  CHECK(needs.status == 2);
+  CHECK_THAT(needs.err, Contains("error[E-ac-needs-pss]"));
+  scratch.write("tran.net", rectifier + ".tran 1m 20m\n.end\n");
+  const Finished beside = run_in(scratch, {"tran.net"});
+  CHECK(beside.status == 0);
+  CHECK_THAT(beside.err, Contains("warning[W-ignored-card]: .ac is ignored"));
+  CHECK(read_file(scratch / "tran.csv").starts_with("r,time"));
+}
+
+TEST_CASE("an input that is not there is shown on its card, before an orbit is written; one within a subcircuit has a dot or a colon",
+          "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "rc\n.subckt s a b\nV1 a m PULSE(0 1 0 0 0 0.5m 1m)\nR1 m b 1k\n.ends\nX1 0 b s\nC1 b 0 1u\n.save v(b)\n.pss\n.ac list {1/(2*pi*1m)} "
+      "from=";
+  scratch.write("none.net", deck + "V1\n.end\n");
+  const Finished none = run_in(scratch, {"none.net"});
+  CHECK(none.status == 2);
+  CHECK_THAT(none.err, Contains("none.net:10:29: error[E-ac-no-input]: V1 is not a source"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "none.csv"));
+  // −1/(1 + j): the source's n+ is at ground.
+  for (const std::string name : {"x1.v1", "X1:V1"})
+    check_equal(response(result_of(scratch, deck + name + "\n.end\n"), 0, "v(b)"), -1.0 / (1.0 + j), 1e-12);
+}
+
+TEST_CASE("what belongs to a period needs one", "[unit]") {
+  const Scratch scratch;
+  for (const std::string what : {"harm=1", "sample=0.1m", "from=freq(V1)", "from=duty(V1)"}) {
+    scratch.write("rc.net", "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.ac list 1k " + what + "\n.end\n");
+    const Finished finished = run_in(scratch, {"rc.net"});
+    CHECK(finished.status == 2);
+    CHECK_THAT(finished.err, Contains("error[E-ac-needs-pss]: " + what.substr(what.starts_with("from=") ? 5 : 0, 4)));
+  }
+}
+
+TEST_CASE("frequency modulation moves ramps, too: a triangle through an RC circuit and onto a loop of capacitors", "[unit]") {
+  // s(t + δτ), δτ = e^{jωt}/(jω f₀): the m-th sideband of the triangle is jmω₀ S_m δτ, S_m its Fourier coefficient.
+  const Scratch scratch;
+  const double period = 1e-5, ramp = 0.4, w0 = two_pi / period;
+  const auto sideband = [&](int m, double f) {
+    const Complex k = j * (m * w0 * period);  // by parts: S_m = Σ slope·(e^{−k t₀} − e^{−k t₁})/k², t in periods
+    const Complex s = ((1.0 - std::exp(-k * ramp)) / ramp - (std::exp(-k * ramp) - std::exp(-k)) / (1.0 - ramp)) / (k * k);
+    return j * (m * w0) * s * period / (j * two_pi * f);
+  };
+  const std::string rc = "rc\nV1 a 0 PULSE(0 1 0 4u 6u 0 10u)\nR1 a b 1k\nC1 b 0 2n\n.save v(b)\n.pss\n",
+                    pair = "pair\nV1 a 0 PULSE(0 1 0 4u 6u 0 10u)\nC1 a b 1n\nC2 b 0 1n\nR1 b 0 1k\n.save v(b) i(C1)\n.pss\n";
+  for (const int m : {1, -2}) {
+    const std::string card = list + " from=freq(V1) harm=" + std::to_string(m) + "\n.end\n";
+    const Json by_resistor = result_of(scratch, rc + card), by_capacitor = result_of(scratch, pair + card);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const Complex u = sideband(m, around[k]), s = j * (two_pi * around[k] + m * w0);
+      check_equal(response(by_resistor, k, "v(b)"), u / (1.0 + s * 2e-6), 1e-12);
+      const Complex b = u * s * 1e-9 / (s * 2e-9 + 1e-3);
+      check_equal(response(by_capacitor, k, "v(b)"), b, 1e-12);
+      check_equal(response(by_capacitor, k, "i(C1)"), (u - b) * s * 1e-9, 1e-12);
+    }
+  }
+}
+
+TEST_CASE("frequency modulation of a ramp that meets a sine: the crossing moves by the ramp's share of the slope", "[unit]") {
+  // r(t) = t/T meets c(t) = 0.5 + 0.2 sin(ω₀t + 30°) at t₁, found by bisection: δt₁ = −δτ·r′/(r′ − c′); the reset of the ramp moves by −δτ.
+  const Scratch scratch;
+  const double period = 1e-5, w0 = two_pi / period;
+  const auto apart = [&](double t) { return t / period - 0.5 - 0.2 * std::sin(w0 * t + M_PI / 6.0); };
+  double low = 0.0, high = period;
+  for (int k = 0; k < 100; ++k) (apart(0.5 * (low + high)) < 0.0 ? low : high) = 0.5 * (low + high);
+  const double slope = 1.0 / period, sine = 0.2 * w0 * std::cos(w0 * low + M_PI / 6.0);
+  const std::string deck =
+      "pwm\nV1 r 0 PULSE(0 1 0 10u 0 0 10u)\nV2 c 0 SIN(0.5 0.2 100k 0 0 30)\nVin in 0 12\nS1 in sw c r SX\nR1 sw 0 1\n.model SX SW(Ron=0 "
+      "Vt=0)\n.save v(sw)\n.pss uic\n";
+  for (const int m : {0, 1}) {
+    const Json result = result_of(scratch, deck + list + " from=freq(V1) harm=" + std::to_string(m) + "\n.end\n");
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const Complex tau = period / (j * two_pi * around[k]);
+      const Complex expected = 12.0 / period * (tau - tau * slope / (slope - sine) * std::exp(-j * (m * w0 * low)));
+      check_equal(response(result, k, "v(sw)"), expected, 1e-10);
+    }
+  }
+}
+
+TEST_CASE("a constant input of a self-timed orbit: the response is the derivative of the mean", "[unit]") {
+  // C1 charges from a to b towards V over R1, and is shorted over R2 back to a: T = t₁ + t₂, mean = (V t₁ + W t₂ − (b − a)(τ₁ − τ₂))/T with
+  // W = V R2/(R1 + R2), t₁ = τ₁ ln((V − a)/(V − b)), t₂ = τ₂ ln((b − W)/(a − W)). The derivative by a central difference in 80 bits, step 1e-5.
+  const Scratch scratch;
+  const auto mean = [](long double v) {
+    const long double a = 3, b = 7, tau1 = 1e-3L, tau2 = 1e-6L * 1000 * 100 / 1100, w = v * 100 / 1100;
+    const long double t1 = tau1 * std::log((v - a) / (v - b)), t2 = tau2 * std::log((b - w) / (a - w));
+    return (v * t1 + w * t2 - (b - a) * (tau1 - tau2)) / (t1 + t2);
+  };
+  const long double h = 1e-5L;
+  const auto expected = static_cast<double>((mean(10 + h) - mean(10 - h)) / (2 * h));
+  const Json result = result_of(scratch,
+                                "osc\nV1 vcc 0 10 AC 1\nR1 vcc a 1k\nC1 a 0 1u\nS1 a b a 0 SX\nR2 b 0 100\n.model SX SW(Ron=0 Vt=5 "
+                                "Vh=2)\n.save v(a)\n.pss\n.ac list 0 0.01\n.end\n");
+  CHECK(response(result, 0, "v(a)").real() == Approx(expected).epsilon(1e-9));
+  CHECK(response(result, 0, "v(a)").imag() == 0.0);
+  CHECK(response(result, 1, "v(a)").real() == Approx(expected).epsilon(1e-7));
+}
+
+TEST_CASE("a current that is impulses has no response, with a warning; voltages beside it have theirs", "[unit]") {
+  // Linear in Vin: at 0 Hz the response of v(out) is its mean over Vin.
+  const Scratch scratch;
+  scratch.write(
+      "pump.net",
+      "pump\nVin in 0 5\nVg g 0 PULSE(0 1 0 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
+      ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.save v(out) i(Vin)\n.pss\n.meas pss mean AVG v(out)\n.ac list 0 1k from=Vin\n.end\n");
+  const Finished finished = run_in(scratch, {"pump.net", "--json"});
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("warning[W-ac-impulse]: no response of i(Vin)"));
+  const Json result = read_json(finished.out);
+  CHECK(response(result, 0, "v(out)").real() == Approx(result["measurements"][0]["value"].number / 5.0).epsilon(1e-11));
+  CHECK(result["ac"]["signals"][1]["re"][0].kind == Json::Kind::null);
+  CHECK_THAT(read_file(scratch / "pump.ac.csv"), Contains(",,\n"));
+}
+
 TEST_CASE("an infinite response is empty, with a warning", "[unit]") {
   // A capacitor that only a current source charges: multiplier 1, infinite where e^{jωT} = 1.
   const Scratch scratch;
-  scratch.write("family.net", "family\nI1 0 a SIN(0 1m 1k) AC 1\nC1 a 0 1u\nS1 b 0 c 0 SX\nVc c 0 SIN(0 1 1k)\nR1 b a2 1\nVa a2 0 1\n.model SX SW(Vt=0.5)\n"
-                              ".pss\n.save v(a) v(b)\n.ac list 500 1k\n.end\n");
+  scratch.write(
+      "family.net",
+      "family\nI1 0 a SIN(0 1m 1k) AC 1\nC1 a 0 1u\nS1 b 0 c 0 SX\nVc c 0 SIN(0 1 1k)\nR1 b a2 1\nVa a2 0 1\n.model SX SW(Vt=0.5)\n"
+      ".pss\n.save v(a) v(b)\n.ac list 500 1k\n.end\n");
   const Finished finished = run_in(scratch, {"family.net"});
   CHECK(finished.status == 0);
   CHECK_THAT(finished.err, Contains("warning[W-ac-singular]") && Contains("1 kHz"));
@@ -250,7 +405,8 @@ TEST_CASE("a Bode plot beside the waveforms; multipliers and a Nyquist plot on t
   scratch.write("buck.net", read_file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/steady_state/buck_type3.net"));
   CHECK(run_in(scratch, {"buck.net", "--plot", "buck.svg", "--report", "buck.html"}).status == 0);
   const std::string bode = read_file(scratch / "buck.ac.svg"), page = read_file(scratch / "buck.html");
-  CHECK_THAT(bode, Contains(">magnitude<") && Contains(">phase<") && Contains(">crossover<") && Contains(">10k<") && Contains("frequency (Hz)"));
+  CHECK_THAT(bode,
+             Contains(">magnitude<") && Contains(">phase<") && Contains(">crossover<") && Contains(">10k<") && Contains("frequency (Hz)"));
   CHECK_THAT(read_file(scratch / "buck.svg"), Contains("time ("));
   CHECK_THAT(page, Contains("Floquet multipliers") && Contains("Nyquist plot of the loop gain"));
   scratch.write("rc.net", "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.ac dec 5 10 10k\n.end\n");

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
@@ -236,8 +238,8 @@ const double relay_period = 3e3 * 1e-7 * std::log(4.0 / 2.0) + 1e3 * 1e-7 * std:
 TEST_CASE("a self-timed period may begin where a signal crosses a level, or another signal", "[unit]") {
   const Scratch scratch;
   const auto orbit_of = [&](const std::string& card) { return steady_state_of(scratch, relay + card + "\n.end\n")["pss"]; };
-  for (const std::string card :
-       {".pss when v(a)=2 rise", ".pss when v(a)=2 rise=1", ".pss when v(a,x)=0\nV2 x 0 2", ".pss when v(a)=v(x)\nV2 x 0 2"}) {
+  for (const std::string card : {".pss when v(a)=2 rise", ".pss when v(a)=2 rise=1", ".pss when v(a)=2 cross=1",
+                                 ".pss when v(a,x)=0\nV2 x 0 2", ".pss when v(a)=v(x)\nV2 x 0 2"}) {
     INFO(card);
     const Json pss = orbit_of(card);
     CHECK(pss["period"].number == Approx(relay_period).epsilon(1e-12));
@@ -280,7 +282,126 @@ TEST_CASE("a self-timed orbit of k=2 that repeats sooner is told", "[unit]") {
   scratch.write("deck.net", relay + ".pss on=S1 k=2\n.end\n");
   const Finished finished = run_in(scratch, {"deck.net"});
   CHECK(finished.status == 0);
-  CHECK_THAT(finished.err, Contains("N-pss-shorter-period"));
+  CHECK_THAT(finished.err, Contains("N-pss-shorter-period") && Contains("that of k=1"));
+}
+
+TEST_CASE("the event that ends a self-timed period is no control that rests", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "osc\nV1 vcc 0 10\nR1 vcc a 1k\nC1 a 0 1u\nS1 a b a 0 SX\nR2 b 0 100\n.model SX SW(Ron=0 Vt=5 Vh=2)\n.pss on=S1\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, !Contains("W-switch-at-threshold"));
+}
+
+TEST_CASE("a resonance without losses has no orbit", "[unit]") {
+  // An undamped LC at its own frequency: the sine adds π/ω·(V/L)·… each period; in charge π·C·V = 3.14159 µC.
+  const Scratch scratch;
+  scratch.write("lc.net", "lc\nV1 a 0 SIN(0 1 {1/(2*pi*sqrt(1m*1u))})\nL1 a b 1m\nC1 b 0 1u\n.pss\n.end\n");
+  const Finished finished = run_in(scratch, {"lc.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-no-orbit]") && Contains("a resonance without losses") && Contains("3.14159 µC to C1"));
+}
+
+TEST_CASE("an orbit that is not found: residuals, the best state, and whether its modes repeat", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", deane_hamill("33", ".pss uic maxiter=3 maxperiods=5"));
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]") && Contains("the last residuals are 0.") &&
+                               Contains("begins at v(C1) = ") && Contains("its modes "));
+  CHECK(read_file(scratch / "deck.csv").starts_with("time,"));
+}
+
+TEST_CASE("what happens at the begin of a period counts once: charges of jumps and edges", "[unit]") {
+  // A pump: C2 between two charges holds v₁ = v₀ e^{−T/2RC₂}-like values; what the source gives is what R takes, so the averages of both currents are one, and
+  // so is that of the charge that S2 passes on. The same with the gate's edges elsewhere in the period.
+  const Scratch scratch;
+  for (const std::string delay : {"0", "2u"}) {
+    const Json result = steady_state_of(
+        scratch, "pump\nVin in 0 5\nVg g 0 PULSE(0 1 " + delay +
+                     " 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
+                     ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.pss\n.meas pss load AVG i(R1)\n.meas pss taken AVG i(Vin)\n"
+                     ".meas pss passed AVG i(S2)\n.meas pss held INTEG i(C1)\n.meas pss three INTEG i(S1) FROM=1u TO=31u\n.meas pss power "
+                     "AVG v(in)*i(Vin)\n"
+                     ".meas pss on WHEN v(g)=0.5 RISE=1\n.meas pss width TRIG v(g)=0.5 RISE=1 TARG v(g)=0.5 FALL=1\n.end\n");
+    INFO("edges at " << delay);
+    const double load = measured(result, "load");
+    CHECK(load > 4.9e-3);
+    CHECK(measured(result, "taken") == Approx(-load).epsilon(1e-11));
+    CHECK(measured(result, "passed") == Approx(load).epsilon(1e-11));
+    CHECK(std::abs(measured(result, "held")) <= 1e-12 * load * 1e-5);
+    CHECK(measured(result, "three") == Approx(load * 3e-5).epsilon(1e-11));
+    CHECK(measured(result, "power") == Approx(-5.0 * load).epsilon(1e-11));
+    CHECK(measured(result, "on") == Approx(delay == "0" ? 0.0 : 2e-6).margin(1e-18));
+    CHECK(measured(result, "width") == Approx(5e-6).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("the event that begins a self-timed period is a passage at its begin, once", "[unit]") {
+  // v(b) jumps at both events of the switch: it is on for t₂ = τ₂ ln((7 − W)/(3 − W)), τ₂ = C (R₁ ∥ R₂), W = 10 V R₂/(R₁ + R₂), off for t₁ = τ₁ ln(7/3).
+  const double w = 10.0 * 100.0 / 1100.0, on = 1e-6 * (1000.0 * 100.0 / 1100.0) * std::log((7.0 - w) / (3.0 - w)),
+               off = 1e-3 * std::log(7.0 / 3.0);
+  const Scratch scratch;
+  for (const std::string card : {"on=S1", "off=S1"}) {
+    INFO(card);
+    const bool begins_on = card == "on=S1";
+    const Json result = steady_state_of(
+        scratch, "osc\nV1 vcc 0 10\nR1 vcc a 1k\nC1 a 0 1u\nS1 a b a 0 SX\nR2 b 0 100\n.model SX SW(Ron=0 Vt=5 Vh=2)\n.pss " + card +
+                     "\n.meas pss rises WHEN v(b)=1 RISE=1\n.meas pss falls WHEN v(b)=1 FALL=1\n.meas pss last WHEN v(b)=1 " +
+                     (begins_on ? "RISE" : "FALL") + "=LAST\n.meas pss next WHEN v(b)=1 CROSS=3 TO=" + std::to_string(1.5 * (on + off)) +
+                     "\n.end\n");
+    CHECK(measured(result, "rises") == Approx(begins_on ? 0.0 : off).epsilon(1e-11));
+    CHECK(measured(result, "falls") == Approx(begins_on ? on : 0.0).epsilon(1e-11));
+    CHECK(measured(result, "last") == 0.0);
+    CHECK(measured(result, "next") == Approx(on + off).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("cycles_before_pop are periods before the search", "[unit]") {
+  const Scratch scratch;
+  const Json result =
+      steady_state_of(scratch, "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pop cycles_before_pop=7\n.end\n");
+  CHECK(result["pss"]["periods_simulated"].number >= 8.0);  // and one at least of the search
+  CHECK(result["pss"]["multipliers"][0]["re"].number == Approx(std::exp(-1.0)).epsilon(1e-13));
+}
+
+TEST_CASE("a sweep of orbits beside runs: rows and derivatives in tables of their own", "[unit]") {
+  // v₀ and v₁ of the RC circuit above: a/(1 + a) and 1/(1 + a), a = e^{−T/2RC}; dv₁/dC = −a·(T/2RC²)/(1 + a)².
+  const Scratch scratch;
+  scratch.write(
+      "deck.net",
+      "rc\n.param r=1k\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b {r}\nC1 b 0 1u\n.save v(b)\n.step param r list 1k 2k\n.pss points=2\n.tran "
+      "0.5m 1m\n.meas pss peak MAX v(b)\n.sens param=C1\n.end\n");
+  REQUIRE(run_in(scratch, {"deck.net"}).status == 0);
+  std::istringstream rows(read_file(scratch / "deck.pss.csv")), derivatives(read_file(scratch / "deck.sens.csv"));
+  std::string line;
+  std::getline(rows, line);
+  CHECK(line == "r,time,v(b)");
+  std::getline(derivatives, line);
+  CHECK(line == "r,measurement,parameter,derivative,normalised,left,right,failure");
+  for (const double r : {1000.0, 2000.0}) {
+    const double share = 0.5e-3 / (r * 1e-6), a = std::exp(-share);
+    for (const double expected : {a / (1.0 + a), 1.0 / (1.0 + a), a / (1.0 + a)}) {
+      double stepped = 0.0, time = 0.0, value = 0.0;
+      char comma = 0;
+      rows >> stepped >> comma >> time >> comma >> value;
+      CHECK(stepped == r);
+      CHECK(value == Approx(expected).epsilon(1e-12));
+    }
+    std::getline(derivatives, line);
+    const std::string head = (r == 1000.0 ? "1000" : "2000") + std::string(",peak,C1,");
+    REQUIRE(line.starts_with(head));
+    CHECK(std::stod(line.substr(head.size())) == Approx(-a * share * 1e6 / ((1.0 + a) * (1.0 + a))).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("--no-rows writes no rows of an orbit beside a run", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss\n.tran 0.5m 1m\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--no-rows"});
+  CHECK(finished.status == 0);
+  CHECK_FALSE(std::filesystem::exists("/dev/null.pss"));
 }
 
 TEST_CASE("an unknown switch of on= is named, in driven circuits too", "[unit]") {

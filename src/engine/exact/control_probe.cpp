@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/exact/guard_watch.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "model/mode.hpp"
 
 namespace pwlsim::engine {
@@ -58,6 +59,7 @@ void ControlProbe::look(const model::System& system, const Segment& segment, dou
 /// At a threshold at the begin, inside and at the end.
 void ControlProbe::look_for_rest(const model::System& system, std::size_t control, double length) {
   const model::Mode& mode = *segment_->mode;
+  if (!(length > tolerance::brief_rest * watch_.stop())) return;
   const int row = system.diodes + 2 * static_cast<int>(control), number = system.controls[control].driven;
   const auto noise = [&](const std::vector<double>& y) {
     return rounding_levels * mode.guard_noise[row] * mode.guard_norm[row] * linalg::norm(y.data(), mode.ny);

@@ -13,8 +13,9 @@ class NoSink : public RowSink {
 
 }  // namespace
 
-Answer March::advance(double until, Observer* observer) {
+Answer March::advance(double until, Observer* observer, const Probes& probes) {
   Request request;
+  request.probes = probes;
   request.stop = until;
   request.use_initial_conditions = true;
   request.non_unique = options_.non_unique;
@@ -26,10 +27,10 @@ Answer March::advance(double until, Observer* observer) {
   return answer;
 }
 
-Answer March::advance(RunState& state, double length, Observer* observer) {
+Answer March::advance(RunState& state, double length, Observer* observer, const Probes& probes) {
   restart(state);
   state_.time = 0.0;
-  Answer answer = advance(length, observer);
+  Answer answer = advance(length, observer, probes);
   state = state_;
   state.time = 0.0;
   return answer;

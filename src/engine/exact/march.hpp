@@ -22,14 +22,14 @@ class March {
   /// The next run starts from here.
   void restart(const RunState& state) { state_ = state; }
   /// Runs up to but excluding the instant `until`, s. `observer` may be null; if it ends the run, the answer is complete, its time is that of the
-  /// instant, and the state is right of the instant.
-  Answer advance(double until, Observer* observer);
+  /// instant, and the state is right of the instant. `probes` are told of the pieces, too.
+  Answer advance(double until, Observer* observer, const Probes& probes = {});
   /// Where the last run has ended, or the next one starts.
   [[nodiscard]] const RunState& state() const { return state_; }
 
   /// The same for `length` s with sources as from t = 0 on, whatever the state's time; `state` is the start and then the end,
   /// which is at t = 0 of the next such run.
-  Answer advance(RunState& state, double length, Observer* observer);
+  Answer advance(RunState& state, double length, Observer* observer, const Probes& probes = {});
   /// An ordinary run with rows from such a state.
   Answer run(const RunState& from, const Request& request, RowSink& sink);
 

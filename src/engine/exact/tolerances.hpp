@@ -115,6 +115,9 @@ inline constexpr double impulse = 1e-12;
 /// Of: the terms that an impulse of a signal is a sum of.
 /// Why: as `impulse`.
 inline constexpr double probe_impulse = 1e-12;
+/// Of: the end of a run.
+/// Why: an event that rounding keeps from falling on the end leaves a segment this short, in which every control seems to rest.
+inline constexpr double brief_rest = 1e-12;
 /// Of: the value of a capacitor or inductor, for its change at an instant.
 /// Why: 45 units of rounding: a smaller change is no jump.
 inline constexpr double change = 1e-14;

@@ -177,6 +177,7 @@ RunState Transient::state() const {
 bool Transient::begin(const RunState& start) {
   if (request_.sampler != nullptr) request_.sampler->begin();
   begin_ = start.time;
+  is_start_given_ = request_.use_initial_conditions && start.active.empty();
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   is_ready_.assign(islands_.size(), 0);
@@ -205,8 +206,7 @@ bool Transient::begin(const RunState& start) {
   }
   if (!settle(instant, true)) return false;
   port_watch_.begin();
-  const bool is_given = request_.use_initial_conditions && start.active.empty();
-  if (instant.jumps > 0 && is_given) answer_.remarks.push_back(projected_start());
+  if (instant.jumps > 0 && is_start_given_) answer_.remarks.push_back(projected_start());
   return true;
 }
 
@@ -327,7 +327,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
     if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
     if (!select_open(following_, instant)) return false;
     note_mode_changes(instant);
-    impulses_.end(instant.time, !at_start || !request_.use_initial_conditions);
+    impulses_.end(instant.time, !at_start || !is_start_given_);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
       jump_recorder_.after(number_of(*island), instant.time, island->x);

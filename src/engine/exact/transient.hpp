@@ -106,6 +106,7 @@ class Transient : private RowSource {
   const Request& request_;
   Watching watching_;
   bool is_ended_by_observer_ = false;
+  bool is_start_given_ = false;  ///< by initial values: nothing lies left of it
   Answer answer_;
   std::vector<IslandRun> islands_;
   std::vector<IslandRun*> running_;               ///< those that are not clocks
