@@ -182,3 +182,15 @@ TEST_CASE("a JFET with a resistor in its source is a source of current", "[unit]
   CHECK(value_of(finished.out, "i") == Approx(3.0 / (470.0 + on)).epsilon(1e-6));
   CHECK_THAT(finished.err, Contains("a straight channel"));
 }
+
+TEST_CASE("a measurement that cannot be read stops no deck that LTspice wrote", "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "measured\nV1 a 0 2\nR1 a b 3\nR2 b 0 1\n.tran 1u 10u\n.meas gain V(b)/V(a)\n.meas twice PARAM 2*gain\n.meas top MAX v(b)\n";
+  const Finished finished = run_deck(scratch, deck + ".backanno\n");
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "top") == Approx(0.5).epsilon(1e-12));
+  CHECK_THAT(finished.err, Contains("warning[W-measurement]: left out: measurement gain") && Contains("W-measurement-failed"));
+  CHECK(finished.out.find("gain") == std::string::npos);
+  CHECK(run_deck(scratch, deck).status == 2);
+}
