@@ -217,10 +217,10 @@ DeviceModels add_device_models(Definitions& definitions, SourceStore& sources, R
   DeviceModels models;
   const std::vector<Wanted> wanted = wanted_by(definitions);
   if (wanted.empty()) return models;
-  std::string text = "pwlsim's models\n";
+  std::string text = std::string(device_models_file) + "\n";
   for (const Wanted& one : wanted) text += fmt::format(".model {} {} {}\n", one.name, one.device.type, one.device.parameters);
   Diagnostics scratch;
-  models.deck = netlist::parse("pwlsim's models", text, sources, scratch);
+  models.deck = netlist::parse(std::string(device_models_file), text, sources, scratch);
   reporter.forward(scratch);
   reporter.leave_out_notes_of(models.deck.title_span.file);
   Definition& top = *definitions.all.front();

@@ -30,6 +30,9 @@ struct Device {
 /// What was taken from the table: for each card where its numbers come from.
 using DeviceSources = std::unordered_map<const netlist::Card*, std::string>;
 
+/// The name of the text in which they stand.
+inline constexpr std::string_view device_models_file = "pwlsim's models";
+
 /// Models of D, Q, M and J cards that are nowhere defined and in the table, as cards that stand at the end of the deck. They must outlive `definitions`.
 struct DeviceModels {
   netlist::Deck deck;

@@ -194,3 +194,20 @@ TEST_CASE("a measurement that cannot be read stops no deck that LTspice wrote", 
   CHECK(finished.out.find("gain") == std::string::npos);
   CHECK(run_deck(scratch, deck).status == 2);
 }
+
+TEST_CASE("a MOSFET that biases its own gate has a straight channel, and so has its mirror", "[unit]") {
+  const Scratch scratch;
+  // v(d) = Vto + i Ron beside 1 kohm at 5 V; the other one has the same gate, and takes as much.
+  const double expected = (5.0 - 1.0) / (1000.0 + 100.0);
+  const auto run = [&](const std::string& gate, const std::string& tie) {
+    return run_deck(
+        scratch,
+        "mirror\nV1 vdd 0 5\nR1 vdd d 1k\nM1 d " + gate + " 0 0 NM\nM2 o " + gate + " 0 0 NM\nR2 vdd o 500\n" + tie +
+            ".model NM NMOS(Vto=1 Ron=100)\n.model SWM SW(Vt=1 Vh=0 Ron=1)\n.tran 1u 10u\n.meas one AVG i(M1)\n.meas other AVG i(M2)\n");
+  };
+  for (const Finished& finished : {run("d", ""), run("g", "R3 d g 1k\n"), run("g", "V3 c 0 2\nS1 d g c 0 SWM\n")}) {
+    REQUIRE(finished.status == 0);
+    CHECK(value_of(finished.out, "one") == Approx(expected).epsilon(1e-9));
+    CHECK(value_of(finished.out, "other") == Approx(expected).epsilon(1e-9));
+  }
+}
