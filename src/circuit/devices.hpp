@@ -8,16 +8,12 @@
 #include <vector>
 
 #include "circuit/definitions.hpp"
+#include "circuit/device.hpp"
 #include "circuit/reporter.hpp"
 #include "netlist/ast.hpp"
 
 namespace pwlsim::circuit {
 
-struct Device {
-  std::string_view type;   ///< of its model: D, NPN, VDMOS, …
-  std::string parameters;  ///< `Vfwd=0.7 Ron=2 Vrev=100`
-  std::string_view source;
-};
 /// The device that `name` means: of that name, or the longest name of the table that it begins with (devices.txt says when); none otherwise.
 [[nodiscard]] std::optional<Device> find_device(std::string_view name);
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "circuit/devices.hpp"
+#include "circuit/device.hpp"
 
 namespace pwlsim::circuit {
 

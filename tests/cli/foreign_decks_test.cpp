@@ -211,3 +211,22 @@ TEST_CASE("a MOSFET that biases its own gate has a straight channel, and so has 
     CHECK(value_of(finished.out, "other") == Approx(expected).epsilon(1e-9));
   }
 }
+
+TEST_CASE("in a deck of LTspice a MOSFET has SPICE's default body diode", "[unit]") {
+  const Scratch scratch;
+  const std::string deck =
+      "body\nV1 a 0 5\nR1 a b 43\nM1 0 0 b 0 NM\n.model NM NMOS(Vto=1)\n.tran 1u 10u\n.meas v AVG v(0,b)\n.meas i AVG i(V1)\n";
+  // Bulk to source: reversed here, so nothing flows; with the source below the bulk 0.1 A flow at kT/q ln(i/IS) (IS = 1e-14 A, 27 C).
+  const auto below = [&](const std::string& end) {
+    std::string text = deck;
+    text.replace(text.find("V1 a 0 5"), 8, "V1 0 a 5");
+    return run_deck(scratch, text + end);
+  };
+  const Finished written = below(".backanno\n");
+  REQUIRE(written.status == 0);
+  const double current = -value_of(written.out, "i");
+  CHECK(current == Approx(0.1).epsilon(0.02));
+  // Two digits of the current in the tangent: off by n kT/q (5 %)²/2 at most.
+  CHECK(value_of(written.out, "v") == Approx(0.0258649 * std::log(current / 1e-14)).epsilon(1e-3));
+  CHECK(std::abs(value_of(below("").out, "v")) < 1e-9);
+}
