@@ -21,19 +21,29 @@ constexpr double least_of_saturation = 10.0;  ///< likewise: below, the exponent
 constexpr double most_current = 1e6;          ///< A, that a voltage may ask for
 constexpr std::size_t most_named = 8;         ///< diodes in the note
 constexpr double two_digits = 10.0;           ///< two of them: what lies between changes a drop by less than a thousandth of kT/q
+constexpr double four_digits = 1000.0;        ///< of an overdrive: a channel's level lies a rounding above its threshold
 /// What one tangent may be off, RMS: of n·kT/q, or of the voltage that the diode blocks. Above, there are two or three.
 constexpr double least_misfit = 0.15, misfit_of_blocked = 5e-4;
-constexpr double settled_drop = 0.05;  ///< of n·kT/q: lines that move by less stand
+constexpr double settled_drop = 0.05;        ///< of n·kT/q: lines that move by less stand
+constexpr double settled_resistance = 0.02;  ///< of a channel's resistance, likewise
+constexpr double least_overdrive = 0.01;     ///< V; a gate that stays closer to its threshold counts as this far beyond it
 
-double rounded(double current) {
-  const double unit = std::pow(10.0, std::floor(std::log10(current))) / two_digits;
-  return std::round(current / unit) * unit;
+double rounded(double value, double digits = two_digits) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value))) / digits;
+  return std::round(value / unit) * unit;
 }
 
 /// A diode with a law, and the lines in its place.
 struct Fitted {
   std::size_t diode = 0;  ///< of the network
   DiodeLines lines{{first_current}, {}};
+};
+
+/// A channel with a law, and its resistance.
+struct FittedChannel {
+  std::size_t contact = 0;  ///< of the network
+  double resistance = 0.0;
+  double overdrive = 0.0;  ///< V, found; 0: none
 };
 
 /// Each diode's current where there are others in parallel.
@@ -45,6 +55,10 @@ void count_parallel_ones(model::LinearForm& form, const std::vector<std::vector<
     for (const int other : added[static_cast<std::size_t>(form[k].index)])
       form.push_back({model::Term::Kind::diode_current, other, coefficient});
   }
+}
+
+void give_resistances(model::Network& network, const std::vector<FittedChannel>& channels) {
+  for (const FittedChannel& each : channels) network.switches[each.contact].resistance = each.resistance;
 }
 
 /// The network with the lines in place of the tangents at 1 A.
@@ -86,15 +100,24 @@ class Fit {
       network_.signals.push_back({"", {{model::Term::Kind::diode_current, static_cast<int>(k), 1.0}}});
       network_.signals.push_back({"", model::voltage_between(diode.p, diode.n)});
     }
+    for (std::size_t k = 0; k < network_.switches.size(); ++k) {
+      const model::Switch& contact = network_.switches[k];
+      if (!contact.law) continue;
+      channels_.push_back({k, contact.resistance});
+      model::LinearForm overdrive = contact.control;
+      overdrive.push_back(model::constant(-contact.on_level));
+      network_.signals.push_back({"", overdrive});
+      network_.signals.push_back({"", std::move(overdrive)});
+    }
   }
 
-  [[nodiscard]] bool is_needed() const { return !fitted_.empty(); }
+  [[nodiscard]] bool is_needed() const { return !fitted_.empty() || !channels_.empty(); }
 
   /// False where a run does not come to its end.
   bool run(const circuit::Analyses& analyses) {
     int runs = most_runs;
     for (int k = 0; k < runs; ++k) {
-      measure::DiodeCurrents found(fitted_.size(), analyses.transient->stop.seconds);
+      measure::DiodeCurrents found(fitted_.size() + channels_.size(), analyses.transient->stop.seconds);
       if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
       if (found.pieces() > long_run) runs = most_long_runs;
@@ -108,7 +131,7 @@ class Fit {
     constexpr int most = 50;
     for (int k = 0; k < most; ++k) {
       model::Network network = network_;
-      give_lines(network, fitted_);
+      give(network);
       Diagnostics unheard;
       const PreparedEngine engine = prepare_engine(network, choice_, reltol_, unheard);
       if (!engine.operating_point) return false;
@@ -119,10 +142,41 @@ class Fit {
     return false;
   }
 
-  void give(model::Network& network) const { give_lines(network, fitted_); }
+  void give(model::Network& network) const {
+    give_lines(network, fitted_);
+    give_resistances(network, channels_);
+  }
+
+  [[nodiscard]] Diagnostics notes() const {
+    Diagnostics notes;
+    if (const auto note = note_of_diodes()) notes.note(note->id, note->span, note->text);
+    if (const auto note = note_of_channels()) notes.note(note->id, note->span, note->text);
+    return notes;
+  }
+
+ private:
+  /// Of the channels that have another resistance than before; none: nothing.
+  [[nodiscard]] std::optional<Diagnostic> note_of_channels() const {
+    std::string list;
+    std::size_t moved = 0;
+    SourceSpan first;
+    for (const FittedChannel& each : channels_) {
+      if (each.overdrive <= 0.0) continue;
+      const model::Switch& contact = network_.switches[each.contact];
+      if (moved == 0) first = contact.label.span;
+      const double sign = contact.written ? contact.written->sense : 1.0;
+      if (++moved <= most_named)
+        list += fmt::format("{}{} at {} (Ron = {:.6g} ohm)", moved > 1 ? ", " : "", contact.label.name,
+                            quantity(sign * (contact.on_level + each.overdrive), "V", 2), each.resistance);
+    }
+    if (moved == 0) return std::nullopt;
+    if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
+    return Diagnostic{Severity::note, "N-gate-drive", first,
+                      fmt::format("a preliminary run finds the gate voltages of MOSFETs; their resistances are taken there: {}", list)};
+  }
 
   /// Of the diodes whose tangent is another than before; none: nothing.
-  [[nodiscard]] std::optional<Diagnostic> note() const {
+  [[nodiscard]] std::optional<Diagnostic> note_of_diodes() const {
     std::string list;
     std::size_t moved = 0;
     SourceSpan first;
@@ -138,7 +192,6 @@ class Fit {
                       fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list)};
   }
 
- private:
   static std::string words_of(const DiodeLines& lines) {
     std::string text;
     for (std::size_t k = 0; k < lines.lines.size(); ++k)
@@ -149,7 +202,7 @@ class Fit {
 
   bool measure(const circuit::Analyses& analyses, measure::DiodeCurrents& found) const {
     model::Network network = network_;
-    give_lines(network, fitted_);
+    give(network);
     Diagnostics unheard;
     const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network, choice_, reltol_, unheard, *interrupt_)
                                                         : prepare_engine(network, choice_, reltol_, unheard);
@@ -174,7 +227,26 @@ class Fit {
       each.lines = *lines;
       has_moved = true;
     }
+    for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], usual(found.spectrum(fitted_.size() + k)));
     return has_moved;
+  }
+
+  /// The level of the bin that holds most: where a gate stays, and not its edges. 0: none.
+  static double usual(const measure::ChargeSpectrum& spectrum) {
+    const std::vector<measure::ChargeSpectrum::Bin> bins = spectrum.bins();
+    const auto most = std::max_element(bins.begin(), bins.end(), [](const auto& a, const auto& b) { return a.charge < b.charge; });
+    return most == bins.end() ? 0.0 : most->current;
+  }
+
+  /// Whether the resistance has moved.
+  bool take_overdrive(FittedChannel& each, double overdrive) const {
+    if (!(overdrive > 0.0)) return false;
+    overdrive = rounded(std::max(overdrive, least_overdrive), four_digits);
+    const double resistance = network_.switches[each.contact].law->resistance(overdrive);
+    if (std::abs(resistance - each.resistance) <= settled_resistance * each.resistance) return false;
+    each.resistance = resistance;
+    each.overdrive = overdrive;
+    return true;
   }
 
   /// Whether a tangent has moved.
@@ -191,6 +263,7 @@ class Fit {
       each.lines = {{current}, {law.tangent(current)}};
       has_moved = true;
     }
+    for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], values[2 * (fitted_.size() + k)]);
     return has_moved;
   }
 
@@ -225,16 +298,17 @@ class Fit {
   double reltol_;
   const std::atomic<int>* interrupt_;
   std::vector<Fitted> fitted_;  ///< the diodes that have a law
+  std::vector<FittedChannel> channels_;
 };
 
 }  // namespace
 
-std::optional<Diagnostic> fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt) {
-  if (!compiled.analyses.transient && !compiled.analyses.operating_point) return std::nullopt;
+Diagnostics fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt) {
+  if (!compiled.analyses.transient && !compiled.analyses.operating_point) return {};
   Fit fit(compiled, choice, reltol, interrupt);
-  if (!fit.is_needed() || !(compiled.analyses.transient ? fit.run(compiled.analyses) : fit.settle())) return std::nullopt;
+  if (!fit.is_needed() || !(compiled.analyses.transient ? fit.run(compiled.analyses) : fit.settle())) return {};
   fit.give(compiled.network);
-  return fit.note();
+  return fit.notes();
 }
 
 }  // namespace pwlsim::analysis

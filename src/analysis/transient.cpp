@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "analysis/quantity.hpp"
+#include "analysis/rated_parts.hpp"
 #include "analysis/row_grid.hpp"
 #include "analysis/run_recorder.hpp"
 #include "waveform/csv.hpp"
@@ -305,7 +306,11 @@ TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulat
     run.message = fmt::format("{} after t = {}", what, quantity(sink.last_time(), "s"));
   };
   try {
-    run.answer = measured.run(request_of(compiled.analyses, control), sink);
+    engine::Request request = request_of(compiled.analyses, control);
+    RatedParts rated(compiled.rated_ports, request.watcher);
+    if (!compiled.rated_ports.empty()) request.watcher = &rated;
+    run.answer = measured.run(std::move(request), sink);
+    if (auto remark = rated.remark(run.answer.time)) run.answer.remarks.push_back(std::move(*remark));
     judge(run, sink, names);
     note_rest(run.answer, compiled, sink);
   } catch (const std::bad_alloc&) {

@@ -138,7 +138,8 @@ analysis::PreparedEngine Compilation::engine(const Options& options) {
   const auto choice = api::choice_of(options.engine);
   const double reltol = analysis::relative_tolerance(options.reltol, compiled_->analyses);
   check_tangents();
-  if (const auto note = analysis::fit_diodes(*compiled_, choice, reltol, nullptr)) diagnostics_.note(note->id, note->span, note->text);
+  const Diagnostics notes = analysis::fit_diodes(*compiled_, choice, reltol, nullptr);
+  for (const Diagnostic& note : notes.all()) diagnostics_.note(note.id, note.span, note.text);
   analysis::PreparedEngine engine = analysis::prepare_engine(compiled_->network, choice, reltol, diagnostics_);
   check();
   return engine;

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
 #include "base/names.hpp"
 #include "circuit/assemble.hpp"
+#include "circuit/devices.hpp"
 #include "circuit/flatten.hpp"
 #include "circuit/parameter_moves.hpp"
 #include "circuit/row_step.hpp"
@@ -48,6 +50,24 @@ void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
         fmt::format("the model {} has no numbers: its diodes are ideal, without a drop; in SPICE IS is 1e-14 then: try D(IS=1e-14)",
                     each.name));
   }
+}
+
+/// A Zener diode is there to break down; it has a resistance then.
+std::vector<std::string> rated_ports(const Circuit& circuit, const model::Network& network, const Reporter& reporter) {
+  constexpr std::string_view breakdowns[] = {" (reverse)", " (body diode reverse)"};
+  std::unordered_set<std::string> names;
+  for (const elements::Instance& instance : circuit.instances) {
+    if (instance.model < 0) continue;
+    const elements::Model& model = circuit.models[static_cast<std::size_t>(instance.model)];
+    if (reporter.file_of(model.span) != device_models_file) continue;
+    const bool is_zener = elements::find_parameter(model.values.table(), "Rrev") != nullptr && model.values.has("Rrev");
+    if (is_zener) continue;
+    for (const std::string_view breakdown : breakdowns) names.insert(instance.name + std::string(breakdown));
+  }
+  std::vector<std::string> ports;
+  for (const model::Diode& diode : network.diodes)
+    if (names.contains(diode.label.name)) ports.push_back(diode.label.name);
+  return ports;
 }
 
 }  // namespace
@@ -92,6 +112,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   compiled.draws_random = circuit.draws_random;
   compiled.names_signals =
       std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
+  compiled.rated_ports = rated_ports(circuit, compiled.network, reporter);
   for (model::Switch& contact : compiled.network.switches)
     if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
   if (options.keep_circuit) compiled.circuit = std::move(circuit);

@@ -36,6 +36,7 @@ struct Compiled {
   bool draws_random = false;      ///< values differ from run to run of .step
   bool names_signals = false;     ///< the deck says which signals it saves
   HiddenParts hidden{};
+  std::vector<std::string> rated_ports{};  ///< diodes of the network that are the breakdown of a part of the models at hand
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
   /// With those that are drawn.

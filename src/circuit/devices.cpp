@@ -1,7 +1,6 @@
 #include "circuit/devices.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <map>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/part_numbers.hpp"
 #include "netlist/load.hpp"
 
 namespace pwlsim::circuit {
@@ -100,26 +100,6 @@ std::string with_voltage(std::string_view parameters, const std::string& voltage
   std::string text(parameters);
   const std::size_t at = text.find(voltage_mark);
   return at == std::string::npos ? text : text.replace(at, voltage_mark.size(), voltage);
-}
-
-/// Infineon says resistance and voltage in the name of a MOSFET: BSC093N15NS5 has 9.3 mohm and 150 V, IPP070N8N3 80 V, BSC010NE2LS 25 V.
-std::optional<Device> read_infineon(std::string_view key) {
-  constexpr std::array<std::string_view, 9> families{"bsc", "bsz", "bsb", "ipp", "ipb", "ipd", "ipi", "ipa", "ipc"};
-  if (key.size() < 8 || std::find(families.begin(), families.end(), key.substr(0, 3)) == families.end()) return std::nullopt;
-  int tenths = 0, tens = 0;
-  const char* const end = key.data() + key.size();
-  const auto [behind, error] = std::from_chars(key.data() + 3, key.data() + 6, tenths);
-  if (error != std::errc{} || behind != key.data() + 6 || tenths == 0 || key[6] != 'n') return std::nullopt;
-  const bool is_low = key[7] == 'e' && key[8 < key.size() ? 8 : 7] == '2';
-  const auto [last, second_error] = std::from_chars(key.data() + 7, std::min(end, key.data() + 9), tens);
-  if (!is_low && (second_error != std::errc{} || tens == 0 || tens > 60)) return std::nullopt;
-  const std::string_view grade(is_low ? key.data() + 9 : last, static_cast<std::size_t>(end - (is_low ? key.data() + 9 : last)));
-  if (grade.starts_with('s')) return std::nullopt;  // of cars: the first number is a current
-  const double resistance = 1e-4 * tenths;
-  const double threshold = grade.starts_with('l') || grade.starts_with('m') ? 1.7 : 3.0;
-  return Device{"VDMOS",
-                fmt::format("Vto={} Ron={:g} Vfwd=0.75 Rfwd={:g} BV={}", threshold, resistance, resistance / 2, is_low ? 25 : 10 * tens),
-                "Infineon: resistance and voltage stand in the name"};
 }
 
 std::optional<Device> named_device(const std::string& key) {
@@ -217,7 +197,7 @@ std::optional<Device> find_device(std::string_view name) {
   const auto* pattern = longest(table().patterns, key, [&](std::size_t size) { return !zener_voltage(key.substr(size)).empty(); });
   if (pattern == nullptr) {
     auto device = device_in_other_package(key);
-    return device ? device : read_infineon(key);
+    return device ? device : read_part_number(key);
   }
   return Device{pattern->second.type, with_voltage(pattern->second.parameters, zener_voltage(key.substr(pattern->first.size()))),
                 pattern->second.source};
@@ -237,10 +217,10 @@ DeviceModels add_device_models(Definitions& definitions, SourceStore& sources, R
   DeviceModels models;
   const std::vector<Wanted> wanted = wanted_by(definitions);
   if (wanted.empty()) return models;
-  std::string text = "pwlsim's models\n";
+  std::string text = std::string(device_models_file) + "\n";
   for (const Wanted& one : wanted) text += fmt::format(".model {} {} {}\n", one.name, one.device.type, one.device.parameters);
   Diagnostics scratch;
-  models.deck = netlist::parse("pwlsim's models", text, sources, scratch);
+  models.deck = netlist::parse(std::string(device_models_file), text, sources, scratch);
   reporter.forward(scratch);
   reporter.leave_out_notes_of(models.deck.title_span.file);
   Definition& top = *definitions.all.front();

@@ -8,16 +8,12 @@
 #include <vector>
 
 #include "circuit/definitions.hpp"
+#include "circuit/device.hpp"
 #include "circuit/reporter.hpp"
 #include "netlist/ast.hpp"
 
 namespace pwlsim::circuit {
 
-struct Device {
-  std::string_view type;   ///< of its model: D, NPN, VDMOS, …
-  std::string parameters;  ///< `Vfwd=0.7 Ron=2 Vrev=100`
-  std::string_view source;
-};
 /// The device that `name` means: of that name, or the longest name of the table that it begins with (devices.txt says when); none otherwise.
 [[nodiscard]] std::optional<Device> find_device(std::string_view name);
 
@@ -29,6 +25,9 @@ struct Device {
 
 /// What was taken from the table: for each card where its numbers come from.
 using DeviceSources = std::unordered_map<const netlist::Card*, std::string>;
+
+/// The name of the text in which they stand.
+inline constexpr std::string_view device_models_file = "pwlsim's models";
 
 /// Models of D, Q, M and J cards that are nowhere defined and in the table, as cards that stand at the end of the deck. They must outlive `definitions`.
 struct DeviceModels {

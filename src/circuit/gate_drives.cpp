@@ -32,7 +32,9 @@ class Drives {
       const NodeIndex a = instance.nodes[0], b = instance.nodes[1];
       const bool is_resistor = is_letter(instance, 'R');
       if (is_resistor) join(links_, group(a), group(b));
+      const bool is_contact = is_letter(instance, 'S') || is_letter(instance, 'W');
       if (is_resistor || is_letter(instance, 'D') || is_letter(instance, 'C')) join(ties_, group(a), group(b));
+      if (is_resistor || is_letter(instance, 'D') || is_contact) join(biases_, group(a), group(b));
       if (is_resistor && a != model::ground && group(a) == 0) pulled_up_.insert(group(b));
       if (is_resistor && b != model::ground && group(b) == 0) pulled_up_.insert(group(a));
     }
@@ -63,23 +65,27 @@ class Drives {
   [[nodiscard]] bool is_pulled_up(int at) const { return at != 0 && pulled_up_.contains(at); }
 
   /// Whether resistors, diodes and capacitors lead from one group to the other, not over ground or a supply.
-  [[nodiscard]] bool reaches(int from, int to) const {
+  [[nodiscard]] bool reaches(int from, int to) const { return leads(ties_, from, to); }
+  /// Likewise resistors, diodes and switches.
+  [[nodiscard]] bool biases(int from, int to) const { return from != 0 && to != 0 && leads(biases_, from, to); }
+
+ private:
+  using Links = std::map<int, std::vector<int>>;
+
+  static bool leads(const Links& links, int from, int to) {
     std::set<int> seen{from, 0};
     std::vector<int> waiting{from};
     while (!waiting.empty()) {
       const int here = waiting.back();
       waiting.pop_back();
       if (here == to) return true;
-      const auto ties = ties_.find(here);
-      if (ties == ties_.end()) continue;
-      for (const int next : ties->second)
+      const auto next_ones = links.find(here);
+      if (next_ones == links.end()) continue;
+      for (const int next : next_ones->second)
         if (seen.insert(next).second) waiting.push_back(next);
     }
     return false;
   }
-
- private:
-  using Links = std::map<int, std::vector<int>>;
 
   static void join(Links& links, int a, int b) {
     links[a].push_back(b);
@@ -87,7 +93,7 @@ class Drives {
   }
 
   NodeGroups groups_;
-  Links links_, ties_;
+  Links links_, ties_, biases_;
   std::set<int> pulled_up_;
 };
 
@@ -107,6 +113,21 @@ void mark_crossed_pairs(Circuit& circuit, Drives& drives) {
       if (one != other && holds(*one, *other) && holds(*other, *one)) one->drive_is_apart = true;
 }
 
+/// A MOSFET that gives its gate the voltage of its own drain (as a diode, or over a resistance) settles in its linear region, and those with the same gate
+/// with it, as in a mirror.
+void mark_self_biased_ones(Circuit& circuit, Drives& drives) {
+  constexpr std::size_t drain = 0, gate = 1, source = 2;
+  std::set<int> gates;
+  const auto is_transistor = [&](const Instance& instance) { return is_letter(instance, 'M') && instance.nodes.size() > source; };
+  for (const Instance& instance : circuit.instances) {
+    if (!is_transistor(instance)) continue;
+    const int at_gate = drives.group(instance.nodes[gate]);
+    if (drives.biases(drives.group(instance.nodes[drain]), at_gate)) gates.insert(at_gate);
+  }
+  for (Instance& instance : circuit.instances)
+    if (is_transistor(instance) && gates.contains(drives.group(instance.nodes[gate]))) instance.drive_is_apart = true;
+}
+
 }  // namespace
 
 void mark_gate_drives(Circuit& circuit) {
@@ -118,6 +139,7 @@ void mark_gate_drives(Circuit& circuit) {
     instance.drive_is_apart = at_source != 0 && at_gate != at_source && !drives.leads_only_to(at_source, at_gate);
   }
   mark_crossed_pairs(circuit, drives);
+  mark_self_biased_ones(circuit, drives);
 }
 
 }  // namespace pwlsim::circuit

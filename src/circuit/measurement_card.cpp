@@ -344,6 +344,7 @@ class Reader {
     for (std::size_t k = 0; k < announced_.size(); ++k) {
       CardReader reader(*announced_[k], results_, scope_, reporter_, circuit_, static_cast<int>(list.size()));
       std::optional<Measurement> measurement = reader.read();
+      if (!measurement && circuit_.written_by_ltspice) measurement = left_out(*announced_[k]);
       if (!measurement) continue;
       list[k] = std::move(*measurement);
       std::move(reader.parts.begin(), reader.parts.end(), std::back_inserter(list));
@@ -373,6 +374,28 @@ class Reader {
   }
 
  private:
+  /// LTspice measures after the run, which such a card does not stop. In its place: what is never found, nor shown.
+  Measurement left_out(const Card& card) {
+    const SourceSpan span = card.span;
+    reporter_.soften([&](Diagnostic& diagnostic) {
+      const bool is_here = diagnostic.span.file == span.file && diagnostic.span.begin >= span.begin && diagnostic.span.begin <= span.end;
+      if (!is_here) return false;
+      diagnostic.id = "W-measurement";
+      diagnostic.text = "left out: " + diagnostic.text;
+      return true;
+    });
+    const Item& name = card.items[name_place(card)];
+    Measurement measurement;
+    measurement.kind = Kind::time;
+    measurement.name = name.text;
+    measurement.span = name.span;
+    measurement.shown = false;
+    measurement.when.emplace();
+    measurement.when->left.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = 0.0});
+    measurement.when->right.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = 1.0});
+    return measurement;
+  }
+
   /// Cards of other analyses are left out; a name counts before its card is read.
   void announce(const Card& card) {
     if (card.damaged || measures_orbit(card) != of_orbit_) return;

@@ -19,7 +19,8 @@ using ItemKind = Item::Kind;
 constexpr double deepest_calls = 1000, largest_value = 1e15;
 
 /// Options that are read here, and those of other simulators that are accepted: tolerances and methods of engines that step.
-constexpr std::string_view honoured[] = {"reltol", "seed", "i0", "vdrive", "gatecap", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
+constexpr std::string_view honoured[] = {
+    "reltol", "seed", "i0", "vdrive", "gatecap", "nonunique", "max_rows", "max_elements", "max_subcircuit_depth"};
 constexpr std::string_view silent[] = {"abstol", "method", "max_include_depth", "max_parentheses"};  // the last two: read with the deck
 constexpr std::string_view ignored[] = {
     "vntol",        "chgtol",       "trtol",      "gmin",         "gminsteps", "srcsteps", "sourcesteps",   "itl1",     "itl2",
@@ -115,6 +116,7 @@ class OptionReader {
       options.settings.finds_currents = false;
     }
     if (same_name(item.text, "vdrive")) options.settings.gate_drive = value;
+    if (same_name(item.text, "i0") || same_name(item.text, "vdrive")) options.settings.finds_drives = false;
     if (same_name(item.text, "max_rows")) analyses_.row_limit = static_cast<std::uint64_t>(value);
     if (same_name(item.text, "max_elements")) options.limits.elements = value;
     if (same_name(item.text, "max_subcircuit_depth")) options.limits.depth = value;

@@ -98,8 +98,7 @@ int Session::prepare() {
   const double model_start = run_.seconds();
   run_.reltol = analysis::relative_tolerance(run_.options.reltol, run_.analyses());
   if (!run_.is_stepped())
-    if (auto note = analysis::fit_diodes(*run_.compiled, run_.options.engine, run_.reltol, &caught_signal()))
-      run_.messages.report(*note, run_.sources);
+    run_.messages.report(analysis::fit_diodes(*run_.compiled, run_.options.engine, run_.reltol, &caught_signal()), run_.sources);
   analyses_ = analysis_sessions(run_.analyses());
   if (is_orbit_alone()) {
     run_.engine = analysis::exact_engine_when_needed(run_.compiled->network);

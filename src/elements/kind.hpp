@@ -30,6 +30,7 @@ struct Settings {
   double tangent_current = 1.0;     ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
   bool finds_currents = true;       ///< `.options i0=` is not given: runs find each diode's current
   double gate_drive = 10.0;         ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
+  bool finds_drives = true;         ///< neither `.options vdrive=` nor `i0=` is given: runs find the gate voltage of each MOSFET
   bool written_by_ltspice = false;  ///< the deck has cards that LTspice adds by itself
   bool keeps_gates = false;         ///< `.options gatecap`: resistances and capacitances of gates stay, the latter linear
 };
@@ -56,9 +57,10 @@ struct Model {
   std::string name;
   SourceSpan span;  ///< of the name, in its .model card
   Values values;
-  std::vector<Written> written{};  ///< of its values, those that depend on varied parameters
+  std::vector<Written> written{};              ///< of its values, those that depend on varied parameters
   std::optional<model::ExponentialLaw> law{};  ///< of a diode whose tangent is at a current to be found
-  std::optional<GateParts> gate{};  ///< of a transistor, with `.options gatecap`; of planar ones a metre of width
+  std::optional<GateParts> gate{};             ///< of a transistor, with `.options gatecap`; of planar ones a metre of width
+  bool finds_drive = false;                    ///< of a MOSFET: runs find the gate voltage at which its resistance is taken
 };
 
 /// What stands between the terminals and the rest of a card.
@@ -141,8 +143,8 @@ struct Instance {
   std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;
   std::complex<double> alternating = 0.0;  ///< of a source: `AC`
-  int model = -1;            ///< index within the circuit's models
-  std::optional<bool> flag;  ///< on / off as written
+  int model = -1;                          ///< index within the circuit's models
+  std::optional<bool> flag;                ///< on / off as written
   bool drive_is_apart =
       false;  ///< of a MOSFET or JFET: its gate is driven against another node than its source, whose potential its own current moves
 };

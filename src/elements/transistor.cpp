@@ -53,6 +53,7 @@ void add_channel(Emission& emission, const Channel& channel) {
   item.control = model::voltage_between(channel.gate, nodes[source], channel.p_type ? -1.0 : 1.0);
   item.on_level = item.off_level = level_of(channel);
   item.written = model::WrittenControl{channel.p_type ? -1.0 : 1.0, 0.0, "V"};
+  item.law = channel.law;
   emission.result().item = emission.builder().add(std::move(item));
   emission.result().current.push_back({Quantity::switch_current, emission.result().item, 1.0});
 }

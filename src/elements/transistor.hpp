@@ -27,10 +27,11 @@ void refuse_drive(const Model& model, std::string_view name, Diagnostics& diagno
 /// A contact from drain to source, closed while v(gate, source) is above the threshold.
 struct Channel {
   bool p_type = false;
-  double threshold = 0.0;   ///< V
-  double resistance = 0.0;  ///< ohm
-  model::NodeIndex gate = model::ground;  ///< the node itself, or one behind a resistance
-  std::string twin_gate{};                ///< likewise in a twin; "": the node itself
+  double threshold = 0.0;                  ///< V
+  double resistance = 0.0;                 ///< ohm
+  model::NodeIndex gate = model::ground;   ///< the node itself, or one behind a resistance
+  std::string twin_gate{};                 ///< likewise in a twin; "": the node itself
+  std::optional<model::ChannelLaw> law{};  ///< where the gate's voltage is to be found
 };
 
 /// Between the nodes drain, gate, source of the instance. Its current is that of the element.

@@ -102,7 +102,7 @@ struct Diode {
   double resistance = 0.0;
   double drop = 0.0;
   std::vector<int> enabled_by{};
-  bool blocks = false;  ///< i = 0 for good
+  bool blocks = false;                  ///< i = 0 for good
   std::optional<ExponentialLaw> law{};  ///< of which this is a tangent, where its current is to be found
 };
 /// How the deck writes the control of a switch, for messages: the control in Switch is `sense` times it, and its levels lie `reach` inside of those
@@ -111,6 +111,12 @@ struct WrittenControl {
   double sense = 1.0;
   double reach = 0.0;
   std::string unit = "V";
+};
+/// Of a transistor's channel where the gate's voltage is to be found: what the resistance is by the overdrive, the control beyond its level.
+struct ChannelLaw {
+  double series = 0.0;  ///< ohm
+  double gain = 0.0;    ///< A/V²
+  [[nodiscard]] double resistance(double overdrive) const { return series + 1.0 / (gain * overdrive); }
 };
 /// Closed: v = drop + resistance·i. Open: i = 0. It closes when control rises above `on_level` and opens when control falls below `off_level`
 /// (off_level ≤ on_level); at equality the first nonzero derivative decides. `inverted` swaps closed and open. With both ends at one node it connects
@@ -125,6 +131,7 @@ struct Switch {
   bool initially_on = false;  ///< inside the band at the start
   bool inverted = false;
   std::optional<WrittenControl> written{};  ///< none: no element of the deck by itself, but part of an expression or of a device
+  std::optional<ChannelLaw> law{};          ///< whose resistance this is at one overdrive
 };
 /// 0 ≤ u ⊥ slack ≥ 0, u a number of its own that any form may hold, `slack` too.
 struct Complementarity {
@@ -134,7 +141,7 @@ struct Complementarity {
 struct Source {
   Label label;
   SourceFunction function;
-  bool stands_in = false;  ///< for a value of another part, in a part that is left out
+  bool stands_in = false;                  ///< for a value of another part, in a part that is left out
   std::complex<double> alternating = 0.0;  ///< `AC`: amplitude in small-signal analyses
 };
 /// A saved signal, named as its CSV column.

@@ -23,9 +23,10 @@ CardStyle::CardStyle(std::string_view name) {
 }
 
 bool is_measurement_keyword(std::string_view word) {
-  static constexpr std::array<std::string_view, 30> keywords{
-      "avg",  "min", "max",  "pp",   "rms",   "integ", "integral", "find",  "deriv",  "derivative", "when", "at",   "from", "to",  "trig",
-      "targ", "val", "rise", "fall", "cross", "td",    "last",     "param", "min_at", "max_at",     "err",  "err1", "err2", "err3", "period"};
+  static constexpr std::array<std::string_view, 30> keywords{"avg",    "min",        "max",  "pp",    "rms",  "integ", "integral", "find",
+                                                             "deriv",  "derivative", "when", "at",    "from", "to",    "trig",     "targ",
+                                                             "val",    "rise",       "fall", "cross", "td",   "last",  "param",    "min_at",
+                                                             "max_at", "err",        "err1", "err2",  "err3", "period"};
   return is_one_of(keywords, word);
 }
 

@@ -99,7 +99,8 @@ FoundFile find_file(std::string_view name, const std::filesystem::path& director
   if (found != candidates.end()) return {*found, {}};
   const std::string last = with_slashes.substr(with_slashes.find_last_of('/') + 1);
   for (const std::string& spelling : {with_slashes, last})
-    if (const std::filesystem::path path = find_without_case(directory / spelling); !path.empty()) return {path, {}, spelling != with_slashes};
+    if (const std::filesystem::path path = find_without_case(directory / spelling); !path.empty())
+      return {path, {}, spelling != with_slashes};
   for (const std::string& candidate : candidates)
     if (const std::string kind = kind_of(candidate); !kind.empty()) return {{}, "it " + kind};
   return {{}, "no such file beside the file that names it, nor in the current directory"};
@@ -108,6 +109,13 @@ FoundFile find_file(std::string_view name, const std::filesystem::path& director
 bool is_windows_path(std::string_view name) {
   const bool drive = name.size() > 2 && name[1] == ':' && (name[2] == '\\' || name[2] == '/');
   return drive || name.find('\\') != std::string_view::npos;
+}
+
+bool names_models(std::string_view name) {
+  constexpr std::string_view endings[] = {".lib", ".sub", ".subckt", ".mod", ".mdl", ".model", ".txt", ".dio", ".bjt", ".mos", ".jft"};
+  return std::any_of(std::begin(endings), std::end(endings), [&](std::string_view ending) {
+    return name.size() > ending.size() && same_name(name.substr(name.size() - ending.size()), ending);
+  });
 }
 
 bool is_standard_library(std::string_view name) {

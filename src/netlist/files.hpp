@@ -26,6 +26,8 @@ struct FoundFile {
 
 /// `C:\…`, or any name with a backslash.
 [[nodiscard]] bool is_windows_path(std::string_view name);
+/// Whether the ending is that of files that hold models and subcircuits.
+[[nodiscard]] bool names_models(std::string_view name);
 
 /// LTspice's own `standard.dio`, `standard.mos`, `opamp.sub` and so on, PSpice's `nom.lib` and `eval.lib`, in whatever folder.
 [[nodiscard]] bool is_standard_library(std::string_view name);

@@ -37,6 +37,9 @@ std::string describe(const TextProblem& problem, std::string_view text) {
   return fmt::format("the control character U+{:04X} is not allowed in a deck", static_cast<unsigned>(last));
 }
 
+/// The netlist of a board: KiCad's and ExpressPCB's have the ending of a deck.
+bool is_of_board(std::string_view title) { return title.starts_with("(export") || title.starts_with("\"ExpressPCB"); }
+
 bool looks_like_card(std::string_view title) {
   return title.size() > 1 && title[0] == '.' && lower_letter(title[1]) >= 'a' && lower_letter(title[1]) <= 'z' &&
          !same_name(card_name(title), ".title");
@@ -49,6 +52,13 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
   if (file.is_text) {
     const std::size_t errors_before = errors_.count();
     const std::size_t begin = take_title(file);
+    if (is_of_board(deck_.title)) {
+      errors_.report("E-board-netlist", deck_.title_span,
+                     "this is the netlist of a printed circuit board, not a SPICE deck; try the export of a netlist for SPICE in the "
+                     "schematic editor");
+      errors_.finish();
+      return std::move(deck_);
+    }
     visits_.push_back({file.index, {}});
     SectionFilter everything{{}};
     read_cards(file, begin, everything);
@@ -338,7 +348,8 @@ const Loader::File* Loader::open_file(const File& from, const Request& request) 
   }
   if (sources_.is_from_nowhere(request.file_span.file, request.file_span.begin)) return nullptr;  // LTspice's library is not asked for
   const std::string text = fmt::format("cannot read '{}': {}", request.file, read.reason);
-  if (request.is_library && (is_standard_library(request.file) || is_windows_path(request.file))) {
+  const bool is_from_windows = is_windows_path(request.file);
+  if (request.is_library ? is_standard_library(request.file) || is_from_windows : is_from_windows && names_models(request.file)) {
     errors_.diagnostics().warning("W-lib-skipped", request.file_span, text + "; its models are missing where they are used");
   } else {
     errors_.report("E-include-unreadable", request.file_span, text);

@@ -74,6 +74,37 @@ TEST_CASE("resistance and voltage stand in the names of Infineon's MOSFETs", "[u
   CHECK(parameters_of("IPB180N04S4") == "none");  // 180 A
   CHECK(parameters_of("BSC9N") == "none");
   CHECK(parameters_of("IPPabcN10") == "none");
+  CHECK(parameters_of("BSC22DN20NS3") == "VDMOS Vto=3 Ron=0.225 Vfwd=0.75 Rfwd=0.1125 BV=200");
+  CHECK(parameters_of("IPD042P03L3") == "VDMOS pchan Vto=-1.7 Ron=0.0042 Vfwd=0.75 Rfwd=0.0021 BV=30");
+  CHECK(parameters_of("IPW60R190C6") == "VDMOS Vto=3 Ron=0.19 Vfwd=0.75 Rfwd=0.095 BV=600");
+}
+
+TEST_CASE("the names of other makers' parts are read", "[unit]") {
+  // Expected: what the data sheet of each part has for resistance or current, and voltage.
+  CHECK(parameters_of("BUK7Y7R6-40E") == "VDMOS Vto=3 Ron=0.0076 Vfwd=0.75 Rfwd=0.0038 BV=40");
+  CHECK(parameters_of("BUK7Y7R640E") == parameters_of("BUK7Y7R6-40E"));
+  CHECK(parameters_of("BUK9Y14-40B") == "VDMOS Vto=1.7 Ron=0.014 Vfwd=0.75 Rfwd=0.007 BV=40");
+  CHECK(parameters_of("PSMN1R5-30YLC") == "VDMOS Vto=1.7 Ron=0.0015 Vfwd=0.75 Rfwd=0.00075 BV=30");
+  CHECK(parameters_of("PSMN013-100PS") == "VDMOS Vto=3 Ron=0.013 Vfwd=0.75 Rfwd=0.0065 BV=100");
+  CHECK(parameters_of("C3M0280090J") == "VDMOS Vto=2.5 Ron=0.28 Vfwd=3.5 Rfwd=0.28 BV=900");
+  CHECK(parameters_of("C5D25170H") == "D Vfwd=0.95 Ron=0.022 Vrev=1700");
+  CHECK(parameters_of("UF3C065040") == "VDMOS Vto=5 Ron=0.04 Vfwd=1 Rfwd=0.04 BV=650");
+  CHECK(parameters_of("SCT3080KL") == "VDMOS Vto=4 Ron=0.08 Vfwd=2.5 Rfwd=0.08 BV=1200");
+  CHECK(parameters_of("SUD50P06-15L") == "VDMOS pchan Vto=-2 Ron=0.015 Vfwd=0.75 Rfwd=0.0075 BV=60");
+  CHECK(parameters_of("SUD35N10-26P") == "VDMOS Vto=2 Ron=0.026 Vfwd=0.75 Rfwd=0.013 BV=100");
+  CHECK(parameters_of("SUM90N10-8m2P") == "VDMOS Vto=2 Ron=0.0082 Vfwd=0.75 Rfwd=0.0041 BV=100");
+  CHECK(parameters_of("RFN10NS3S") == "D Vfwd=0.8 Ron=0.03 Vrev=300");
+  CHECK(parameters_of("STTH8L06") == "D Vfwd=0.85 Ron=0.075 Vrev=600");
+  CHECK(parameters_of("STTH1210") == "D Vfwd=0.85 Ron=0.05 Vrev=1000");
+  CHECK(parameters_of("STPS15L30CB") == "D Vfwd=0.35 Ron=0.0167 Vrev=30");
+  CHECK(parameters_of("STPS30150CT") == "D Vfwd=0.5 Ron=0.00833 Vrev=150");
+  CHECK(parameters_of("VS-30ETH06-M3") == "D Vfwd=0.9 Ron=0.0167 Vrev=600");
+  CHECK(parameters_of("VS-E5TH0812") == "D Vfwd=0.9 Ron=0.113 Vrev=1200");
+  for (const char* name : {"BUK7", "PSMN-30", "PSMN1R-30YL", "C3M65090", "C9D10060", "UJ3C65", "SCT3080ML", "SUD99N04", "RFN10NS", "STTH",
+                           "STPS12", "30XTH06", "VS-E5TH08"}) {
+    CAPTURE(name);
+    CHECK(parameters_of(name) == "none");
+  }
 }
 
 TEST_CASE("every model at hand can be used", "[unit]") {

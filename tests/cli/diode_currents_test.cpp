@@ -104,3 +104,34 @@ TEST_CASE("junctions of transistors have their tangents at what they carry", "[u
   CHECK(value_of(finished.out, "q") == Approx(thermal_voltage * std::log(1e-3 / 1.01 / 1e-14)).epsilon(2e-3));
   CHECK(value_of(finished.out, "m") == Approx(1.2 * thermal_voltage * std::log(10e-3 / 1e-12)).epsilon(2e-3));
 }
+
+TEST_CASE("a MOSFET's resistance is taken at the gate voltage it has", "[unit]") {
+  const Scratch scratch;
+  const auto run = [&](const std::string& gate, const std::string& model, const std::string& options) {
+    return run_deck(scratch, "gate\nV1 in 0 12\nV2 g 0 " + gate + "\nR1 in d 10\nM1 d g 0 0 NM\n.model NM " + model + "\n" + options +
+                                 ".tran 1u 100u\n.meas low FIND v(d) AT=52u\n");
+  };
+  // Rd + 1/(Kp (v(g,s) - Vto)) beside 10 ohm, as in SPICE's linear region: 1/(10 A/V² · 2 V) and 20 mohm.
+  const auto low = [](double resistance) { return 12.0 * resistance / (10.0 + resistance); };
+  const std::string model = "VDMOS(Vto=3 Kp=10 Rd=20m", pulse = "PULSE(0 5 0 0.2u 0.2u 4u 10u)";
+  const Finished driven = run(pulse, model + ")", "");
+  REQUIRE(driven.status == 0);
+  // Edges count where they are nearly up.
+  CHECK(value_of(driven.out, "low") == Approx(low(0.07)).epsilon(1e-2));
+  CHECK_THAT(driven.err, Catch::Matchers::Contains("note[N-gate-drive]") && Catch::Matchers::Contains("M1 at 5 V"));
+  CHECK(value_of(run("5", "NMOS(Vto=3 Kp=5 Rd=20m W=2 L=1)", "").out, "low") == Approx(low(0.07)).epsilon(1e-3));
+  // What the deck says itself is kept.
+  for (const Finished& given : {run(pulse, model + " Vdrive=8)", ""), run(pulse, model + ")", ".options vdrive=8\n")}) {
+    CHECK(value_of(given.out, "low") == Approx(low(0.04)).epsilon(1e-9));
+    CHECK(given.err.find("N-gate-drive") == std::string::npos);
+  }
+  CHECK(value_of(run(pulse, model + " Ron=1)", "").out, "low") == Approx(low(1.0)).epsilon(1e-9));
+  // A P channel on the high side, 5 V below its source.
+  const Finished high =
+      run_deck(scratch,
+               "high side\nV1 in 0 12\nV2 g 0 7\nR1 d 0 10\nM1 d g in in PM\n.model PM VDMOS(pchan Vto=-3 Kp=10 Rd=20m)\n.tran 1u "
+               "100u\n.meas low FIND v(in,d) AT=50u\n");
+  REQUIRE(high.status == 0);
+  CHECK(value_of(high.out, "low") == Approx(low(0.07)).epsilon(1e-3));
+  CHECK_THAT(high.err, Catch::Matchers::Contains("M1 at -5 V"));
+}

@@ -134,6 +134,8 @@ TEST_CASE("include cards that cannot be followed", "[unit]") {
                             Row{".lib C:\\LTspice\\lib\\cmp\\standard.dio", "W-lib-skipped «C:\\LTspice\\lib\\cmp\\standard.dio»\n"},
                             Row{".lib \"C:/Users/me/own.lib\"", "W-lib-skipped «\"C:/Users/me/own.lib\"»\n"},
                             Row{".lib Standard.MOS", "W-lib-skipped «Standard.MOS»\n"},
+                            Row{".include \"C:\\a b\\own.Sub\"", "W-lib-skipped «\"C:\\a b\\own.Sub\"»\n"},
+                            Row{".include C:\\own.net", "E-include-unreadable «C:\\own.net»\n"},
                             Row{".include standard.dio", "E-include-unreadable «standard.dio»\n"}, Row{".endl", "E-syntax-lib «.endl»\n"});
   folder.write("deck.net", std::string("title\nR1 a b 5\n") + row.card + "\n");
   CAPTURE(row.card);

@@ -191,7 +191,7 @@ double overdrive(const Model& model) {
 }
 
 void take_body_diode(Model& model, const Settings& settings) {
-  bool is_exponential = false;
+  bool is_exponential = settings.written_by_ltspice;  // its Is and N have defaults
   for (std::string_view name : body_names)
     is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
   if (!is_exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
@@ -231,6 +231,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   take_gate(model, settings, diagnostics);
   if (!is_vertical(model)) take_transconductance(values);
   if (!is_vertical(model) && values.has("Vt0") && !values.has("Vto")) values.set("Vto", values.get("Vt0"), values.span("Vt0"));
+  model.finds_drive = settings.finds_drives && !values.has("Vdrive") && !values.has("Ron");
   if (!values.has("Vdrive")) values.set("Vdrive", settings.gate_drive);
   take_body_diode(model, settings);
   if (values.has("Ron") || overdrive(model) > 0.0) return;
@@ -264,15 +265,25 @@ double size_of(const Instance& instance, const Model& model, std::string_view na
   return instance.values.has(name) ? instance.values.get(name) : model.values.get(name);
 }
 
-double resistance_of(const Instance& instance, const Model& model) {
+/// Of one device.
+model::ChannelLaw law_of(const Instance& instance, const Model& model) {
   const Values& v = model.values;
-  if (v.has("Ron")) return v.get("Ron");
   const double shape = is_vertical(model) ? 1.0 : size_of(instance, model, "W") / size_of(instance, model, "L");
-  return v.get("Rd") + v.get("Rs") + 1.0 / (v.get("Kp") * shape * overdrive(model));
+  return {v.get("Rd") + v.get("Rs"), v.get("Kp") * shape};
+}
+
+double resistance_of(const Instance& instance, const Model& model) {
+  return model.values.has("Ron") ? model.values.get("Ron") : law_of(instance, model).resistance(overdrive(model));
 }
 
 Channel channel_of(const Instance& instance, const Model& model) {
-  return {is_p_type(model), model.values.get("Vto"), resistance_of(instance, model) / instance.values.get("m")};
+  const double devices = instance.values.get("m");
+  Channel channel{is_p_type(model), model.values.get("Vto"), resistance_of(instance, model) / devices};
+  if (model.finds_drive) {
+    const model::ChannelLaw one = law_of(instance, model);
+    channel.law = model::ChannelLaw{one.series / devices, one.gain * devices};
+  }
+  return channel;
 }
 
 model::NodeIndex bulk_of(const Instance& instance, const Model& model) {

@@ -1,0 +1,39 @@
+#pragma once
+/// Parts of the models at hand break down at the rated voltage of their data sheet. Whether they do, and for how long, is worth a word: LTspice's own models mostly do not.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/run.hpp"
+
+namespace pwlsim::analysis {
+
+/// Passes on what it is told to another watcher, if there is one.
+class RatedParts : public engine::EventWatcher {
+ public:
+  /// `ports`: the names of diodes of the network that are such breakdowns.
+  RatedParts(const std::vector<std::string>& ports, engine::EventWatcher* next) : ports_(ports), next_(next) {}
+
+  void begin(std::span<const std::string> elements, std::span<const char> on) override;
+  void happened(const engine::Event& event, std::span<const char> on) override;
+
+  /// A warning where parts broke down for more than a thousandth of the run, which ended at `end`.
+  [[nodiscard]] std::optional<engine::Remark> remark(double end);
+
+ private:
+  struct Part {
+    std::size_t port = 0;  ///< of the engine
+    std::string name;
+    bool on = false;
+    double seconds = 0.0;
+  };
+  void count(double until, std::span<const char> on);
+
+  const std::vector<std::string>& ports_;
+  engine::EventWatcher* next_;
+  std::vector<Part> parts_;
+  double time_ = 0.0;
+};
+
+}  // namespace pwlsim::analysis
