@@ -20,6 +20,13 @@ Matrix guards_of_state(const Mode& mode) {
   return rows;
 }
 
+/// A row that is no larger, and has no digit in common with that at another shift, is zero: that of a port that blocks, or of a control, the current of an inductor behind
+/// diodes that block, say.
+double rounding_of_zero(const System& system, const Mode& mode, int row) {
+  if (row < system.diodes) return mode.active.contains(row) ? 0.0 : tolerance::guard_row_rounding * system.c.row(row).norm();
+  return tolerance::row_entry * system.controls[static_cast<std::size_t>(row - system.diodes) / 2].value.state.norm();
+}
+
 /// The row is zero: the port is indeterminate.
 void leave_out_guard(Mode& mode, Eigen::Index row) {
   for (Matrix* m : {&mode.guards, &mode.absolute_guards, &mode.guard_block_norm}) m->row(row).setZero();
@@ -37,8 +44,7 @@ void measure_guard_noise(const System& system, Mode& mode, const Matrix& other) 
   for (int i = 0; i < error.size(); ++i) {
     const double norm = mode.guard_norm[i];
     if (norm == 0.0) continue;
-    const bool is_blocking = i < system.diodes && !mode.active.contains(i);
-    if (is_blocking && error[i] >= norm && norm <= tolerance::guard_row_rounding * system.c.row(i).norm())
+    if (error[i] >= norm && norm <= rounding_of_zero(system, mode, i))
       leave_out_guard(mode, i);
     else
       mode.guard_noise[i] = std::clamp(error[i] / norm, mode.noise, tolerance::largest_guard_noise);

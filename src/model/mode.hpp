@@ -28,6 +28,7 @@ struct Decays {
   Vector time_constants;    ///< T_k, s; 0: a jump
   Matrix coordinates;       ///< ψ = coordinates·x (r × size)
   Matrix guards;            ///< what ψ adds to each guard (guards × r)
+  Matrix guard_doubt;       ///< what rounding of its terms may make of each of these
   Vector guard_rounding;    ///< of the sum, which is the guard in the mode itself, for a state of norm 1
   double rate_doubt = 0.0;  ///< what rounding of A may make of the slow rates, 1/s
 };

@@ -25,8 +25,9 @@ using linalg::WideElimination;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-/// Ratio of neighbouring rates that makes a cut.
-constexpr double gap = 1e4;
+/// Ratio of neighbouring rates that makes a cut, and where none is as large. At a hundred, what the slow motion does while the decays last hides an event (a boost rectifier's
+/// diode, from rest).
+constexpr double gap = 1e4, least_gap = 1e3;
 /// −Re λ/|λ| of a plain decay.
 constexpr double least_damping = 0.999;
 /// Of the first shift: another one, at which rounding is another.
@@ -45,15 +46,20 @@ struct Cut {
   double slow_rate = 0.0, fast_rate = 0.0;
 };
 
-Cut find_cut(const System& system, const Rates& rates, double longest) {
+Cut find_cut_of(const System& system, const Rates& rates, double longest, double ratio) {
   Cut cut;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const double rate = std::abs(rates[i]);
     if (!(rate * longest > 1.0) || !(-rates[i].real() > least_damping * rate)) break;
     const double next = std::max(i + 1 < rates.size() ? std::abs(rates[i + 1]) : 0.0, system.exosystem->fastest());
-    if (rate > gap * next) cut = {static_cast<Index>(i) + 1, next, rate};
+    if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate};
   }
   return cut;
+}
+
+Cut find_cut(const System& system, const Rates& rates, double longest) {
+  const Cut cut = find_cut_of(system, rates, longest, gap);
+  return cut.fast > 0 ? cut : find_cut_of(system, rates, longest, least_gap);
 }
 
 /// Powers of two s with s_i |m_ij| s_j about one at most, in each row and column.

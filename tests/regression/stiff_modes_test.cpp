@@ -85,3 +85,43 @@ TEST_CASE("the current of a half-wave rectifier falls to the leak of Roff at its
           (conducts ? 1e-12 * vm / z : 1e-9 * vm * leak + 1e-6 * vm * leak * w * l / std::stod(off) * 1e6) + 1e-15);
   }
 }
+
+// Rates of 10^13 and 4·10^12 1/s beside 8·10^8 1/s and a ring of 10^5 rad/s: nothing is 10^4 times faster than the next. It ran without end.
+TEST_CASE("decays a few thousand times faster than the rest are split off, too", "[regression]") {
+  const std::string deck = R"(forward converter with a duty limit
+.model SX SW(Ron=0 Roff=1Meg Vt=0.5)
+.model DX D(Ron=0 Roff=10Meg Vfwd=0)
+Vin in 0 12
+L7 in L7m 1m
+RL7 L7m dr 5m
+S1 dr 0 q 0 SX
+Lr 0 rr 1m
+Dr rr in DX
+Ls sec 0 1m
+D3 sec sw DX
+D2 0 sw DX
+L1 sw L1m 4.7u
+RL1 L1m out 5m
+C1 out 0 22u
+K1 L7 Lr -0.999
+K2 L7 Ls 0.999
+K3 Lr Ls -0.999
+R1 out 0 20
+Istep out 0 PULSE(0 0.15 0.0001015 1n 1n 1 2)
+Bis is 0 V=i(L1)
+Vr rf 0 3.70833
+Bcr cr 0 V={if(v(is)>v(rf),1,0)}
+Vck ck 0 PULSE(0 1 5e-07 1n 1n 5e-08 5e-06)
+Vdm dm 0 PULSE(0 1 3.5e-06 1n 1n 1e-06 5e-06)
+Aor cr dm 0 0 0 0 rs 0 OR
+Ad0 ck rs 0 0 0 0 d0 0 SRFLOP
+Eq q 0 d0 0 1
+.tran 5.01585e-07 0.0002 uic
+.save v(out) i(L1)
+.end
+)";
+  const DeckRun run = run_text(deck);
+  REQUIRE(run.answer.outcome == Outcome::completed);
+  CHECK(run.answer.statistics.steps < 100'000);
+  CHECK(largest_difference(run, run_text_sparse(deck, 1e-7)) < 1e-4);
+}

@@ -23,10 +23,11 @@ constexpr int series_in_turn = 16, bounds_in_turn = 64;
 constexpr std::uint64_t intervals_before_sampling = 20000;
 constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
+constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
 
 bool has_to_sample(const Segment& s, double end) {
-  if (s.intervals > intervals_of_patience) return true;
+  if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
 
@@ -70,18 +71,23 @@ void Locator::prepare(Segment& s) {
     derivatives_.resize((series_order + 2) * ny);
   }
   if (rows <= g_.size()) return;
-  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_}) v->resize(rows);
+  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_}) v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
 }
 
 /// ‖c^{(order)}‖ and the blocks' part of the bound K_order, for an interval of length h.
 Locator::Bound Locator::bound_of(const Segment& s, int order, const double* derivative, double h) {
-  const Mode& m = *s.mode;
-  const auto& blocks = s.system->exosystem->blocks();
+  if (!s.decays.empty()) bound_decays(s, order, h);
+  return bound_in(*s.mode, *s.system->exosystem, order, derivative, s.y.data() + s.mode->n1, h);
+}
+
+Locator::Bound Locator::bound_in(const Mode& m, const model::Exosystem& sources, int order, const double* derivative, const double* zeta,
+                                 double h) {
+  const auto& blocks = sources.blocks();
   Bound b;
   block_bound_.resize(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const double value = blocks[i].derivative_bound(s.y.data() + m.n1, order, h);
+    const double value = blocks[i].derivative_bound(zeta, order, h);
     block_bound_[i] = value;
     b.sources |= value != 0.0;
     b.inputs += h * value * m.input_block_norm[static_cast<Eigen::Index>(i)];
@@ -100,8 +106,7 @@ void Locator::bound_state(const Mode& m, Bound& b) {
   b.scaled_state = b.scaled_growth * (norm_of(m.n1, b.reads, [&](int i) { return b.derivative[i] / m.scale[i]; }) + b.scaled_inputs);
 }
 
-double Locator::bound_at(const Segment& s, Bound& b, int row) const {
-  const Mode& m = *s.mode;
+double Locator::bound_in_at(const Mode& m, Bound& b, int row) const {
   if (!m.guard_reads.empty() && m.guard_reads[static_cast<std::size_t>(row)] != b.reads) {
     b.reads = m.guard_reads[static_cast<std::size_t>(row)];
     bound_state(m, b);
@@ -111,6 +116,19 @@ double Locator::bound_at(const Segment& s, Bound& b, int row) const {
   if (b.sources)
     for (std::size_t i = 0; i < block_bound_.size(); ++i) value += m.guard_block_norm(row, static_cast<Eigen::Index>(i)) * block_bound_[i];
   return value;
+}
+
+double Locator::bound_at(const Segment& s, Bound& b, int row) {
+  const double value = bound_in_at(*s.mode, b, row);
+  if (s.decays.empty()) return value;
+  double by_decays = bound_in_at(*s.mode->slow, slow_bound_, row);
+  const model::Matrix& weights = s.mode->slow->decays->guards;
+  const model::Matrix& doubt = s.mode->slow->decays->guard_doubt;
+  for (std::size_t k = 0; k < decay_bound_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    by_decays += (std::abs(weights(row, column)) + doubt(row, column)) * decay_bound_[k];
+  }
+  return std::min(value, by_decays);
 }
 
 /// First and second derivatives at the interval's start.
@@ -125,6 +143,7 @@ void Locator::derive(const Segment& s) {
     gd_[i] = linalg::row_times(m.guards, s.rows[i], d + ny);
     g2_[i] = linalg::row_times(m.guards, s.rows[i], d + 2 * ny);
   }
+  if (!s.decays.empty()) derive_with_decays(s);
 }
 
 /// K_2 of every guard for length h.
@@ -170,9 +189,11 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const double k2 = k2_[i];
   const double g = g_[i];
   const double ge = ge_[i];
-  if (g > 0.0 && g + std::min(gd_[i], 0.0) * h - 0.5 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
+  const double doubt = s.decays.empty() ? 0.0 : slope_doubt_[i];
+  if (g > 0.0 && g + std::min(gd_[i] - doubt, 0.0) * h - 0.5 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
   if (g > 0.0 && ge > 0.0 && std::min(g, ge) - 0.125 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
-  if (g > 0.0 && ge <= 0.0 && gd_[i] < -k2 * h) return {Verdict::one_root, h};
+  if (g > 0.0 && ge <= 0.0 && gd_[i] + doubt < -k2 * h) return {Verdict::one_root, h};
+  if (!s.decays.empty()) return {Verdict::undecided, 0.0};
   linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
   Bound third = bound_of(s, 3, a1_.data(), h);
   const double k3 = bound_at(s, third, s.rows[i]);
@@ -227,6 +248,7 @@ double Locator::parabola_root(std::size_t i) const {
 
 /// The one root of guard i (where it is −`below`) in (lower, upper). Leaves the state there in at_.
 double Locator::find_root(const Segment& s, std::size_t i, double lower, double upper, double guess, double below) {
+  if (!s.decays.empty()) return root_by_values(s, i, lower, upper, below);
   double at = guess;
   if (!(at > lower && at < upper)) at = 0.5 * (lower + upper);
   state_at(s, at, at_.data());
@@ -319,6 +341,13 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   ++s.intervals;
   end_values(s, h);
   decided = true;
+  if (!s.decays.empty() && !decays_hold(s, h)) {
+    s.decays.clear();
+    s.decays_fail = true;
+    derive(s);
+    decided = false;
+    return false;
+  }
   double first = INFINITY, below = 0.0;
   std::size_t first_index = 0;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
@@ -340,7 +369,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   }
   if (!(first < INFINITY)) return false;
   double tau = s.tau + first;
-  if (below == 0.0) polish(s, s.rows[first_index], tau);
+  if (below == 0.0 && s.decays.empty()) polish(s, s.rows[first_index], tau);
   end_at_event(s, first_index, tau, end, located);
   return true;
 }
@@ -435,6 +464,7 @@ void Locator::locate(Segment& s, double end, Located& located) {
     return;
   }
   prepare(s);
+  if (s.is_brief && s.decays.empty()) take_decays(s);
   march(s, end, located);
 }
 
@@ -445,6 +475,10 @@ void Locator::march(Segment& s, double end, Located& located) {
   int series_intervals = 0;
   while (s.certified < end) {
     derive(s);
+    if (!s.decays.empty()) {
+      if (march_by_bounds(s, end, shortest, located)) return;
+      continue;
+    }
     if (look_ahead(s, end, located)) return;
     const Progress progress = has_to_sample(s, end) ? Progress::none : search_modal_form(s, end, shortest, located);
     if (progress == Progress::to_end) return;

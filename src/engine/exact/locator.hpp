@@ -29,7 +29,10 @@ struct Segment {
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
   bool is_brief = false;  ///< as long as fast decays last: it may be shorter than the rounding of the anchor
-  double tau = 0.0;       ///< marched so far; y is the state there
+  /// Of such a one, ψ_k at the anchor (model::Decays), then what rounding may add to each; empty: not known yet, or there are none.
+  std::vector<double> decays;
+  bool decays_fail = false;  ///< they do not describe the guards
+  double tau = 0.0;          ///< marched so far; y is the state there
   std::vector<double> y;
   double certified = 0.0;            ///< no guard falls below zero before
   std::uint64_t intervals = 0;       ///< examined so far
@@ -74,8 +77,17 @@ class Locator {
     bool sources = false;                             ///< block_bound_ holds something
   };
   static void bound_state(const model::Mode& mode, Bound& bound);
+  Bound bound_in(const model::Mode& mode, const model::Exosystem& sources, int order, const double* derivative, const double* zeta,
+                 double h);
+  [[nodiscard]] double bound_in_at(const model::Mode& mode, Bound& bound, int row) const;
   Bound bound_of(const Segment& segment, int order, const double* derivative, double h);
-  [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row) const;
+  [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row);
+  void take_decays(Segment& segment);
+  void derive_with_decays(const Segment& segment);
+  double root_by_values(const Segment& segment, std::size_t i, double lower, double upper, double below);
+  void take_slow_state(const Segment& segment, const double* y);
+  bool decays_hold(const Segment& segment, double h);
+  void bound_decays(const Segment& segment, int order, double h);
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);
   void narrow_bends(const Segment& segment, double h);
@@ -135,6 +147,10 @@ class Locator {
   std::vector<double> derivatives_;             ///< A^j y at the interval's start, j = 0 … order + 1
   std::vector<double> guard_derivatives_;       ///< rows × (order + 1)
   std::vector<double> block_bound_;
+  Bound slow_bound_;                 ///< of the slow motion beside decays
+  std::vector<double> slope_doubt_;  ///< what rounding of the decays' weights may add to the guards' slopes
+  std::vector<double> decay_bound_;  ///< of the derivative of each decay; empty: the mode has none
+  std::vector<double> whole_state_, slow_derivative_, slow_next_;
   ModalSearch modal_search_;
   std::vector<ModalSearch::Guard> modal_guards_;
   std::uint64_t intervals_ = 0, sampled_ = 0;

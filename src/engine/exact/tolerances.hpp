@@ -10,6 +10,9 @@ using model::tolerance::unit_rounding;
 
 // Times
 
+/// Of: the terms of a guard, as a sum of the slow motion and of decays.
+/// Why: the square root of rounding and some digits: a larger difference means that the decays are not those of the state.
+inline constexpr double decay_mismatch = 1e-6;
 /// Of: the length of the run.
 /// Why: 45 units of rounding of its times: breakpoints and crossings that are closer are one instant.
 inline constexpr double merge = 1e-14;
