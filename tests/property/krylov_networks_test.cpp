@@ -53,6 +53,23 @@ Outcome run_both(const RandomNetwork& network) {
   return {apart <= agreement ? Kind::agrees : Kind::silent, "differs by " + Catch::StringMaker<double>::convert(apart)};
 }
 
+/// `allowed`: so many may end in an error.
+void check_networks(const std::string& name, int first, int count, int allowed) {
+  const Family& f = family(name);
+  int named = 0, silent = 0;
+  std::string failures;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(first + i);
+    const Outcome outcome = run_both(make_random_network(seed, f.recipe));
+    if (outcome.kind == Kind::agrees) continue;
+    ++(outcome.kind == Kind::named ? named : silent);
+    failures += "\n  " + std::to_string(seed) + (outcome.kind == Kind::silent ? ", silent: " : ": ") + outcome.what;
+  }
+  INFO(name << ": " << count - named - silent << " agree, " << named << " end in an error, " << silent << " are wrong without one" << failures);
+  CHECK(silent == 0);
+  CHECK(named <= allowed);
+}
+
 }  // namespace
 
 TEST_CASE("random networks by Krylov segments agree with the exact engine, or end in an error", "[property]") {
@@ -60,18 +77,5 @@ TEST_CASE("random networks by Krylov segments agree with the exact engine, or en
   static const std::map<std::string, int> most_named{{"all parts", 1},   {"no sources", 1}, {"little resistance", 3},
                                                      {"many diodes", 1}, {"floating", 5},   {"up to twelve ports", 4}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
-  const Family& f = family(name);
-  int named = 0, silent = 0;
-  std::string failures;
-  for (int i = 0; i < networks; ++i) {
-    const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(i);
-    const Outcome outcome = run_both(make_random_network(seed, f.recipe));
-    if (outcome.kind == Kind::agrees) continue;
-    ++(outcome.kind == Kind::named ? named : silent);
-    failures += "\n  " + std::to_string(seed) + (outcome.kind == Kind::silent ? ", silent: " : ": ") + outcome.what;
-  }
-  INFO(name << ": " << networks - named - silent << " agree, " << named << " end in an error, " << silent << " are wrong without one"
-            << failures);
-  CHECK(silent == 0);
-  CHECK(named <= allowed);
+  check_networks(name, 0, networks, allowed);
 }

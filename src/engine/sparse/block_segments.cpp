@@ -251,6 +251,7 @@ bool Block::begin_segment() {
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_;
+  ties_->note_input_terms(segment_->input_terms());
   const bool is_found = find_segment(beginning, instant);
   passing_ = -1;
   if (!is_found) return false;

@@ -48,13 +48,15 @@ struct Form {
     for (const Part& part : parts) start += part.coefficient * x[part.index];
     return start;
   }
+  [[nodiscard]] static double size_of(const std::vector<Part>& parts, const double* x) {
+    double size = 0.0;
+    for (const Part& part : parts) size += std::abs(part.coefficient * x[part.index]);
+    return size;
+  }
   [[nodiscard]] double value(const double* unknowns, const double* sources) const { return sum(w, sources, sum(z, unknowns, constant)); }
   /// Sum of the magnitudes of its terms.
   [[nodiscard]] double size(const double* unknowns, const double* sources) const {
-    double result = std::abs(constant);
-    for (const Part& part : z) result += std::abs(part.coefficient * unknowns[part.index]);
-    for (const Part& part : w) result += std::abs(part.coefficient * sources[part.index]);
-    return result;
+    return std::abs(constant) + size_of(z, unknowns) + size_of(w, sources);
   }
 };
 
@@ -145,6 +147,8 @@ class Descriptor {
   void conduct_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes); }
   /// Rows of E that hold anything.
   [[nodiscard]] std::vector<char> differential_rows() const;
+  /// The diagonal of E.
+  [[nodiscard]] std::vector<double> memory_diagonal() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
   /// What every state measures of z.

@@ -111,7 +111,10 @@ bool ExactSegment::is_cut_within(const std::vector<double>& error) {
 /// It may serve for longer than it was made for.
 void ExactSegment::stretch(double longest, double shift) {
   longest = std::min(longest, std::max(length_, most_stretch / shift));
-  if (space_.is_full() && estimate_ <= tolerance_ * size_) length_ = longest;
+  if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
+    length_ = longest;
+    (void)space_.estimate(length_);  // for its reach
+  }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
     const std::vector<double>& error = space_.estimate(longer);

@@ -50,6 +50,9 @@ class ExactSegment {
   /// Ports that are on and carry nothing.
   [[nodiscard]] const std::vector<int>& idle_ports() const { return idle_; }
 
+  /// What the largest input of the segment is a sum of, volts.
+  [[nodiscard]] double input_terms() const { return input_terms_; }
+
   struct Passage {
     bool found = false;
     double tau = 0.0;

@@ -13,6 +13,14 @@ FloatingSets::FloatingSets(const model::Network& network) {
   DisjointSets sets(nodes + 1);
   for (const auto& c : network.capacitors) sets.join(c.p + 1, c.n + 1);
   for (int node = 0; node < nodes; ++node) set_.push_back(sets.find(node + 1) - 1);
+  std::vector<NodeIndex> row_of(set_.size(), ground);
+  for (const auto& branch : network.branches)
+    for (const NodeIndex node : {branch.p, branch.n}) {
+      const int set = node == ground ? ground : set_[static_cast<std::size_t>(node)];
+      if (set != ground && row_of[static_cast<std::size_t>(set)] == ground) row_of[static_cast<std::size_t>(set)] = node;
+    }
+  for (int& set : set_)
+    if (set != ground && row_of[static_cast<std::size_t>(set)] != ground) set = row_of[static_cast<std::size_t>(set)];
 }
 
 std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) const {

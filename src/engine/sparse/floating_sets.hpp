@@ -1,6 +1,9 @@
 #pragma once
-/// Sets of nodes that only capacitors join, with nothing of them at ground: their leaks drown beside C/h in each node's own equation. The row of such a set's
-/// first node holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count.
+/// Sets of nodes that only capacitors join, with nothing of them at ground: their leaks drown beside C/h in each node's own equation. The row of one node of such
+/// a set holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count.
+///
+/// That row has an entry for all that leaves the set, and must not become a pivot early. It is that of a node at a voltage source, if there is one: the source's
+/// current is in no other row of the set, so that the row is eliminated with it (a block of its own where the source's other end is ground).
 
 #include <cstddef>
 #include <vector>
@@ -23,7 +26,7 @@ class FloatingSets {
   [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
 
  private:
-  std::vector<int> set_;  ///< node -> first node of its set, ground: none
+  std::vector<int> set_;  ///< node -> the node whose row holds the law of its set, ground: none
 };
 
 }  // namespace pwlsim::engine::sparse

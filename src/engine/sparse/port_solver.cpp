@@ -274,6 +274,7 @@ Solved PortSolver::found(const Stage& stage, const Position& on, const std::vect
 Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z) {
   std::unordered_set<std::size_t> visited;
   repeated_ = false;
+  std::size_t fewest = on.size() + 1;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     repeated_ = !visited.insert(hash_of(on)).second;
     if (repeated_) break;
@@ -281,6 +282,8 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
     const std::vector<int> wrong = violated(stage, on, z, tolerance);
     if (wrong.empty()) return found(stage, on, z);
     dispute(wrong);
+    if (stage.disputed != nullptr && wrong.size() >= fewest && !repeated_ && passive_ && disputed_.size() > few_disputed) break;
+    fewest = std::min(fewest, wrong.size());
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
   }
   contradicted_ = false;
