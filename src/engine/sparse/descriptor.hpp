@@ -93,6 +93,11 @@ struct State {
     if (!current.empty()) return Form::sum(current, z);
     return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0);
   }
+  /// Sum of the magnitudes that the value is a sum of.
+  [[nodiscard]] double size(const double* z) const {
+    if (!current.empty()) return Form::size_of(current, z);
+    return (plus >= 0 ? std::abs(z[plus]) : 0.0) + (minus >= 0 ? std::abs(z[minus]) : 0.0);
+  }
 };
 
 class Descriptor {
@@ -145,6 +150,8 @@ class Descriptor {
   void add_constants(double factor, double* k) const;
   /// |G| |z|
   void conduct_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes); }
+  /// |E| |z|
+  void memory_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(memory_.pattern, memory_.values, z, sizes); }
   /// Rows of E that hold anything.
   [[nodiscard]] std::vector<char> differential_rows() const;
   /// The diagonal of E.
@@ -172,6 +179,10 @@ class Descriptor {
   [[nodiscard]] std::string unknown_name(int index) const;
   /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set.
   [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const { return sets_.product(a, y); }
+  /// What it is at most, y being sizes.
+  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
+    return sets_.largest_product(a, y);
+  }
 
  private:
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;

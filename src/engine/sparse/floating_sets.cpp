@@ -1,5 +1,7 @@
 #include "engine/sparse/floating_sets.hpp"
 
+#include <cmath>
+
 #include "base/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -35,13 +37,21 @@ std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) cons
   return result;
 }
 
+double FloatingSets::weight(const std::vector<double>& a, std::size_t i) const {
+  const int set = i < set_.size() ? set_[i] : ground;
+  const bool is_of_node = set != ground && set != static_cast<int>(i);
+  return is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i];
+}
+
 double FloatingSets::product(const std::vector<double>& a, const std::vector<double>& y) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const int set = i < set_.size() ? set_[i] : ground;
-    const bool is_of_node = set != ground && set != static_cast<int>(i);
-    sum += (is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i]) * y[i];
-  }
+  for (std::size_t i = 0; i < y.size(); ++i) sum += weight(a, i) * y[i];
+  return sum;
+}
+
+double FloatingSets::largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) sum += std::abs(weight(a, i) * y[i]);
   return sum;
 }
 

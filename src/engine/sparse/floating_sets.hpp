@@ -24,8 +24,13 @@ class FloatingSets {
   [[nodiscard]] std::vector<Cut> cuts(model::NodeIndex p, model::NodeIndex n) const;
   /// aᵀ y with y in rows as these, as if no row were that of a set.
   [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
+  /// The most it can be where y has any signs.
+  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const;
 
  private:
+  /// What y_i counts with.
+  [[nodiscard]] double weight(const std::vector<double>& a, std::size_t i) const;
+
   std::vector<int> set_;  ///< node -> the node whose row holds the law of its set, ground: none
 };
 

@@ -22,7 +22,9 @@ class TieSelector {
         exosystem_(exosystem),
         change_(descriptor, exosystem),
         solver_(descriptor, factors, 0.0),
-        differential_(descriptor.differential_rows()) {}
+        differential_(descriptor.differential_rows()) {
+    solver_.judge_by_rows();
+  }
 
   /// What counts as zero is measured against this voltage at least.
   void note_voltage(double voltage) { least_ = voltage; }
