@@ -74,7 +74,7 @@ def line(name, sizes, options):
             if options.no_ngspice:
                 cells.append("")
                 continue
-            seconds, error = measure.run_ngspice(name, sizes, ron, reltol, folder, reference)
+            seconds, error = measure.run_ngspice(name, sizes, ron, reltol, folder, reference, options.limit)
             cells.append(f"{1e3 * seconds:.3g} ({error:.0e})" if seconds else str(error).split(";")[0])
         return f"| {name} {' '.join(map(str, sizes))} | " + " | ".join(cells) + " |"
 
@@ -88,7 +88,7 @@ def main():
     options = parser.parse_args()
     print("# Large circuits: error against time\n")
     print("Milliseconds of the simulation, and in brackets the largest error of a saved signal, relative to its largest value, against the reference. Circuits:")
-    print("`validation/large/circuits.py`. Made by `validation/large/precision.py`; times are of one machine that does other things as well. ngspice has diodes")
+    print("`validation/large/circuits.py`. Made by `validation/large/precision.py`; times are of a machine that did four other things as well, some three times what they are otherwise: they compare within a row. ngspice has diodes")
     print("with Ron = 1 mΩ; its columns are for `reltol` 1e-3 and 1e-4.\n")
     print("| circuit | reference | exact | krylov | sparse 1e-3 | sparse 1e-4 | sparse 1e-6 | ngspice 1e-3 | ngspice 1e-4 |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
