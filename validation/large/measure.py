@@ -82,19 +82,19 @@ def ngspice_deck(name, sizes, ron, reltol, output):
     step = re.search(r"^\.tran (\S+)", text, re.M).group(1)
     control = [f".options reltol={reltol:g}", ".control", "set wr_singlescale", "set numdgt=10", "run", "rusage time", "linearize",
                f"wrdata {output} {' '.join(signals)}", ".endc", ".end", ""]
-    return text.replace("\n.end\n", "\n" + "\n".join(control)), signals, float(step)
+    return text.replace("\n.end\n", "\n" + "\n".join(control)), signals, step
 
 
-def run_ngspice(name, sizes, ron, reltol, folder, reference):
+def run_ngspice(name, sizes, ron, reltol, folder, reference, limit=300.0):
     output = os.path.join(folder, "ng.txt")
     if os.path.exists(output):
         os.remove(output)
     text, _, _ = ngspice_deck(name, sizes, ron, reltol, output)
     deck = write(folder, "ng.cir", text)
     try:
-        done = subprocess.run(["ngspice", "-b", deck], capture_output=True, text=True, timeout=300)
+        done = subprocess.run(["ngspice", "-b", deck], capture_output=True, text=True, timeout=limit)
     except subprocess.TimeoutExpired:
-        return None, "over 300 s"
+        return None, f"over {limit:g} s"
     log = done.stdout + done.stderr
     found = re.search(r"Total analysis time \(seconds\) = (\S+)", log)
     failure = re.search(r"(Timestep too small[^;]*|singular matrix[^\n]*)", log)

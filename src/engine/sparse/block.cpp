@@ -62,7 +62,7 @@ Block::Block(const Part& part, const Request& request, double reltol, Method met
       ports_(descriptor_, factors_, scale_of_sources(part.island.network, part.descriptor, method)),
       sources_(part.island.network),
       stepper_(descriptor_, ports_, sources_),
-      scale_(descriptor_, scale_of_sources(part.island.network, part.descriptor, method)),
+      scale_(descriptor_, scale_of_sources(part.island.network, part.descriptor, method), method == Method::steps),
       controls_(controls_of(part.island.network, descriptor_)),
       gates_(part.gates),
       thresholds_(part.watched, request.stop),
@@ -78,6 +78,7 @@ Block::Block(const Part& part, const Request& request, double reltol, Method met
     segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop);
     ties_ = std::make_unique<TieSelector>(descriptor_, factors_, sources_.exosystem());
     factors_.factor_each();
+    ports_.judge_by_rows();
   }
   signal_scale_.assign(signals_.size(), 0.0);
   signals_before_.assign(signals_.size(), 0.0);

@@ -165,6 +165,7 @@ class Block {
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] bool take_jump(Instant& instant);
+  [[nodiscard]] Sought jump_by_step(const Point& step, double h);
   [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
   [[nodiscard]] bool is_continuous();
   [[nodiscard]] bool share_freely();
@@ -210,7 +211,7 @@ class Block {
   int passing_ = -1;                       ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;                  ///< before the instant that is due
-  std::unordered_set<std::string> unshared_;  ///< positions in which ports that are free to conduct would carry nothing
+  std::unordered_set<std::string> unshared_;  ///< positions, with what carries nothing in them, in which ports that are free to conduct would not either
   Trial trial_, free_;
   Point first_, second_, third_;  ///< of the Euler steps of an instant
   std::vector<double> w_, signals_before_, impulses_;

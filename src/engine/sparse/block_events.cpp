@@ -33,6 +33,7 @@ constexpr double shrinking = 0.25;       ///< of what longer steps saw: what sho
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
 constexpr double crowd_fraction = 1e-9;
+constexpr double share_of_node = 1e-6;  ///< a capacitor's voltage is no smaller beside those of nodes
 
 /// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of the others is of the third order.
 int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::log2(std::pow(reltol, 1.0 / 6.0)))); }
@@ -203,11 +204,16 @@ bool Block::settle(double h, Instant& instant, Point& first) {
   return false;
 }
 
-/// max over the states of their distance from those before the instant, relative to their size.
+/// max over the states of their distance from those before the instant, relative to their size. Segments have no tolerance in which the rounding of what nodes
+/// have at the moment disappears.
 double Block::difference(const std::vector<double>& states, const std::vector<double>& z) const {
+  const double rounding = segment_ ? share_of_node * ports_.largest_voltage(z) : 0.0;
   double worst = 0.0;
-  for (std::size_t i = 0; i < states.size(); ++i)
-    worst = std::max(worst, std::abs(descriptor_.states()[i].measure(z.data()) - states[i]) / scale_.size(i, z));
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const State& state = descriptor_.states()[i];
+    const double size = std::max(scale_.size(i, z), state.is_current ? 0.0 : rounding);
+    worst = std::max(worst, std::abs(state.measure(z.data()) - states[i]) / size);
+  }
   return worst;
 }
 

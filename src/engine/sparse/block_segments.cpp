@@ -35,6 +35,7 @@ constexpr std::array<Relaxation, 5> relaxations{{{1.0, false}, {1.0, true}, {30.
 constexpr double least_share_of_scale = 1e-3;  ///< states of that size are not small
 /// Of the run: a segment so short moved nothing.
 constexpr double no_time = 1e-13;
+constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
 constexpr double signal_rounding = 1e-12;
 constexpr double shortest_piece = 1e-12;  ///< of the segment
 constexpr std::size_t last_coefficients = 3;
@@ -77,6 +78,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   const auto opened = open_segment(first_.on);
   if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
   if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
+  if (opened == ExactSegment::Opened::unresolved) return jump_by_step(Point(first_), h);
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
@@ -87,6 +89,18 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   return settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous())
              ? Sought::found
              : Sought::not_found;
+}
+
+/// Where impulses leave no digits in a segment that begins before the jump.
+Block::Sought Block::jump_by_step(const Point& step, double h) {
+  const double longest = std::max(room(), break_tolerance_);
+  const double length = segment_->step(factors_, {point_.time, step.on, point_.z, start_memory_, longest}, first_.z);
+  if (length == 0.0 || !(difference(states_, first_.z) > least_jump)) return Sought::not_found;
+  const std::vector<double> none;
+  if (segment_->open(factors_, {point_.time, step.on, first_.z, none, longest, length}) != ExactSegment::Opened::yes)
+    return Sought::not_found;
+  if (!segment_->take_back(length, first_.z)) return Sought::not_found;
+  return take_step_of_jump(step, h);
 }
 
 /// The run stands after a jump, in the position of it; what flows there is to be found.
@@ -159,15 +173,25 @@ bool Block::share_freely() {
   Position shared = on;
   for (const int port : segment_->free_ports()) shared[static_cast<std::size_t>(port)] = 1;
   descriptor_.hold_blocked(shared);
-  if (shared == on || unshared_.contains({on.begin(), on.end()})) return true;
-  const std::vector<int> free = segment_->free_ports();
-  const bool fits = open_segment(shared) == ExactSegment::Opened::yes && segment_->negative().empty() && is_continuous();
-  const std::vector<int>& idle = fits ? segment_->idle_ports() : free;
-  if (!std::includes(idle.begin(), idle.end(), free.begin(), free.end())) {
+  std::string flows(on.begin(), on.end());  // what others that carry nothing could share, they may carry the next time
+  for (const int port : segment_->idle_ports()) flows[static_cast<std::size_t>(port)] = idle_mark;
+  if (shared == on || unshared_.contains(flows)) return true;
+  std::vector<int> free = segment_->free_ports();
+  bool fits = false;
+  while (!fits && !free.empty()) {
+    if (open_segment(shared) != ExactSegment::Opened::yes || !is_continuous()) break;
+    fits = segment_->negative().empty();
+    const std::size_t before = free.size();
+    for (const int guard : segment_->negative())  // backwards: another loop than that of those that carry something
+      if (std::erase(free, guard) > 0) shared[static_cast<std::size_t>(guard)] = 0;
+    if (!fits && free.size() == before) break;
+  }
+  const std::vector<int>& idle = segment_->idle_ports();
+  if (fits && !std::includes(idle.begin(), idle.end(), free.begin(), free.end())) {
     point_.on = shared;
     return true;
   }
-  if (fits) unshared_.emplace(on.begin(), on.end());
+  if (fits || free.empty()) unshared_.insert(std::move(flows));
   return open_segment(on) == ExactSegment::Opened::yes;
 }
 
@@ -251,6 +275,7 @@ bool Block::begin_segment() {
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_;
+  ties_->note_input_terms(segment_->input_terms());
   const bool is_found = find_segment(beginning, instant);
   passing_ = -1;
   if (!is_found) return false;

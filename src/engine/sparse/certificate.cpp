@@ -49,7 +49,9 @@ void CertificateRecorder::add_rows(const Point& point, double rate) {
   }
   if (rate == 0.0) return;
   descriptor_.memory(point.z.data(), rates_.data());
-  for (std::size_t i = 0; i < n; ++i) size_[i] = std::max(size_[i], rate * std::abs(rates_[i]));
+  const double twice_energy = std::max(descriptor_.product(point.z, rates_), 0.0);
+  for (std::size_t i = 0; i < n; ++i)
+    size_[i] = std::max({size_[i], rate * std::abs(rates_[i]), rate * std::sqrt(std::max(stores_[i], 0.0) * twice_energy)});
 }
 
 /// Of the largest voltage and the largest other unknown of a point, in volts.

@@ -13,12 +13,13 @@ namespace pwlsim::engine::sparse {
 ///    its local error.
 class CertificateRecorder {
  public:
-  explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor) {}
+  explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor), stores_(descriptor.memory_diagonal()) {}
   /// From now on ports and rows at zero may be so to rounding: of the largest unknowns, and of this voltage.
   void allow_rounding(double least) { least_ = least; }
   /// A step of TR-BDF2, of which the part up to `reached` was used.
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
-  /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it.
+  /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
+  /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
   void add_point(const Point& point, const PortSolver& ports, double rate = 0.0);
   /// A segment's error by its own estimate, of the largest √energy: what its energy is off by at most.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
@@ -36,6 +37,7 @@ class CertificateRecorder {
   [[nodiscard]] double energy(const Point& point);
 
   const Descriptor& descriptor_;
+  std::vector<double> stores_;
   std::vector<double> residual_, size_, rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
   double voltage_ = 0.0, least_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest

@@ -419,6 +419,14 @@ std::vector<char> Descriptor::differential_rows() const {
   return result;
 }
 
+std::vector<double> Descriptor::memory_diagonal() const {
+  std::vector<double> result(static_cast<std::size_t>(size_), 0.0);
+  for (std::size_t j = 0; j < result.size(); ++j)
+    for (int e = memory_.pattern.start[j]; e < memory_.pattern.start[j + 1]; ++e)
+      if (memory_.pattern.row[static_cast<std::size_t>(e)] == static_cast<int>(j)) result[j] += memory_.values[static_cast<std::size_t>(e)];
+  return result;
+}
+
 void Descriptor::add_sources(const double* w, double* k) const {
   for (const SourceEntry& entry : sources_) k[entry.row] -= entry.coefficient * w[entry.source];
 }

@@ -48,13 +48,15 @@ struct Form {
     for (const Part& part : parts) start += part.coefficient * x[part.index];
     return start;
   }
+  [[nodiscard]] static double size_of(const std::vector<Part>& parts, const double* x) {
+    double size = 0.0;
+    for (const Part& part : parts) size += std::abs(part.coefficient * x[part.index]);
+    return size;
+  }
   [[nodiscard]] double value(const double* unknowns, const double* sources) const { return sum(w, sources, sum(z, unknowns, constant)); }
   /// Sum of the magnitudes of its terms.
   [[nodiscard]] double size(const double* unknowns, const double* sources) const {
-    double result = std::abs(constant);
-    for (const Part& part : z) result += std::abs(part.coefficient * unknowns[part.index]);
-    for (const Part& part : w) result += std::abs(part.coefficient * sources[part.index]);
-    return result;
+    return std::abs(constant) + size_of(z, unknowns) + size_of(w, sources);
   }
 };
 
@@ -90,6 +92,11 @@ struct State {
   [[nodiscard]] double value(const double* z) const {
     if (!current.empty()) return Form::sum(current, z);
     return (plus >= 0 ? z[plus] : 0.0) - (minus >= 0 ? z[minus] : 0.0);
+  }
+  /// Sum of the magnitudes that the value is a sum of.
+  [[nodiscard]] double size(const double* z) const {
+    if (!current.empty()) return Form::size_of(current, z);
+    return (plus >= 0 ? std::abs(z[plus]) : 0.0) + (minus >= 0 ? std::abs(z[minus]) : 0.0);
   }
 };
 
@@ -143,8 +150,12 @@ class Descriptor {
   void add_constants(double factor, double* k) const;
   /// |G| |z|
   void conduct_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes); }
+  /// |E| |z|
+  void memory_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(memory_.pattern, memory_.values, z, sizes); }
   /// Rows of E that hold anything.
   [[nodiscard]] std::vector<char> differential_rows() const;
+  /// The diagonal of E.
+  [[nodiscard]] std::vector<double> memory_diagonal() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
   /// What every state measures of z.
@@ -168,6 +179,10 @@ class Descriptor {
   [[nodiscard]] std::string unknown_name(int index) const;
   /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set.
   [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const { return sets_.product(a, y); }
+  /// What it is at most, y being sizes.
+  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
+    return sets_.largest_product(a, y);
+  }
 
  private:
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;

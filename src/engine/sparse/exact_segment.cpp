@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "base/largest.hpp"
 #include "linalg/balance.hpp"
@@ -32,6 +34,7 @@ constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
 constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
+constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double muting = 30.0, most_muted = 1e6;
 
@@ -46,10 +49,30 @@ ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources,
       stop_(stop),
       space_(descriptor, sources.exosystem()) {
   system_.exosystem = std::make_shared<model::Exosystem>(std::vector<model::SourceFunction>{}, false);
+  find_parallel_ports();
+}
+
+/// Ports across the same two nodes, without resistance or drop.
+void ExactSegment::find_parallel_ports() {
+  const auto& ports = descriptor_.ports();
+  std::map<std::pair<model::NodeIndex, model::NodeIndex>, std::vector<int>> across;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const Form& slack = ports[i].slack;
+    const bool is_ideal =
+        slack.constant == 0.0 && slack.w.empty() &&
+        std::all_of(slack.z.begin(), slack.z.end(), [&](const Form::Part& part) { return part.index < descriptor_.nodes(); });
+    if (is_ideal && ports[i].p != ports[i].n) across[std::minmax(ports[i].p, ports[i].n)].push_back(static_cast<int>(i));
+  }
+  beside_.resize(ports.size());
+  for (const auto& [nodes, group] : across)
+    for (const int i : group)
+      for (const int j : group)
+        if (i != j) beside_[static_cast<std::size_t>(i)].push_back(j);
 }
 
 void ExactSegment::note_least_voltage(double least) {
   least_voltage_ = least;
+  space_.note_least_voltage(least);
   double square = 0.0;
   for (const State& state : descriptor_.states())
     square += std::abs(state.storage) * (state.is_current ? 1.0 / descriptor_.r0() : descriptor_.r0()) * least * least;
@@ -111,7 +134,10 @@ bool ExactSegment::is_cut_within(const std::vector<double>& error) {
 /// It may serve for longer than it was made for.
 void ExactSegment::stretch(double longest, double shift) {
   longest = std::min(longest, std::max(length_, most_stretch / shift));
-  if (space_.is_full() && estimate_ <= tolerance_ * size_) length_ = longest;
+  if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
+    length_ = longest;
+    (void)space_.estimate(length_);  // for its reach
+  }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
     const std::vector<double>& error = space_.estimate(longer);
@@ -132,7 +158,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return Opened::contradicted;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
-    if (resolve()) {
+    if (space_.start_rounding() <= start_tolerance * size_ && resolve()) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
         habits_[key_].turning = turning;
@@ -146,14 +172,39 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   return Opened::unresolved;
 }
 
+double ExactSegment::step(Factors& factors, const Start& start, std::vector<double>& z) {
+  key_ = key(start.on);
+  sources_.states(start.time, zeta_);
+  const double shift = shift_for(usual_length(start.on, start.longest));
+  const Factor* factor = factors.at(shift, start.on);
+  if (!factor || space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return 0.0;
+  if (!(space_.start_rounding() <= start_tolerance * std::max(peak_, space_.start_size()))) return 0.0;
+  z = space_.first_unknowns();
+  return 1.0 / shift;
+}
+
+bool ExactSegment::take_back(double h, std::vector<double>& z) {
+  const linalg::Matrix& a = space_.flow().a();
+  if (!(estimate_ * (1.0 + h * a.norm()) <= rounding_tolerance * size_)) return false;
+  const linalg::Vector y = space_.first() - h * (a * space_.first());
+  space_.unknowns(y.data(), z);
+  return true;
+}
+
 ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   start_ = start.time;
   on_ = start.on;
   voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));
   key_ = key(start.on);
   sources_.states(start.time, zeta_);
+  if (start.stepped > 0.0) {
+    const linalg::Vector zeta = Eigen::Map<const linalg::Vector>(zeta_.data(), static_cast<Eigen::Index>(zeta_.size()));
+    const linalg::Vector after = after_step(sources_.exosystem(), start.stepped, zeta);
+    zeta_.assign(after.begin(), after.end());
+  }
   const Opened opened = build(factors, start);
   if (opened != Opened::yes) return opened;
+  if (!(space_.rounding_at_start() <= start_tolerance * size_)) return Opened::unresolved;
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
   located_ = false;
@@ -192,6 +243,13 @@ void ExactSegment::take_guards(const Position& on) {
   }
 }
 
+/// Whether a port is off beside one that is on without resistance or drop.
+bool ExactSegment::is_short_circuited(int row) const {
+  if (row >= descriptor_.first_switch() || on_[static_cast<std::size_t>(row)] != 0) return false;
+  const auto& beside = beside_[static_cast<std::size_t>(row)];
+  return std::any_of(beside.begin(), beside.end(), [&](int port) { return on_[static_cast<std::size_t>(port)] != 0; });
+}
+
 /// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
 void ExactSegment::drop_empty_guards() {
   if (segment_.rows.empty()) return;
@@ -200,9 +258,10 @@ void ExactSegment::drop_empty_guards() {
   free_.clear();
   idle_.clear();
   std::erase_if(segment_.rows, [&](int row) {
-    const bool is_empty = mode_->guards.row(row).cwiseAbs().dot(space_.reach()) <= empty_row * terms_of(row);
+    const bool is_short = is_short_circuited(row);
+    const bool is_empty = is_short || mode_->guards.row(row).cwiseAbs().dot(space_.reach()) <= empty_row * terms_of(row);
     if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
-    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && node_terms_ > least_voltage_) free_.push_back(row);
+    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
     return is_empty;
   });
 }

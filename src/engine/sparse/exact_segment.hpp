@@ -34,10 +34,17 @@ class ExactSegment {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< charges and fluxes beside those of z
     double longest = 0.0;             ///< to what is known to happen next, s
+    double stepped = 0.0;             ///< z is the end of an implicit Euler step of that length, s, and so are its sources
   };
   /// contradicted: the position is none of the network. unresolved: not even the shortest segment meets the tolerance.
   enum class Opened { yes, singular, contradicted, unresolved };
   [[nodiscard]] Opened open(Factors& factors, const Start& start);
+
+  /// An implicit Euler step over a jump, h, s: z := its end, sources included. 0: it has no digits. As S = (1 − h A)⁻¹ P, a segment that begins with z and is taken
+  /// back by that step, to (1 − h A) z, begins with what the jump P leads to, whatever h: impulses may be as small as a long step makes them. False: h is too long for
+  /// what decays in the segment.
+  [[nodiscard]] double step(Factors& factors, const Start& start, std::vector<double>& z);
+  [[nodiscard]] bool take_back(double h, std::vector<double>& z);
 
   [[nodiscard]] double start() const { return start_; }
   /// How far its error is within the tolerance, s.
@@ -49,6 +56,9 @@ class ExactSegment {
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
   /// Ports that are on and carry nothing.
   [[nodiscard]] const std::vector<int>& idle_ports() const { return idle_; }
+
+  /// What the largest input of the segment is a sum of, volts.
+  [[nodiscard]] double input_terms() const { return input_terms_; }
 
   struct Passage {
     bool found = false;
@@ -99,6 +109,8 @@ class ExactSegment {
   void look(double reach, Located& located);
   void stretch(double longest, double shift);
   void take_guards(const Position& on);
+  void find_parallel_ports();
+  [[nodiscard]] bool is_short_circuited(int row) const;
   void drop_empty_guards();
   void bound_guards();
   void note_rounding();
@@ -126,6 +138,7 @@ class ExactSegment {
   Passage passage_;
   bool located_ = false;
   std::vector<int> negative_, free_, idle_;
+  std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> zeta_, y_, work_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;

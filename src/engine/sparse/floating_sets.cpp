@@ -1,5 +1,7 @@
 #include "engine/sparse/floating_sets.hpp"
 
+#include <cmath>
+
 #include "base/disjoint_sets.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -13,6 +15,14 @@ FloatingSets::FloatingSets(const model::Network& network) {
   DisjointSets sets(nodes + 1);
   for (const auto& c : network.capacitors) sets.join(c.p + 1, c.n + 1);
   for (int node = 0; node < nodes; ++node) set_.push_back(sets.find(node + 1) - 1);
+  std::vector<NodeIndex> row_of(set_.size(), ground);
+  for (const auto& branch : network.branches)
+    for (const NodeIndex node : {branch.p, branch.n}) {
+      const int set = node == ground ? ground : set_[static_cast<std::size_t>(node)];
+      if (set != ground && row_of[static_cast<std::size_t>(set)] == ground) row_of[static_cast<std::size_t>(set)] = node;
+    }
+  for (int& set : set_)
+    if (set != ground && row_of[static_cast<std::size_t>(set)] != ground) set = row_of[static_cast<std::size_t>(set)];
 }
 
 std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) const {
@@ -27,13 +37,21 @@ std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) cons
   return result;
 }
 
+double FloatingSets::weight(const std::vector<double>& a, std::size_t i) const {
+  const int set = i < set_.size() ? set_[i] : ground;
+  const bool is_of_node = set != ground && set != static_cast<int>(i);
+  return is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i];
+}
+
 double FloatingSets::product(const std::vector<double>& a, const std::vector<double>& y) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const int set = i < set_.size() ? set_[i] : ground;
-    const bool is_of_node = set != ground && set != static_cast<int>(i);
-    sum += (is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i]) * y[i];
-  }
+  for (std::size_t i = 0; i < y.size(); ++i) sum += weight(a, i) * y[i];
+  return sum;
+}
+
+double FloatingSets::largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) sum += std::abs(weight(a, i) * y[i]);
   return sum;
 }
 

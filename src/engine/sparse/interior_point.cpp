@@ -14,6 +14,8 @@ constexpr double to_boundary = 0.995;
 /// At the end: mean of u s, of the largest of each in the run; and what u and s as forms of z may miss.
 constexpr double end_gap = 1e-20, end_residual = 1e-10;
 constexpr double least_start = 1e-3;  ///< of the largest u, or s
+/// Of what u, or s, was before the iteration: one of a port stays, the other goes.
+constexpr double stays = 0.5, goes = 0.1;
 
 double size_of(const std::vector<double>& values) {
   const double most = largest(values);
@@ -125,6 +127,23 @@ double InteriorPoint::gap(double length) const {
   return sum / static_cast<double>(u_.size());
 }
 
+/// Whether each diode shows on which side it ends, whatever the sizes of u and s are: of two that are both on their way to zero or not the ratios to what they were
+/// tell (El-Bakry, Tapia and Zhang, SIAM Review 36, 1994).
+bool InteriorPoint::is_decided() const {
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    if (is_free_[i] == 0) continue;
+    const double u = u_[i] / last_u_[i], s = s_[i] / last_s_[i];
+    if (!(std::max(u, s) >= stays && std::min(u, s) <= goes)) return false;
+  }
+  return true;
+}
+
+void InteriorPoint::take_position(const Stage& stage, const std::vector<double>& of_u, const std::vector<double>& of_s,
+                                  Position& on) const {
+  for (std::size_t i = 0; i < u_.size(); ++i)
+    on[i] = is_free_[i] != 0 ? u_[i] / of_u[i] > s_[i] / of_s[i] : stage.disputed != nullptr && on[i] != 0;
+}
+
 bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& on) {
   start(stage, on);
   if (!factored_) return false;
@@ -133,10 +152,15 @@ bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& 
     const double most_u = std::max(size_of(u_), scale.input), most_s = std::max(size_of(s_), scale.slack), mean = gap(0.0);
     if (!std::isfinite(mean)) return false;
     if (mean <= end_gap * most_u * most_s && size_of(miss_u_) <= end_residual * most_u && size_of(miss_s_) <= end_residual * most_s) {
-      for (std::size_t i = 0; i < u_.size(); ++i)
-        on[i] = is_free_[i] != 0 ? u_[i] / most_u > s_[i] / most_s : stage.disputed != nullptr && on[i] != 0;
+      take_position(stage, std::vector(u_.size(), most_u), std::vector(s_.size(), most_s), on);
       return true;
     }
+    if (stage.disputed != nullptr && iteration > 1 && is_decided()) {  // a change has no sizes that u and s could be judged against
+      take_position(stage, last_u_, last_s_, on);
+      return true;
+    }
+    last_u_ = u_;
+    last_s_ = s_;
     if (!factor(stage, on)) return false;
     direction(0.0, false);
     const double affine = gap(longest());

@@ -28,6 +28,8 @@ class InteriorPoint {
   void direction(double target, bool corrected);
   [[nodiscard]] double longest() const;
   [[nodiscard]] double gap(double length) const;
+  [[nodiscard]] bool is_decided() const;
+  void take_position(const Stage& stage, const std::vector<double>& of_u, const std::vector<double>& of_s, Position& on) const;
 
   const Descriptor& descriptor_;
   linalg::KluFactor factor_;
@@ -36,6 +38,7 @@ class InteriorPoint {
   std::vector<double> values_;
   std::vector<double> step_, z_, residual_, move_;         ///< z − z0, z, what the equations miss, and the direction
   std::vector<double> u_, s_, du_, ds_, miss_u_, miss_s_;  ///< one a diode
+  std::vector<double> last_u_, last_s_;                    ///< before the last iteration
   std::vector<char> is_free_;                              ///< likewise
   bool factored_ = false;
 };

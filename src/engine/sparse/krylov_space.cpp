@@ -17,6 +17,7 @@ using linalg::Vector;
 constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
 constexpr double least_change = 1e-15;          ///< of z itself: the same
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
+constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
 constexpr double worst_condition = 1e12;
 constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
 constexpr int corrections = 3;
@@ -61,6 +62,7 @@ void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
 /// r := the unknowns; ζ goes with them.
 void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
   close(zeta, r);
+  given_ = r;
   factor_->solve(r);
   settle(r, zeta);
 }
@@ -122,7 +124,7 @@ void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one)
 bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
   if (!factor_->closing() && factor_->ties().empty()) return false;
   const Vector w = exosystem_.rows() * zeta;
-  const double size = largest(z);
+  const double size = std::max(least_, largest(z));
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const Port& port = descriptor_.ports()[i];
     const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
@@ -151,6 +153,29 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   return rounding_of_solution * rounding;
 }
 
+/// The same of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d makes of them. The
+/// bound may be far too large: an inductor whose current is cut off has impulses of voltage, of which none reaches a capacitor.
+double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
+  const double bound = rounding_of_states(d);
+  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  product_.resize(d.size());
+  linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
+  for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
+  factor_->solve(product_);
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i)
+    square += std::pow(state_weight_[i] * descriptor_.states()[i].value(product_.data()), 2);
+  return std::min(bound, residual_factor * std::sqrt(square));
+}
+
+/// Of the norm of states that are differences of these unknowns.
+double KrylovSpace::rounding_of_sums(const std::vector<double>& z) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].size(z.data()), 2);
+  return rounding_of_solution * std::sqrt(square);
+}
+
 /// Room for so many columns.
 void KrylovSpace::reserve(int columns) {
   if (vectors_.cols() >= columns) return;
@@ -175,8 +200,11 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
   const Vector zeta = after_step(exosystem_, 1.0 / shift, before);
   begin_change(start, before);
+  given_ = right_;
   factor.solve(right_);
+  rounding_ = rounding_of(right_, 0.0);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
+  rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
   if (contradicts(right_, zeta)) return Begun::contradicted;
   reserve(1);
@@ -193,6 +221,12 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   zetas_.col(0) = zeta / norm_;
   measured_.col(0) = x / norm_;
   return Begun::yes;
+}
+
+std::vector<double> KrylovSpace::first_unknowns() const {
+  std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
+  Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * vectors_.col(0);
+  return z;
 }
 
 void KrylovSpace::add_vector() {
@@ -226,7 +260,8 @@ void KrylovSpace::add_vector() {
   h_matrix_.col(j).head(j + 1) = c;
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
-  full_ = !(h > std::max({rounding_of_change * size, least_change, rounding_of_states(right_)}));
+  const double nothing = std::max(rounding_of_change * size, least_change);
+  full_ = !(h > nothing) || !(h > rounding_of(right_, h));
   if (full_) return;
   lost_[j + 1] = (size + lost_.head(j + 1).dot(c.cwiseAbs())) / h;
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
@@ -326,6 +361,14 @@ void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {
   const Vector c = k_ * Eigen::Map<const Vector>(y, dimension_);
   z.resize(static_cast<std::size_t>(descriptor_.size()));
   Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.leftCols(dimension_) * c + changes_.leftCols(dimension_) * c;
+}
+
+double KrylovSpace::rounding_at_start() {
+  const Vector c = (k_ * first_).cwiseAbs();
+  sizes_.resize(static_cast<std::size_t>(descriptor_.size()));
+  Eigen::Map<Vector>(sizes_.data(), vectors_.rows()) =
+      vectors_.leftCols(dimension_).cwiseAbs() * c + changes_.leftCols(dimension_).cwiseAbs() * c;
+  return rounding_of_sums(sizes_);
 }
 
 void KrylovSpace::rates(const double* y, std::vector<double>& k) {

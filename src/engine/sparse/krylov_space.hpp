@@ -29,6 +29,8 @@ class KrylovSpace {
  public:
   KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem);
 
+  /// Unknowns of that size, in volts, are not small: where all are smaller a position may hold at zero what is rounding.
+  void note_least_voltage(double least) { least_ = least; }
   /// The point to start from: E z + more are charges and fluxes; z itself need not satisfy the position.
   struct Start {
     const std::vector<double>& z;
@@ -50,6 +52,10 @@ class KrylovSpace {
   [[nodiscard]] bool is_sound() const { return sound_; }
   /// √energy at the start, in the norm of the space and without sources.
   [[nodiscard]] double start_size() const { return size_; }
+  /// The rounding of the states that it begins with, of a jump's impulses.
+  [[nodiscard]] double start_rounding() const { return rounding_; }
+  /// S z₀
+  [[nodiscard]] std::vector<double> first_unknowns() const;
   /// y(0).
   [[nodiscard]] const linalg::Vector& first() const { return first_; }
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
@@ -71,6 +77,8 @@ class KrylovSpace {
   [[nodiscard]] double row_terms(const Form& form) const;
   /// The same of the largest of several unknowns, with what their vectors have lost in orthogonalisation.
   [[nodiscard]] double largest_terms(int first, int count) const;
+  /// Of the states in the unknowns at y(0), in the norm of the space: vectors may hold impulses of voltage that cancel.
+  [[nodiscard]] double rounding_at_start();
   /// z and E z' at y.
   void unknowns(const double* y, std::vector<double>& z) const;
   void rates(const double* y, std::vector<double>& k);
@@ -87,6 +95,8 @@ class KrylovSpace {
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
+  [[nodiscard]] double rounding_of(const std::vector<double>& d, double counts);
+  [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
   void add_vector();
   void reduce();
@@ -98,7 +108,7 @@ class KrylovSpace {
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
   const Factor* factor_ = nullptr;
-  double shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0;
+  double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
   bool full_ = false, sound_ = true;
@@ -109,7 +119,8 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, estimate_;
+  std::vector<double> right_, product_, sizes_, estimate_, values_;
+  std::vector<double> given_;  ///< right-hand side of the last solution
 };
 
 }  // namespace pwlsim::engine::sparse

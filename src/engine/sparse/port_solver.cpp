@@ -60,13 +60,53 @@ double PortSolver::input_size(double most) const { return std::max({most, presen
 /// a bound for voltages anywhere. Where nothing can flow, all others being blocked, what resistors bring to the port's nodes still cancels to rounding only: that
 /// of the sources' voltages, not of the present ones, which rounding that counts as a current may drive up.
 double PortSolver::rounding_of_input(double shift, const Position& on, std::size_t port, double voltage) {
+  probe_.clear();
   const Factor* factor = factors_.at(shift, on);
   if (!factor) return 0.0;
   const auto row = static_cast<std::size_t>(descriptor_.ports()[port].row);
   probe_.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
   probe_[row] = 1.0;
   factor->solve(probe_);
+  if (!factor->open().empty()) {
+    const auto& ports = descriptor_.ports();
+    linalg::Vector values(static_cast<Eigen::Index>(ports.size()));
+    for (std::size_t i = 0; i < ports.size(); ++i) values[static_cast<Eigen::Index>(i)] = ports[i].response(on[i] != 0, probe_.data());
+    take_out_open(on, *factor, values, {&probe_});
+  }
   return std::max(rounding_of_voltages * voltage * std::abs(probe_[row]), rounding_at_node * voltage_ * descriptor_.conductance_at(port));
+}
+
+/// Sizes of the terms of each row of a stage's equations, in row_sizes_.
+void PortSolver::measure_rows(const Stage& stage, const Position& on, const std::vector<double>& z) {
+  row_sizes_.resize(z.size());
+  sizes_.resize(z.size());
+  residual_.resize(z.size());
+  for (std::size_t i = 0; i < z.size(); ++i) residual_[i] = z[i] - stage.from[i];
+  descriptor_.memory_sizes(residual_.data(), row_sizes_.data());
+  for (double& size : row_sizes_) size *= stage.shift;
+  const auto add = [&] {
+    for (std::size_t i = 0; i < z.size(); ++i) row_sizes_[i] += sizes_[i];
+  };
+  descriptor_.conduct_sizes(residual_.data(), sizes_.data());
+  add();
+  if (stage.disputed == nullptr) {
+    descriptor_.rate_sizes(stage.from.data(), stage.w.data(), sizes_.data());
+    add();
+  }
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    row_sizes_[static_cast<std::size_t>(port.row)] =
+        on[i] != 0 ? std::max(stage.slack_size(port, z.data()), stage.slack_size(port, stage.from.data())) : 0.0;
+  }
+}
+
+/// What the rounding of the terms of all rows makes of an input: of each row as much as the input's own response has there, by reciprocity (which passive networks
+/// have).
+double PortSolver::rounding_by_rows(const Stage& stage, const Position& on, std::size_t port, const std::vector<double>& z) {
+  const double anywhere = rounding_of_input(stage.shift, on, port, std::max(largest_voltage(z), largest_voltage(stage.from)));
+  if (probe_.empty()) return anywhere;
+  const double of_rows = rounding_of_voltages * descriptor_.largest_product(probe_, row_sizes_);
+  return std::min(anywhere, std::max(of_rows, rounding_at_node * voltage_ * descriptor_.conductance_at(port)));
 }
 
 double PortSolver::largest_voltage(const std::vector<double>& z) const {
@@ -87,12 +127,14 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
   }
   const double input = input_size(most);
   const double voltage = negative.empty() ? 0.0 : std::max(largest_voltage(z), largest_voltage(stage.from));
+  if (by_rows_ && !negative.empty()) measure_rows(stage, on, z);
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const Port& p = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : std::max(scale_.slack, stage.slack_size(p, z.data()));
     const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
-    return beyond >= 0.0 || (on[i] != 0 && beyond >= -rounding_of_input(stage.shift, on, i, voltage));
+    if (beyond >= 0.0) return true;
+    return on[i] != 0 && beyond >= -(by_rows_ ? rounding_by_rows(stage, on, i, z) : rounding_of_input(stage.shift, on, i, voltage));
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
   return negative;
@@ -202,18 +244,24 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
     return;
   }
   if (factor.open().empty()) return;
+  linalg::Vector values(static_cast<Eigen::Index>(ports.size()));
+  for (std::size_t i = 0; i < ports.size(); ++i) values[static_cast<Eigen::Index>(i)] = stage.free_variable(ports[i], on[i] != 0, z.data());
+  take_out_open(on, factor, values, {&z, &step});
+}
+
+/// Of the free variables of all ports, `values`, what the open vectors have of them goes, from several vectors of unknowns.
+void PortSolver::take_out_open(const Position& on, const Factor& factor, const linalg::Vector& values,
+                               std::initializer_list<std::vector<double>*> from) const {
+  const auto& ports = descriptor_.ports();
   linalg::Vector moments = linalg::Vector::Zero(static_cast<Eigen::Index>(factor.open().size()));
-  for (std::size_t i = 0; i < ports.size(); ++i) {
-    const double value = stage.free_variable(ports[i], on[i] != 0, z.data());
+  for (std::size_t i = 0; i < ports.size(); ++i)
     for (std::size_t j = 0; j < factor.open().size(); ++j)
-      moments[static_cast<Eigen::Index>(j)] += value * ports[i].response(on[i] != 0, factor.open()[j].data());
-  }
+      moments[static_cast<Eigen::Index>(j)] +=
+          values[static_cast<Eigen::Index>(i)] * ports[i].response(on[i] != 0, factor.open()[j].data());
   const linalg::Vector shares = factor.share_out(moments);
-  for (std::size_t j = 0; j < factor.open().size(); ++j)
-    for (std::size_t i = 0; i < z.size(); ++i) {
-      z[i] -= shares[static_cast<Eigen::Index>(j)] * factor.open()[j][i];
-      step[i] -= shares[static_cast<Eigen::Index>(j)] * factor.open()[j][i];
-    }
+  for (std::vector<double>* z : from)
+    for (std::size_t j = 0; j < factor.open().size(); ++j)
+      for (std::size_t i = 0; i < z->size(); ++i) (*z)[i] -= shares[static_cast<Eigen::Index>(j)] * factor.open()[j][i];
 }
 
 Solved PortSolver::solve_in(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z) {
@@ -274,6 +322,7 @@ Solved PortSolver::found(const Stage& stage, const Position& on, const std::vect
 Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z) {
   std::unordered_set<std::size_t> visited;
   repeated_ = false;
+  std::size_t fewest = on.size() + 1;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     repeated_ = !visited.insert(hash_of(on)).second;
     if (repeated_) break;
@@ -281,6 +330,8 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
     const std::vector<int> wrong = violated(stage, on, z, tolerance);
     if (wrong.empty()) return found(stage, on, z);
     dispute(wrong);
+    if (stage.disputed != nullptr && wrong.size() >= fewest && !repeated_ && passive_ && disputed_.size() > few_disputed) break;
+    fewest = std::min(fewest, wrong.size());
     for (const int i : wrong) on[static_cast<std::size_t>(i)] ^= 1;
   }
   contradicted_ = false;

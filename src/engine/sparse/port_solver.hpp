@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <initializer_list>
 #include <unordered_set>
 #include <vector>
 
@@ -41,6 +42,8 @@ class PortSolver {
   [[nodiscard]] Solved respond(double shift, const Position& on, std::vector<double>& r);
   /// Takes the port quantities of an accepted step into the scale.
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
+  /// Rounding of inputs is from now on that of the terms of all rows: a voltage that does not reach a port makes no current there, as large as it may be.
+  void judge_by_rows() { by_rows_ = true; }
   void note_voltage(double voltage) { scale_.slack = std::max(scale_.slack, voltage); }
   [[nodiscard]] const PortScale& scale() const { return scale_; }
   /// What the sign of an input counts against: the largest of the last accepted step, and `most`, of a step beyond it. Not that of the run: what a
@@ -62,11 +65,15 @@ class PortSolver {
   [[nodiscard]] double backward_error(const std::vector<double>& x, std::vector<double>& residual);
   void block(const Position& on, const std::vector<double>& from, std::vector<double>& step, std::vector<double>& z) const;
   void examine_ties(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
+  void take_out_open(const Position& on, const Factor& factor, const linalg::Vector& values,
+                     std::initializer_list<std::vector<double>*> from) const;
   void refine(const Stage& stage, const Position& on, const Factor& factor, std::vector<double>& step, std::vector<double>& z);
   struct Sizes {
     double voltage, current;  ///< both in volts
   };
   [[nodiscard]] Sizes sizes(const std::vector<double>& z) const;
+  [[nodiscard]] double rounding_by_rows(const Stage& stage, const Position& on, std::size_t port, const std::vector<double>& z);
+  void measure_rows(const Stage& stage, const Position& on, const std::vector<double>& z);
   [[nodiscard]] std::vector<int> violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
@@ -82,9 +89,10 @@ class PortSolver {
   PortScale scale_;
   double present_input_ = 0.0;  ///< largest of the last accepted step
   std::vector<int> disputed_;
-  std::vector<double> right_, refined_, residual_, sizes_, values_, probe_;
+  std::vector<double> right_, refined_, residual_, sizes_, values_, probe_, row_sizes_;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
   std::uint64_t pivots_ = 0;
+  bool by_rows_ = false;
   bool repeated_ = false;      ///< Newton's method came back to a position
   bool contradicted_ = false;  ///< the last position holds only because of its factor's ε
 };

@@ -1,7 +1,6 @@
 #pragma once
 /// One implicit stage to solve, and what the signs of its port quantities are judged against.
 
-#include <cmath>
 #include <vector>
 
 #include "engine/sparse/descriptor.hpp"
@@ -26,10 +25,7 @@ struct Stage {
     return disputed != nullptr ? port.response(on, z) : port.free_variable(on, z, w.data());
   }
   [[nodiscard]] double slack_size(const Port& port, const double* z) const {
-    if (disputed == nullptr) return port.slack_size(z, w.data());
-    double size = 0.0;
-    for (const Form::Part& part : port.slack.z) size += std::abs(part.coefficient * z[part.index]);
-    return size;
+    return disputed == nullptr ? port.slack_size(z, w.data()) : Form::size_of(port.slack.z, z);
   }
   [[nodiscard]] bool may_change(std::size_t port, const Port& p, const Position& on) const {
     return !p.blocks(on) && (disputed == nullptr || (*disputed)[port] != 0);

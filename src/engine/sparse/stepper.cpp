@@ -21,6 +21,7 @@ constexpr double least_of_kind = 1e-3;
 void StateScale::note(const std::vector<double>& z) {
   const auto& states = descriptor_.states();
   for (std::size_t i = 0; i < states.size(); ++i) take(i, states[i].measure(z.data()));
+  if (!counts_nodes_) return;
   for (int node = 0; node < descriptor_.nodes(); ++node) voltage_ = std::max(voltage_, std::abs(z[static_cast<std::size_t>(node)]));
 }
 

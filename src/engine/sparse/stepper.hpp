@@ -32,14 +32,14 @@ struct Point {
 /// Running maxima of the states, which errors are relative to.
 class StateScale {
  public:
-  /// `voltage`: of the sources; where everything starts at zero, it says what small is.
-  StateScale(const Descriptor& descriptor, double voltage)
-      : descriptor_(descriptor), largest_(descriptor.states().size(), 0.0), voltage_(voltage) {}
+  /// `voltage`: of the sources; where everything starts at zero, it says what small is. `counts_nodes`: what nodes have had says so too.
+  StateScale(const Descriptor& descriptor, double voltage, bool counts_nodes = true)
+      : descriptor_(descriptor), largest_(descriptor.states().size(), 0.0), voltage_(voltage), counts_nodes_(counts_nodes) {}
   void note(const std::vector<double>& z);
   /// The same for states given one by one.
   void note_values(const std::vector<double>& states);
   /// What an error of state i is relative to: its running maximum, that of `z` included, but not less than a thousandth of the largest
-  /// node voltage or inductor current (of which either counts as a thousandth of the other at least, by R0).
+  /// voltage or inductor current (of which either counts as a thousandth of the other at least, by R0).
   [[nodiscard]] double size(std::size_t i, const std::vector<double>& z) const;
   /// max over the states of |error| / size.
   [[nodiscard]] double norm(const std::vector<double>& error, const std::vector<double>& z) const;
@@ -49,7 +49,8 @@ class StateScale {
 
   const Descriptor& descriptor_;
   std::vector<double> largest_;
-  double voltage_ = 0.0, current_ = 0.0;  ///< largest of all nodes, and of all inductors
+  double voltage_ = 0.0, current_ = 0.0;  ///< largest of all nodes or capacitors, and of all inductors
+  bool counts_nodes_;
 };
 
 class Stepper {

@@ -7,7 +7,10 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double at_zero = 1e-10;  ///< of the largest input, and of a slack's terms
+constexpr double at_zero = 1e-10;    ///< of the largest input, and of a slack's terms
+constexpr double rounding = 1e-14;   ///< of the largest terms that inputs were sums of
+constexpr double undecided = 1e-10;  ///< the same of a change
+constexpr int most_orders = 4;
 
 }  // namespace
 
@@ -16,21 +19,62 @@ bool TieSelector::find(const std::vector<double>& z, const std::vector<double>& 
   const double voltage = std::max(least_, solver_.largest_voltage(z));
   double input = least_;
   for (const Port& port : descriptor_.ports()) input = std::max(input, std::abs(z[static_cast<std::size_t>(port.row)]));
-  disputed_.assign(ports, 0);
+  at_zero_.assign(ports, 0);
   for (std::size_t i = 0; i < ports; ++i) {
     const Port& port = descriptor_.ports()[i];
     const double slack = std::abs(port.slack.value(z.data(), w.data()));
-    const bool is_zero = std::abs(z[static_cast<std::size_t>(port.row)]) <= at_zero * input &&
+    const bool is_zero = std::abs(z[static_cast<std::size_t>(port.row)]) <= std::max(at_zero * input, rounding * input_terms_) &&
                          slack <= at_zero * std::max(voltage, port.slack_size(z.data(), w.data()));
-    disputed_[i] = !port.blocks(on) && (is_zero || static_cast<int>(i) == passing);
+    at_zero_[i] = !port.blocks(on) && (is_zero || static_cast<int>(i) == passing);
   }
-  return std::find(disputed_.begin(), disputed_.end(), 1) != disputed_.end();
+  return std::find(at_zero_.begin(), at_zero_.end(), 1) != at_zero_.end();
+}
+
+/// Of the ports in dispute those that the change `step_` leaves at zero on both sides, the wrong side of it by rounding included. False: none.
+bool TieSelector::keep_undecided(const Position& on) {
+  double input = 0.0;
+  for (const Port& port : descriptor_.ports()) input = std::max(input, std::abs(step_[static_cast<std::size_t>(port.row)]));
+  bool any = false;
+  for (std::size_t i = 0; i < disputed_.size(); ++i) {
+    if (disputed_[i] == 0) continue;
+    const Port& port = descriptor_.ports()[i];
+    const double size = on[i] != 0 ? input : Form::size_of(port.slack.z, step_.data());
+    disputed_[i] = port.response(on[i] != 0, step_.data()) <= undecided * size;
+    any |= disputed_[i] != 0;
+  }
+  return any;
+}
+
+/// The right-hand side of the change of `step_` in the next order, and ζ_ of that order.
+void TieSelector::take_next_order(double h) {
+  right_.resize(step_.size());
+  descriptor_.conduct(step_.data(), right_.data());
+  const linalg::Vector w = exosystem_.rows() * zeta_;
+  descriptor_.add_sources(w.data(), right_.data());
+  for (std::size_t i = 0; i < right_.size(); ++i)
+    if (differential_[i] == 0) right_[i] = 0.0;
+  zeta_ = after_step(exosystem_, h, h * (exosystem_.a() * zeta_));
+  const linalg::Vector change = exosystem_.rows() * zeta_;
+  descriptor_.add_sources(change.data(), right_.data());
 }
 
 bool TieSelector::decide(const std::vector<double>& z, const std::vector<double>& zeta, double h, Position& on) {
-  change_.take(z, {}, Eigen::Map<const linalg::Vector>(zeta.data(), static_cast<Eigen::Index>(zeta.size())), 1.0 / h);
+  const linalg::Vector start = Eigen::Map<const linalg::Vector>(zeta.data(), static_cast<Eigen::Index>(zeta.size()));
+  change_.take(z, {}, start, 1.0 / h);
+  right_ = change_.right();
+  zeta_ = after_step(exosystem_, h, h * (exosystem_.a() * start));
   zero_.assign(z.size(), 0.0);
-  return solver_.solve({1.0 / h, zero_, change_.right(), none_, &disputed_}, on, step_, z_) == Solved::yes;
+  disputed_ = at_zero_;
+  for (int order = 1; order <= most_orders; ++order) {
+    const Position before = on;
+    if (solver_.solve({1.0 / h, zero_, right_, none_, &disputed_}, on, step_, z_) != Solved::yes) {
+      on = before;
+      return order > 1;
+    }
+    if (!keep_undecided(on)) return true;
+    take_next_order(h);
+  }
+  return true;
 }
 
 }  // namespace pwlsim::engine::sparse
