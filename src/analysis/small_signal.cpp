@@ -11,6 +11,7 @@
 
 #include "analysis/quantity.hpp"
 #include "base/names.hpp"
+#include "base/zero_between.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/start.hpp"
@@ -118,28 +119,11 @@ steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const std::ve
   return moved;
 }
 
-/// A zero of a real function between two frequencies at which it has different signs, by the Illinois method in log f.
-double zero_between(double low, double high, const std::function<double(double)>& f) {
+/// A zero of a real function between two frequencies at which it has different signs.
+double zero_between_frequencies(double low, double high, const std::function<double(double)>& f) {
   constexpr int most = 60;
   constexpr double rounding = 1e-14;
-  double a = std::log(low), b = std::log(high), fa = f(low), fb = f(high);
-  double at = b;
-  for (int k = 0; k < most && fa != fb; ++k) {
-    const double next = (a * fb - b * fa) / (fb - fa);
-    if (std::abs(next - at) <= rounding * std::abs(next)) break;
-    at = next;
-    const double value = f(std::exp(at));
-    if (value == 0.0) break;
-    if ((value > 0.0) != (fb > 0.0)) {
-      a = b;
-      fa = fb;
-    } else {
-      fa *= 0.5;
-    }
-    b = at;
-    fb = value;
-  }
-  return std::exp(at);
+  return std::exp(zero_between(std::log(low), std::log(high), rounding, most, [&](double at) { return f(std::exp(at)); }));
 }
 
 /// `values`: T at the frequencies.
@@ -158,11 +142,11 @@ LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, con
     const Complex a = loop.values[k - 1], b = loop.values[k];
     if (frequencies[k - 1] <= 0.0) continue;
     if ((std::abs(a) > 1.0) != (std::abs(b) > 1.0)) {
-      const double f = zero_between(frequencies[k - 1], frequencies[k], [&](double at) { return std::abs(gain(at)) - 1.0; });
+      const double f = zero_between_frequencies(frequencies[k - 1], frequencies[k], [&](double at) { return std::abs(gain(at)) - 1.0; });
       loop.crossovers.push_back({f, margin(gain(f))});
     }
     if (a.real() < 0.0 && b.real() < 0.0 && (a.imag() > 0.0) != (b.imag() > 0.0)) {
-      const double f = zero_between(frequencies[k - 1], frequencies[k], [&](double at) { return gain(at).imag(); });
+      const double f = zero_between_frequencies(frequencies[k - 1], frequencies[k], [&](double at) { return gain(at).imag(); });
       loop.gain_margins.push_back({f, -20.0 * std::log10(std::abs(gain(f)))});
     }
   }

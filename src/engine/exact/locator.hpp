@@ -150,7 +150,9 @@ class Locator {
   Bound slow_bound_;                 ///< of the slow motion beside decays
   std::vector<double> slope_doubt_;  ///< what rounding of the decays' weights may add to the guards' slopes
   std::vector<double> decay_bound_;  ///< of the derivative of each decay; empty: the mode has none
-  std::vector<double> whole_state_, slow_derivative_, slow_next_;
+  std::vector<double> decay_left_;   ///< e^{−τ/T_k}
+  std::vector<double> whole_state_, slow_state_;
+  std::vector<double> slow_slope_, slow_bend_;  ///< of the slow motion at the interval's start
   ModalSearch modal_search_;
   std::vector<ModalSearch::Guard> modal_guards_;
   std::uint64_t intervals_ = 0, sampled_ = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/zero_between.hpp"
 #include "engine/exact/locator.hpp"
 #include "engine/exact/tolerances.hpp"
 #include "model/tolerances.hpp"
@@ -35,32 +36,36 @@ void Locator::take_decays(Segment& s) {
       model::tolerance::state_rounding * (decays.coordinates.cwiseAbs() * x.cwiseAbs());
 }
 
-/// The slow motion's own coordinates of a state of the mode, in slow_derivative_.
+/// The slow motion's own coordinates of a state of the mode, in slow_state_.
 void Locator::take_slow_state(const Segment& s, const double* y) {
-  const Mode& slow = *s.mode->slow;
-  slow_derivative_.resize(static_cast<std::size_t>(slow.ny));
-  slow_next_.resize(static_cast<std::size_t>(slow.ny));
+  slow_state_.resize(static_cast<std::size_t>(s.mode->slow->ny));
   model::from_mode(*s.system, *s.mode, y, whole_state_.data());
-  model::to_mode(*s.system, slow, whole_state_.data(), slow_derivative_.data());
+  model::to_mode(*s.system, *s.mode->slow, whole_state_.data(), slow_state_.data());
 }
 
 void Locator::derive_with_decays(const Segment& s) {
   const Mode& slow = *s.mode->slow;
   const model::Decays& decays = *slow.decays;
   take_slow_state(s, s.y.data());
-  linalg::multiply(slow.flow.a(), slow_derivative_.data(), slow_next_.data());
-  linalg::multiply(slow.flow.a(), slow_next_.data(), slow_derivative_.data());
+  slow_slope_.resize(slow_state_.size());
+  slow_bend_.resize(slow_state_.size());
+  linalg::multiply(slow.flow.a(), slow_state_.data(), slow_slope_.data());
+  linalg::multiply(slow.flow.a(), slow_slope_.data(), slow_bend_.data());
+  decay_left_.resize(static_cast<std::size_t>(decays.time_constants.size()));
+  for (std::size_t k = 0; k < decay_left_.size(); ++k)
+    decay_left_[k] = std::exp(-s.tau / decays.time_constants[static_cast<Eigen::Index>(k)]);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    gd_[i] = linalg::row_times(slow.guards, s.rows[i], slow_next_.data());
-    g2_[i] = linalg::row_times(slow.guards, s.rows[i], slow_derivative_.data());
+    gd_[i] = linalg::row_times(slow.guards, s.rows[i], slow_slope_.data());
+    g2_[i] = linalg::row_times(slow.guards, s.rows[i], slow_bend_.data());
     slope_doubt_[i] = 0.0;
-    for (Eigen::Index k = 0; k < decays.time_constants.size(); ++k) {
-      const double constant = decays.time_constants[k];
-      const double fall = s.decays[static_cast<std::size_t>(k)] * std::exp(-s.tau / constant) / constant;
-      const double rate_of_change = -decays.guards(s.rows[i], k) * fall;
+    for (std::size_t k = 0; k < decay_left_.size(); ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      const double constant = decays.time_constants[column];
+      const double fall = s.decays[k] * decay_left_[k] / constant;
+      const double rate_of_change = -decays.guards(s.rows[i], column) * fall;
       gd_[i] += rate_of_change;
       g2_[i] -= rate_of_change / constant;
-      slope_doubt_[i] += decays.guard_doubt(s.rows[i], k) * std::abs(fall);
+      slope_doubt_[i] += decays.guard_doubt(s.rows[i], column) * std::abs(fall);
     }
   }
 }
@@ -72,8 +77,8 @@ bool Locator::decays_hold(const Segment& s, double h) {
   take_slow_state(s, ye_.data());
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int row = s.rows[i];
-    double sum = linalg::row_times(slow.guards, row, slow_derivative_.data());
-    double size = linalg::absolute_row_times(slow.guards, row, slow_derivative_.data()) + std::abs(ge_[i]);
+    double sum = linalg::row_times(slow.guards, row, slow_state_.data());
+    double size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(ge_[i]);
     for (Eigen::Index k = 0; k < decays.time_constants.size(); ++k) {
       const double term = decays.guards(row, k) * s.decays[static_cast<std::size_t>(k)];
       sum += term * std::exp(-(s.tau + h) / decays.time_constants[k]);
@@ -84,46 +89,31 @@ bool Locator::decays_hold(const Segment& s, double h) {
   return true;
 }
 
-/// The one root of guard i (where it is −`below`) in (lower, upper), where it falls, without slopes: false position, with the end that stays weighed down (Dowell and Jarratt, BIT 11 (1971)).
-/// Leaves the state there in at_.
+/// The one root of guard i (where it is −`below`) in (lower, upper), where it falls, without slopes. Leaves the state there in at_.
 double Locator::root_by_values(const Segment& s, std::size_t i, double lower, double upper, double below) {
   const auto value_at = [&](double at) {
     state_at(s, at, at_.data());
-    return linalg::row_times(s.mode->guards, s.rows[i], at_.data()) + below;
+    const double value = linalg::row_times(s.mode->guards, s.rows[i], at_.data()) + below;
+    return std::abs(value) <= tolerance::root * linalg::absolute_row_times(s.mode->guards, s.rows[i], at_.data()) ? 0.0 : value;
   };
-  double at_lower = value_at(lower), at_upper = value_at(upper), at = upper;
-  bool was_above = false;
-  for (int iteration = 0; iteration < most_values; ++iteration) {
-    const double part = at_lower > at_upper ? at_lower / (at_lower - at_upper) : 0.5;
-    at = lower + std::clamp(part, 0.0, 1.0) * (upper - lower);
-    const double value = value_at(at);
-    if (std::abs(value) <= tolerance::root * linalg::absolute_row_times(s.mode->guards, s.rows[i], at_.data()) ||
-        upper - lower <= tolerance::unit_rounding * upper)
-      break;
-    const bool is_above = value > 0.0;
-    (is_above ? lower : upper) = at;
-    (is_above ? at_lower : at_upper) = value;
-    double& kept = is_above ? at_upper : at_lower;
-    if (iteration > 0 && was_above == is_above) kept *= 0.5;
-    was_above = is_above;
-  }
-  return at;
+  if (!(value_at(lower) > 0.0)) return lower;
+  return zero_between(lower, upper, tolerance::unit_rounding, most_values, value_at);
 }
 
+/// Of the second derivative or a later one, from what `derive_with_decays` left.
 void Locator::bound_decays(const Segment& s, int order, double h) {
   const Mode& slow = *s.mode->slow;
-  take_slow_state(s, s.y.data());
-  for (int j = 0; j < order; ++j) {
-    linalg::multiply(slow.flow.a(), slow_derivative_.data(), slow_next_.data());
-    std::swap(slow_derivative_, slow_next_);
+  const std::vector<double>* derivative = &slow_bend_;
+  for (int j = 2; j < order; ++j) {
+    linalg::multiply(slow.flow.a(), derivative->data(), slow_slope_.data());
+    std::swap(slow_state_, slow_slope_);
+    derivative = &slow_state_;
   }
-  slow_bound_ = bound_in(slow, *s.system->exosystem, order, slow_derivative_.data(), s.y.data() + s.mode->n1, h);
-  const model::Vector& time_constants = slow.decays->time_constants;
-  const auto count = static_cast<std::size_t>(time_constants.size());
-  decay_bound_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const double constant = time_constants[static_cast<Eigen::Index>(k)];
-    decay_bound_[k] = (std::abs(s.decays[k]) + s.decays[count + k]) * std::exp(-s.tau / constant) / std::pow(constant, order);
+  slow_bound_ = bound_in(slow, *s.system->exosystem, order, derivative->data(), s.y.data() + s.mode->n1, h);
+  decay_bound_.resize(decay_left_.size());
+  for (std::size_t k = 0; k < decay_left_.size(); ++k) {
+    const double constant = slow.decays->time_constants[static_cast<Eigen::Index>(k)];
+    decay_bound_[k] = (std::abs(s.decays[k]) + s.decays[decay_left_.size() + k]) * decay_left_[k] / std::pow(constant, order);
   }
 }
 

@@ -10,9 +10,6 @@ using model::tolerance::unit_rounding;
 
 // Times
 
-/// Of: the terms of a guard, as a sum of the slow motion and of decays.
-/// Why: the square root of rounding and some digits: a larger difference means that the decays are not those of the state.
-inline constexpr double decay_mismatch = 1e-6;
 /// Of: the length of the run.
 /// Why: 45 units of rounding of its times: breakpoints and crossings that are closer are one instant.
 inline constexpr double merge = 1e-14;
@@ -52,6 +49,9 @@ inline constexpr double converged_state = 1e-15;
 
 // Roots of guards
 
+/// Of: the terms of a guard, as a sum of the slow motion and of decays.
+/// Why: the square root of rounding and some digits: a larger difference means that the decays are not those of the state.
+inline constexpr double decay_mismatch = 1e-6;
 /// Of: the terms that a guard is made of.
 /// Why: 450 units of rounding: a minimum this close to zero touches it.
 inline constexpr double graze = 1e-13;
