@@ -197,7 +197,8 @@ int Session::sweep() {
   circuit::Compiled first = *run_.compiled;
   auto& measured = first.measurements.list;
   measured.insert(measured.end(), first.orbit_measurements.list.begin(), first.orbit_measurements.list.end());
-  const SweepTask task{run_.options, deck_, run_.sources, first, run_.reltol, run_.rows_file ? &*run_.rows_file : nullptr, run_.sweep_files};
+  const SweepTask task{run_.options,    deck_, run_.sources, first, run_.reltol, run_.rows_file ? &*run_.rows_file : nullptr,
+                       run_.sweep_files};
   const int status = run_sweep(task, run_.messages, run_.report, run_.outcome.sweep);
   if (run_.engine.warning) run_.messages.report(*run_.engine.warning);
   run_.report.seconds.total = run_.seconds();

@@ -16,8 +16,8 @@ namespace {
 using engine::InstantView;
 using engine::RunState;
 
-constexpr int recurrences = 5;         ///< of an event before its orbit is looked for
-constexpr double growth = 16.0;        ///< of the time that is looked at, as long as too little happens
+constexpr int recurrences = 5;   ///< of an event before its orbit is looked for
+constexpr double growth = 16.0;  ///< of the time that is looked at, as long as too little happens
 constexpr int most_extensions = 6;
 constexpr double time_constants = 8.0;  ///< the first look
 constexpr double periods_per_hint = 50.0;
@@ -152,7 +152,8 @@ class Finder {
       for (int i = 0; i < system.ports; ++i) {
         const bool is = change.after->active.contains(i);
         const model::Port& port = system.port[static_cast<std::size_t>(i)];
-        if (change.before->active.contains(i) != is) return fmt::format("{} {}", port.name, is == port.input_is_current ? "conducts" : "blocks");
+        if (change.before->active.contains(i) != is)
+          return fmt::format("{} {}", port.name, is == port.input_is_current ? "conducts" : "blocks");
       }
     }
     return "a change of mode";

@@ -210,8 +210,9 @@ class Block {
   int last_guard_ = -1;                    ///< that ended the segment before
   int passing_ = -1;                       ///< the same, until the position behind it is found
   Point point_;
-  Position position_before_;                  ///< before the instant that is due
-  std::unordered_set<std::string> unshared_;  ///< positions, with what carries nothing in them, in which ports that are free to conduct would not either
+  Position position_before_;  ///< before the instant that is due
+  std::unordered_set<std::string>
+      unshared_;  ///< positions, with what carries nothing in them, in which ports that are free to conduct would not either
   Trial trial_, free_;
   Point first_, second_, third_;  ///< of the Euler steps of an instant
   std::vector<double> w_, signals_before_, impulses_;
