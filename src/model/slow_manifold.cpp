@@ -35,8 +35,9 @@ constexpr Wide other_shift = 3.0L;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
 constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
 constexpr int most_iterations = 16;
-constexpr int fewest_iterations = 3;      ///< of the slow subspace, before a change that does not shrink …
-constexpr Wide least_progress = 0.1L;     ///< … to this counts as rounding: the gap makes it 10⁻⁴ of the last
+constexpr int fewest_iterations =
+    3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
+constexpr Wide least_progress = 0.1L;  ///< … to this (that of the lift: at all) counts as rounding: the gap makes it 10⁻⁴ of the last
 constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
 
@@ -257,7 +258,7 @@ void SlowMotion::find_lift() {
     WideMatrix next = next_lift(lift_);
     const Wide change = (next - lift_).norm();
     lift_ = std::move(next);
-    if (change <= tolerance::manifold_converged * lift_.norm() || !(change < last)) break;
+    if (change <= tolerance::manifold_converged * lift_.norm() || (k >= fewest_iterations && !(change < last))) break;
     last = change;
   }
 }
