@@ -8,17 +8,23 @@ using namespace pwlsim::model;
 
 namespace {
 
-/// Nodes a and b; R1 (a, b) of 10 Ω, R2 (b, ground) of 1 mΩ; C1, L1, V1, D1, a complementarity and S1 at ground.
+/// Nodes a and b; R1 (a, b) of 10 Ω, R2 (b, ground) of 1 mΩ; one element of each other kind.
 Network small_network() {
   Network network;
   network.nodes = {{"a", {}}, {"b", {}}};
   network.resistors = {{{"R1", {}}, 0, 1, 10.0}, {{"R2", {}}, 1, ground, 1e-3}};
-  network.capacitors.push_back({.label = {"C1", {}}, .p = 0, .capacitance = 1.0});
-  network.inductors.push_back({.label = {"L1", {}}, .p = 0, .inductance = 1.0});
-  network.branches.push_back({.label = {"V1", {}}, .p = 0});
-  network.diodes.push_back({.label = {"D1", {}}, .p = 1});
-  network.complementarities.push_back({.label = {"A1", {}}});
-  network.switches.push_back({.label = {"S1", {}}, .p = 1});
+  network.capacitors.resize(1);
+  network.capacitors[0].label.name = "C1";
+  network.inductors.resize(1);
+  network.inductors[0].label.name = "L1";
+  network.branches.resize(1);
+  network.branches[0].label.name = "V1";
+  network.diodes.resize(1);
+  network.diodes[0].label.name = "D1";
+  network.complementarities.resize(1);
+  network.complementarities[0].label.name = "A1";
+  network.switches.resize(1);
+  network.switches[0].label.name = "S1";
   return network;
 }
 
