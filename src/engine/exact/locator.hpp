@@ -10,8 +10,6 @@
 /// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m. Where that takes many intervals,
 /// eigenvectors take the guard apart (modal_search.hpp).
 
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "engine/exact/modal_search.hpp"
@@ -131,8 +129,6 @@ class Locator {
   Isolated leave_rest(const Segment& segment, std::size_t i, double h);
   /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);
-  bool first_root(const Segment& segment, double h, std::optional<std::pair<std::size_t, Isolated>>& first);
-  void go_to_series_root(Segment& segment, std::size_t which, const Isolated& root, double end, Located& located);
   void state_at(const Segment& segment, double step, double* out);
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
   bool polish(const Segment& segment, int row, double& tau);
