@@ -500,7 +500,8 @@ void Builder::add_decays(const Mode& whole, Mode& slow) const {
   decays->slowest = manifold_->slowest;
   decays->rate_doubt = manifold_->rate_doubt;
   decays->coordinates = manifold_->coordinates;
-  const Matrix fast = whole.constrained ? Matrix(whole.basis.transpose() * manifold_->fast) : manifold_->fast;
+  const Matrix fast =
+      whole.constrained ? Matrix(whole.basis.transpose() * (whole.projector.topLeftCorner(s_.n, s_.n) * manifold_->fast)) : manifold_->fast;
   decays->guards = whole.guards.leftCols(whole.n1) * fast;
   decays->guard_doubt = static_cast<double>(tolerance::output_rounding) * (whole.absolute_guards.leftCols(whole.n1) * fast.cwiseAbs());
   decays->guard_rounding = whole.guard_noise.cwiseProduct(whole.guard_norm);

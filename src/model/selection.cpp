@@ -21,6 +21,8 @@ constexpr int most_rounds_of_rule = 4;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
 /// Rounding levels of the verification, tried in turn.
 constexpr double relaxations[] = {1.0, 1e2, coarsest_relaxation};
+/// Of a guard's terms: neither rounding nor a decay that is not followed hides as much (the decay's time constant is 10⁻³ of the slow ones, and four of them are unresolved).
+constexpr double hidden_share = 0.1;
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
 constexpr std::size_t most_remembered = 6;
 
@@ -327,11 +329,24 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
   return jump_into(*jump, x);
 }
 
+/// Whether the mode of the set is out of the question, before its slow motion is split off: some guard is below zero by more than rounding, or decays, can hide.
+bool Selector::is_out_of_question(const IndexSet& set, const double* x) {
+  const Mode& whole = mode(set);
+  if (!whole.regular) return true;
+  if (whole.constrained || has_settled(whole)) return false;
+  coordinates_of_ = nullptr;
+  to_mode(system_, whole, x, y_.data());
+  for (const int row : diode_rows_)
+    if (linalg::row_times(whole.guards, row, y_.data()) < -hidden_share * linalg::absolute_row_times(whole.guards, row, y_.data()))
+      return true;
+  return false;
+}
+
 const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int radius) {
   const Mode* found = nullptr;
   IndexSet set = wanted;
   any_near_set(set, 0, system_.diodes, radius, [&](const IndexSet& near) {
-    found = try_without_jump(x, near);
+    if (!is_out_of_question(near, x)) found = try_without_jump(x, near);
     return found != nullptr;
   });
   return found;

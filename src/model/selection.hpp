@@ -121,6 +121,7 @@ class Selector {
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
+  bool is_out_of_question(const IndexSet& set, const double* x);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);
   void remember(const IndexSet& wanted, const Mode& mode);

@@ -235,6 +235,8 @@ class Splitter {
  private:
   void take_motion();
   bool separate_decays();
+  [[nodiscard]] Matrix rate_of_whole() const;
+  void align_with_jump();
 
   const System& system_;
   const Mode& whole_;
@@ -309,30 +311,51 @@ void Splitter::take_motion() {
   result_.shift = resolvent_.shift;
 }
 
-/// Each decay by itself. Where the mode holds states at zero, all of its fast motion counts as a jump: what is at rest there is.
+/// ξ' of ξ in the mode itself, after the jump to what it holds at zero.
+Matrix Splitter::rate_of_whole() const {
+  const Matrix a = whole_.flow.a().topLeftCorner(whole_.n1, whole_.n1);
+  return whole_.constrained ? Matrix(whole_.basis * (a * (whole_.basis.transpose() * whole_.projector.topLeftCorner(n_, n_)))) : a;
+}
+
+/// A basis of the fast subspace whose first vectors are those that the mode's jump takes to zero.
+void Splitter::align_with_jump() {
+  const Index jumps = n_ - whole_.n1;
+  const WideMatrix after = product(whole_.projector.topLeftCorner(n_, n_).cast<Wide>(), f_);
+  WideMatrix aligned(n_, fast_);
+  aligned.leftCols(jumps) = leading_columns(f_ - after, jumps);
+  aligned.rightCols(cut_.fast) = leading_columns(after, cut_.fast);
+  f_ = std::move(aligned);
+}
+
+/// Each decay by itself. What the mode holds at zero is a jump, without a time constant; and so is all of the fast motion where that cannot be told from the decays.
 bool Splitter::separate_decays() {
+  const bool jumps = whole_.constrained;
+  if (jumps) align_with_jump();
   WideMatrix coordinates(fast_, n_ + nz_);
-  coordinates = WideElimination(product(off_, f_), 0).solve(result_.constraints);
+  const WideElimination across(product(off_, f_), 0);
+  if (across.rank() < fast_) return false;
+  coordinates = across.solve(result_.constraints);
   result_.slowest = 1.0 / cut_.fast_rate;
   result_.fast = f_.cast<double>();
   result_.coordinates = coordinates.cast<double>();
   result_.time_constants = Vector::Zero(fast_);
-  if (whole_.constrained) return true;
-  const Matrix a = whole_.flow.a().topLeftCorner(n_, n_);
-  const Matrix lambda = result_.coordinates.leftCols(n_) * (a * result_.fast);
+  const Index count = cut_.fast;
+  const Matrix lambda = result_.coordinates.bottomLeftCorner(count, n_) * (rate_of_whole() * result_.fast.rightCols(count));
   const Eigen::EigenSolver<Matrix> solver(lambda);
-  if (solver.info() != Eigen::Success) return false;
-  for (Index i = 0; i < fast_; ++i) {
+  if (solver.info() != Eigen::Success) return jumps;
+  Vector constants(count);
+  for (Index i = 0; i < count; ++i) {
     const std::complex<double> rate = solver.eigenvalues()[i];
-    if (!(-rate.real() > least_damping * std::abs(rate))) return false;
-    result_.time_constants[i] = -1.0 / rate.real();
+    if (!(-rate.real() > least_damping * std::abs(rate))) return jumps;
+    constants[i] = -1.0 / rate.real();
   }
   const Matrix vectors = solver.eigenvectors().real();
   const Eigen::FullPivLU<Matrix> lu(vectors);
-  if (!(lu.rcond() > tolerance::eigenvector)) return false;
-  result_.slowest = result_.time_constants.maxCoeff();
-  result_.fast = result_.fast * vectors;
-  result_.coordinates = lu.solve(result_.coordinates);
+  if (!(lu.rcond() > tolerance::eigenvector)) return jumps;
+  result_.time_constants.tail(count) = constants;
+  result_.slowest = constants.maxCoeff();
+  result_.fast.rightCols(count) *= vectors;
+  result_.coordinates.bottomRows(count) = lu.solve(result_.coordinates.bottomRows(count)).eval();
   return true;
 }
 

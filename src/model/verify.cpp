@@ -90,9 +90,23 @@ bool Verifier::may_be_held(const Mode& mode, int row, const Departure& now, doub
   return -now.value <= decays.guards.row(row).cwiseAbs().dot(left_->cwiseAbs()) + whole_zero;
 }
 
+/// A guard that leaves zero upwards and is undone by its next derivative before the decays, which the slow motion does not resolve, are over: it falls. The slow motion's lag
+/// behind a voltage that begins to rise has the sign that this voltage does not have.
+Departure Verifier::undone(const Mode& mode, int row, Departure first) {
+  if (first.order < 1 || first.order >= ny_) return first;
+  if (known_ == 0) prepare();
+  double next = 0.0;
+  if (!significant(mode, row, first.order + 1, next)) return first;
+  next *= std::pow(mode.norm_a, first.order + 1);
+  const double time = time_constants_unresolved * mode.decays->slowest;
+  return next < 0.0 && first.value <= time * -next ? Departure{first.order + 1, next} : first;
+}
+
 /// What is there once the decays beside a slow motion are over: a guard below zero by what it makes good meanwhile rises.
 Departure Verifier::after_decays(const Mode& mode, int row, Departure first) {
-  if (!mode.decays || !(first.value < 0.0)) return first;
+  if (!mode.decays) return first;
+  if (first.value > 0.0) return undone(mode, row, first);
+  if (!(first.value < 0.0)) return first;
   if (known_ == 0) prepare();
   double scale = std::pow(mode.norm_a, first.order);
   for (Departure d = first; d.value < 0.0 && d.order < ny_;) {
@@ -102,7 +116,7 @@ Departure Verifier::after_decays(const Mode& mode, int row, Departure first) {
     next *= scale;
     if (!may_be_held(mode, row, d, next)) return first;
     d = {d.order + 1, next};
-    if (next > 0.0) return d;
+    if (next > 0.0) return undone(mode, row, d);
   }
   return first;
 }

@@ -41,6 +41,7 @@ class Verifier {
   [[nodiscard]] double square_of_most_rounding(const Mode& mode, const double* y) const;
   Departure departure(const Mode& mode, int row);  ///< of a row whose value is rounding
   Departure after_decays(const Mode& mode, int row, Departure first);
+  Departure undone(const Mode& mode, int row, Departure first);
   [[nodiscard]] bool may_be_held(const Mode& mode, int row, const Departure& now, double next) const;
   [[nodiscard]] double rounding(const Mode& mode, int row, int order, double size) const;
   bool significant(const Mode& mode, int row, int order, double& value);

@@ -71,7 +71,9 @@ void Locator::prepare(Segment& s) {
     derivatives_.resize((series_order + 2) * ny);
   }
   if (rows <= g_.size()) return;
-  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_}) v->resize(rows);
+  for (auto* v :
+       {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_, &slow_k2_})
+    v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
 }
 
@@ -121,6 +123,11 @@ double Locator::bound_in_at(const Mode& m, Bound& b, int row) const {
 double Locator::bound_at(const Segment& s, Bound& b, int row) {
   const double value = bound_in_at(*s.mode, b, row);
   if (s.decays.empty()) return value;
+  return std::min(value, bound_by_decays(s, row));
+}
+
+/// The same from the slow motion and each decay.
+double Locator::bound_by_decays(const Segment& s, int row) {
   double by_decays = bound_in_at(*s.mode->slow, slow_bound_, row);
   const model::Matrix& weights = s.mode->slow->decays->guards;
   const model::Matrix& doubt = s.mode->slow->decays->guard_doubt;
@@ -128,7 +135,7 @@ double Locator::bound_at(const Segment& s, Bound& b, int row) {
     const auto column = static_cast<Eigen::Index>(k);
     by_decays += (std::abs(weights(row, column)) + doubt(row, column)) * decay_bound_[k];
   }
-  return std::min(value, by_decays);
+  return by_decays;
 }
 
 /// First and second derivatives at the interval's start.
@@ -150,6 +157,8 @@ void Locator::derive(const Segment& s) {
 void Locator::bound_second(const Segment& s, double h) {
   Bound b = bound_of(s, 2, derivatives_.data() + 2 * s.mode->ny, h);
   for (std::size_t i = 0; i < s.rows.size(); ++i) k2_[i] = bound_at(s, b, s.rows[i]);
+  if (s.decays.empty()) return;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
 }
 
 void Locator::state_at(const Segment& s, double step, double* out) {
@@ -174,6 +183,8 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
     if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
     return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
+  if (!s.decays.empty())
+    if (const Verdict verdict = enclose(s, i, h); verdict != Verdict::undecided) return {verdict, h};
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
     const Mode& m = *s.mode;
@@ -378,7 +389,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
 bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& located) {
   const double rest = end - s.tau;
   // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
-  double h = s.step > 0.0 ? std::min(2.0 * s.step, rest) : rest;
+  double h = s.step > 0.0 && s.decays.empty() ? std::min(2.0 * s.step, rest) : rest;
   const bool sampled = has_to_sample(s, end);
   if (sampled) h = std::max(h, rest / sampled_intervals);
   if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
@@ -475,6 +486,11 @@ void Locator::march(Segment& s, double end, Located& located) {
   int series_intervals = 0;
   while (s.certified < end) {
     derive(s);
+    if (!s.decays.empty() && !decays_agree_) {
+      s.decays.clear();
+      s.decays_fail = true;
+      continue;
+    }
     if (!s.decays.empty()) {
       if (march_by_bounds(s, end, shortest, located)) return;
       continue;
