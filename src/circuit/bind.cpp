@@ -13,7 +13,9 @@
 #include "circuit/card_cursor.hpp"
 #include "circuit/cards.hpp"
 #include "circuit/formula_reader.hpp"
+#include "circuit/made_expressions.hpp"
 #include "circuit/number_cure.hpp"
+#include "circuit/polynomial.hpp"
 #include "circuit/values.hpp"
 #include "elements/catalogue.hpp"
 #include "netlist/number.hpp"
@@ -35,29 +37,6 @@ constexpr std::string_view current_forms[] = {"value", "cur", "i"};
 constexpr std::string_view foreign_forms[] = {"freq", "chebyshev"};
 /// How LTspice computes what Laplace= says.
 constexpr std::string_view laplace_options[] = {"window", "nfft", "mtol"};
-
-/// The terms of a polynomial in the order of SPICE2: 1, x1 … xn, x1², x1·x2 … x1·xn, x2² …, x1³ …
-class Monomials {
- public:
-  explicit Monomials(std::size_t variables) : variables_(variables) {}
-
-  /// The variables of the present term, ascending; none at first.
-  [[nodiscard]] const std::vector<std::size_t>& factors() const { return factors_; }
-
-  [[nodiscard]] bool has_power() const { return std::adjacent_find(factors_.begin(), factors_.end()) != factors_.end(); }
-
-  void next() {
-    std::size_t k = factors_.size();
-    while (k > 0 && factors_[k - 1] + 1 == variables_) --k;
-    if (k == 0) return factors_.assign(factors_.size() + 1, 0);
-    const std::size_t least = factors_[k - 1] + 1;
-    std::fill(factors_.begin() + static_cast<std::ptrdiff_t>(k) - 1, factors_.end(), least);
-  }
-
- private:
-  std::size_t variables_;
-  std::vector<std::size_t> factors_;
-};
 
 /// One element card on its way to an instance. Each step reports its own errors; after one the rest of the card is left alone.
 class CardBinding {
@@ -85,9 +64,8 @@ class CardBinding {
   /// A resistor whose resistance is an expression of time or of signals: the current v/R.
   void bind_resistance(const netlist::Expression& resistance) {
     if (!terminals()) return;
-    const netlist::Expression voltage = voltage_between(card_.items[0], card_.items[1], resistance.span);
-    const netlist::Expression current{netlist::Expression::Kind::binary, 0.0, "/", {voltage, resistance}, resistance.span};
-    (void)FormulaReader(binder_, place_, instance_).read(current, true);
+    const netlist::Expression voltage = make::voltage_between(card_.items[0], card_.items[1], resistance.span);
+    (void)FormulaReader(binder_, place_, instance_).read(make::operation(voltage, "/", resistance, resistance.span), true);
   }
 
   /// Of a card with a syntax error: its nodes as far as they go, so that they are known.
@@ -304,13 +282,6 @@ class CardBinding {
     return value != nullptr ? expression(*value, gives_current()) : missing("E-missing-value", "an expression");
   }
 
-  static netlist::Expression voltage_between(const Item& p, const Item& n, SourceSpan span) {
-    const auto name_of = [](const Item& word) {
-      return netlist::Expression{netlist::Expression::Kind::name, 0.0, word.text, {}, word.span};
-    };
-    return {netlist::Expression::Kind::call, 0.0, "v", {name_of(p), name_of(n)}, span};
-  }
-
   bool expression(const Item& item, bool is_current) {
     const std::optional<netlist::Expression> value = expression_of(item);
     if (!value) return false;
@@ -410,88 +381,43 @@ class CardBinding {
       return false;
     }
     const auto count = static_cast<std::size_t>(dimension->value);
-    std::vector<ControlWords> controls;
+    std::vector<netlist::Expression> controls;
     for (std::size_t k = 0; k < count; ++k) {
       const Item* first = cursor_.peek();
       if (!control()) return false;
-      controls.push_back({first, cursor_.previous()});
+      controls.push_back(kind_.control == Control::element ? make::current_through(*first)
+                                                           : make::voltage_between(*first, *cursor_.previous(), first->span));
     }
-    return coefficients(controls);
+    return coefficients(Polynomial(std::move(controls)), count);
   }
 
-  /// Two nodes, or one element twice.
-  struct ControlWords {
-    const Item* first = nullptr;
-    const Item* last = nullptr;
-  };
-
-  [[nodiscard]] netlist::Expression value_of(const ControlWords& words) const {
-    return kind_.control == Control::element ? current_through(*words.first)
-                                             : voltage_between(*words.first, *words.last, words.first->span);
-  }
-
-  static netlist::Expression current_through(const Item& name) {
-    return {netlist::Expression::Kind::call, 0.0, "i", {{netlist::Expression::Kind::name, 0.0, name.text, {}, name.span}}, name.span};
-  }
-
-  bool coefficients(const std::vector<ControlWords>& of) {
-    const std::size_t controls = of.size();
-    std::vector<double>& list = instance_.coefficients;
+  bool coefficients(Polynomial polynomial, std::size_t controls) {
     if (!cursor_.at_positional()) return missing("E-missing-value", "a coefficient");
-    Monomials monomials(controls);
-    std::optional<netlist::Expression> products;  ///< of controls, with their coefficients
     while (cursor_.at_positional()) {
       const Item& item = *cursor_.next();
       const std::optional<Number> number = place_.scope.number(item);
-      const bool has_product = number && list.size() > controls && number->value != 0.0;
-      if (has_product && monomials.has_power()) {
-        reporter().error("E-poly", item.span,
-                         fmt::format("this coefficient of {} is not linear: only p0 ... p{} may differ from zero", card_.name, controls));
-        return false;
-      }
-      if (has_product) add_term(products, term(number->value, monomials.factors(), of, item.span));
-      if (list.size() <= controls) list.push_back(number ? number->value : 0.0);
-      monomials.next();
+      if (polynomial.take(number ? number->value : 0.0, item.span)) continue;
+      reporter().error("E-poly", item.span,
+                       fmt::format("this coefficient of {} is not linear: only p0 ... p{} may differ from zero", card_.name, controls));
+      return false;
     }
-    if (products) return polynomial_as_formula(std::move(*products), of);
-    if (controls == 1 && list.size() == 1) {
+    if (polynomial.has_products()) return polynomial_as_formula(polynomial);
+    instance_.coefficients = polynomial.linear();
+    if (controls == 1 && instance_.coefficients.size() == 1) {
       reporter().error(
           "E-poly", card_.span,
           fmt::format("a single coefficient of POLY(1) is p0 in some simulators and p1 in others; try both p0 and p1 on {}", card_.name));
       return false;
     }
-    list.resize(controls + 1, 0.0);
+    instance_.coefficients.resize(controls + 1, 0.0);
     return true;
   }
 
-  static void add_term(std::optional<netlist::Expression>& sum, netlist::Expression term) {
-    const SourceSpan span = term.span;
-    sum =
-        sum ? netlist::Expression{netlist::Expression::Kind::binary, 0.0, "+", {std::move(*sum), std::move(term)}, span} : std::move(term);
-  }
-
-  netlist::Expression term(double coefficient, const std::vector<std::size_t>& factors, const std::vector<ControlWords>& of,
-                           SourceSpan span) const {
-    netlist::Expression product{netlist::Expression::Kind::number, coefficient, {}, {}, span};
-    for (const std::size_t factor : factors)
-      product = {netlist::Expression::Kind::binary, 0.0, "*", {std::move(product), value_of(of[factor])}, span};
-    return product;
-  }
-
   /// With products of controls: as value={…}, which has a form where one factor takes two values.
-  bool polynomial_as_formula(netlist::Expression sum, const std::vector<ControlWords>& of) {
-    const SourceSpan span = sum.span;
-    for (std::size_t k = 0; k < instance_.coefficients.size(); ++k)
-      if (const double coefficient = instance_.coefficients[k]; coefficient != 0.0)
-        sum = {netlist::Expression::Kind::binary,
-               0.0,
-               "+",
-               {std::move(sum), term(coefficient, k == 0 ? std::vector<std::size_t>{} : std::vector{k - 1}, of, span)},
-               span};
-    instance_.coefficients.clear();
+  bool polynomial_as_formula(const Polynomial& polynomial) {
     instance_.control_nodes.clear();
     instance_.references.clear();
-    return FormulaReader(binder_, place_, instance_).read(sum, gives_current());
+    return FormulaReader(binder_, place_, instance_).read(polynomial.expression(), gives_current());
   }
 
   void rest() {

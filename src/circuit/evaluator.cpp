@@ -85,7 +85,7 @@ std::optional<double> Evaluator::too_many_calls(const FunctionText& function) {
   session.functions_exhausted = session.function_calls > most_function_calls;
   reporter().error("E-too-deep", function.span,
                    session.functions_exhausted ? fmt::format("more than {} calls of functions", most_function_calls)
-                                               : fmt::format("more than {} parameters or functions within one another", deepest));
+                                               : fmt::format("more than {} parameters or functions within one another", Session::deepest));
   return std::nullopt;
 }
 
@@ -273,7 +273,7 @@ std::optional<double> Evaluator::of_function(const Expression& expression, const
   Session& session = scope_.session_;
   if (!count_is_right(expression, function.formals.size(), function.formals.size())) return std::nullopt;
   if (session.functions_exhausted) return std::nullopt;
-  if (depth_ > deepest || ++session.function_calls > most_function_calls) return too_many_calls(function);
+  if (depth_ > Session::deepest || ++session.function_calls > most_function_calls) return too_many_calls(function);
   Arguments arguments{&function, {}};
   if (!arguments_of(expression, arguments.values)) return std::nullopt;
   return Evaluator(home, depth_ + 1, &arguments).value(*function.body);

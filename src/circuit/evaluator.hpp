@@ -29,7 +29,6 @@ class Evaluator {
   /// Of an item that holds a number or an expression.
   [[nodiscard]] std::optional<double> value(const netlist::Item& item);
 
-  static constexpr int deepest = 1000;          ///< parameters and functions within one another
   static constexpr int deepest_nesting = 3000;  ///< parts of expressions within one another
 
  private:

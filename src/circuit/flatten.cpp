@@ -5,6 +5,7 @@
 #include "circuit/control_switches.hpp"
 #include "circuit/definitions.hpp"
 #include "circuit/devices.hpp"
+#include "circuit/evaluation.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
 #include "circuit/raw_system_reader.hpp"
@@ -32,7 +33,8 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   replace_logic_devices(definitions, reporter);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   const DeviceModels devices = add_device_models(definitions, sources, reporter);
-  Session session(reporter);
+  const ExpressionEvaluation evaluation;
+  Session session(reporter, evaluation);
   Scope top(*definitions.all.front(), nullptr, session);
   Sweeps& sweeps = circuit.analyses.sweeps;
   const std::uint64_t seed = written_seed(definitions);

@@ -325,7 +325,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_signal(const Expression&
 std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expression& expression, const FunctionText& function, Scope& home,
                                                                  const Context& context) {
   if (!count_is(expression, function.formals.size(), function.formals.size())) return std::nullopt;
-  if (context.depth > Evaluator::deepest) return too_deep(expression);
+  if (context.depth > Session::deepest) return too_deep(expression);
   Names arguments;
   for (std::size_t k = 0; k < function.formals.size(); ++k) {
     std::optional<Meaning> argument = meaning(expression.arguments[k], context);

@@ -66,8 +66,8 @@ std::optional<MeasuredExpression> MeasuredExpressionReader::read(const netlist::
 }
 
 bool MeasuredExpressionReader::add(const Expression& expression, Scope& scope, const Arguments* arguments, int depth, Steps& steps) {
-  if (depth > Evaluator::deepest)
-    return fail("E-too-deep", expression, fmt::format("more than {} parts of expressions within one another", Evaluator::deepest));
+  if (depth > Session::deepest)
+    return fail("E-too-deep", expression, fmt::format("more than {} parts of expressions within one another", Session::deepest));
   const std::size_t first = steps.size();
   switch (expression.kind) {
     case Kind::number:

@@ -221,7 +221,7 @@ class CardReader {
   bool read_last_periods(Measurement& measurement) {
     Measurement::LastPeriods last;
     last.span = items_[at_ - 1].span;
-    // These words are none elsewhere: they are read as expressions.
+    // Elsewhere these words are no keywords and are read as expressions.
     const auto says = [&](std::string_view word) { return at_ < items_.size() && same_name(text(items_[at_]), word); };
     if (at_ < items_.size() && !says("period") && !says("periods")) {
       const std::optional<Number> number = scope_.number(items_[at_++]);

@@ -6,9 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
-#include "circuit/evaluator.hpp"
-#include "circuit/expression_derivative.hpp"
-#include "circuit/number_cure.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
@@ -82,13 +79,13 @@ std::optional<double> Scope::parameter(Entry& entry, int depth) {
     case State::unknown:
       break;
   }
-  if (depth > Evaluator::deepest) {
+  if (depth > Session::deepest) {
     report_depth(entry);
     return std::nullopt;
   }
   entry.state = State::evaluating;
   session_.evaluating.push_back(entry.text.name);
-  const auto value = entry.text.value != nullptr ? Evaluator(*this, depth + 1).value(*entry.text.value) : std::nullopt;
+  const auto value = entry.text.value != nullptr ? session_.evaluation.value(*this, *entry.text.value, depth + 1) : std::nullopt;
   session_.evaluating.pop_back();
   if (value) entry.value = *value;
   entry.state = value ? State::known : (session_.too_deep ? State::unknown : State::failed);
@@ -98,7 +95,7 @@ std::optional<double> Scope::parameter(Entry& entry, int depth) {
 void Scope::report_depth(const Entry& entry) {
   if (depth_is_error_) {
     session_.reporter.error("E-too-deep", entry.text.span,
-                            fmt::format("more than {} parameters or functions within one another", Evaluator::deepest));
+                            fmt::format("more than {} parameters or functions within one another", Session::deepest));
   } else {
     session_.too_deep = true;
   }
@@ -128,7 +125,7 @@ void Scope::report_no_number(const netlist::Item& item) {
   const std::string_view text = session_.reporter.text(item.span);
   session_.reporter.error(
       "E-not-a-number", item.span,
-      fmt::format("'{}' is not a number{}", text, is_parameter ? fmt::format("; try {{{}}}", item.text) : number_cure(text, *this)));
+      fmt::format("'{}' is not a number{}", text, is_parameter ? fmt::format("; try {{{}}}", item.text) : session_.evaluation.fix(text, *this)));
 }
 
 std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_allowed) {
@@ -142,7 +139,7 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
     }
   }
   ++session_.numbers;
-  const std::optional<double> value = Evaluator(*this, 0).value(item);
+  const std::optional<double> value = session_.evaluation.value(*this, item, 0);
   --session_.numbers;
   if (!value) return std::nullopt;
   if (std::isinf(*value) && !infinity_allowed) {
@@ -152,7 +149,7 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
   number.value = *value;
   if (session_.varied.empty()) return number;
   ++session_.numbers;
-  number.gradient = Differentiator(*this).of(item);
+  number.gradient = session_.evaluation.gradient(*this, item);
   --session_.numbers;
   if (!number.gradient.empty()) session_.written.push_back({item.span, number.value, number.gradient});
   return number;
@@ -163,7 +160,7 @@ std::vector<double> Scope::gradient_of(std::string_view name) {
   if (entry == nullptr || session_.varied.empty() || entry->state != State::known) return {};
   if (entry->has_gradient) return entry->gradient;
   entry->has_gradient = true;
-  if (!entry->is_given && entry->text.value != nullptr) entry->gradient = Differentiator(*home).of(*entry->text.value);
+  if (!entry->is_given && entry->text.value != nullptr) entry->gradient = session_.evaluation.gradient(*home, *entry->text.value);
   if (home->outer_ == nullptr)
     for (std::size_t k = 0; k < session_.varied.size(); ++k)
       if (session_.varied[k] == without_case(name)) {

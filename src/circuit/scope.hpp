@@ -16,11 +16,29 @@
 
 namespace pwlsim::circuit {
 
+class Scope;
+
+/// What texts stand for in a scope: what it needs to evaluate its parameters (evaluation.hpp).
+class Evaluation {
+ public:
+  virtual ~Evaluation() = default;
+
+  /// Of an item that holds a number or an expression, `depth` parameters deep; an error has been reported where there is none.
+  [[nodiscard]] virtual std::optional<double> value(Scope& scope, const netlist::Item& item, int depth) const = 0;
+  /// To Session::varied; empty where it does not depend on them.
+  [[nodiscard]] virtual std::vector<double> gradient(Scope& scope, const netlist::Item& item) const = 0;
+  /// "; try …" for a text that is meant as a number and is none.
+  [[nodiscard]] virtual std::string fix(std::string_view text, Scope& scope) const = 0;
+};
+
 /// What all scopes of one deck share.
 struct Session {
-  explicit Session(Reporter& r) : reporter(r) {}
+  Session(Reporter& r, const Evaluation& e) : reporter(r), evaluation(e) {}
+
+  static constexpr int deepest = 1000;  ///< parameters and functions within one another
 
   Reporter& reporter;
+  const Evaluation& evaluation;
   std::vector<std::string> evaluating;  ///< names of the parameters under evaluation, outermost first
   Random random;
   bool draws_random = false;  ///< some expression has asked it

@@ -10,6 +10,7 @@
 #include "circuit/cards.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/definitions.hpp"
+#include "circuit/evaluation.hpp"
 #include "circuit/evaluator.hpp"
 #include "circuit/scope.hpp"
 
@@ -122,7 +123,8 @@ class Chooser {
     Diagnostics unheard;
     Reporter scratch = reporter_.beside(unheard);
     const Definitions definitions = read_definitions(known_, scratch);
-    Session session(reporter_);
+    const ExpressionEvaluation evaluation;
+    Session session(reporter_, evaluation);
     Scope scope(*definitions.all.front(), nullptr, session);
     Sweeps sweeps;
     read_sweeps(definitions, scope, scratch, sweeps);

@@ -210,7 +210,7 @@ class TransferReader {
     if (values.size() != function.formals.size())
       return fail("E-argument-count", expression,
                   fmt::format("{} takes {} arguments, not {}", function.name, function.formals.size(), values.size()));
-    if (place.depth > Evaluator::deepest) return fail("E-too-deep", expression, "functions call one another too deeply");
+    if (place.depth > Session::deepest) return fail("E-too-deep", expression, "functions call one another too deeply");
     Names arguments;
     for (std::size_t k = 0; k < values.size(); ++k) arguments.emplace(function.formals[k], values[k]);
     const Place inside{home, &arguments, place.depth + 1};

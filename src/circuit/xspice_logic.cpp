@@ -10,6 +10,7 @@
 #include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/logic_subcircuit.hpp"
+#include "circuit/made_expressions.hpp"
 #include "circuit/models.hpp"
 #include "circuit/xspice_oscillators.hpp"
 #include "netlist/number.hpp"
@@ -72,31 +73,19 @@ const Card* find_model_card(const Definition& from, std::string_view name) {
   return nullptr;
 }
 
-Expression number(double value) { return {Expression::Kind::number, value, {}, {}, {}}; }
-
-Expression expression_of(const Item* item, double otherwise) {
-  if (item == nullptr) return number(otherwise);
-  if (item->expression) return *item->expression;
-  const netlist::NumberText text = netlist::read_number(item->text);
-  return text.valid ? number(text.value) : Expression{Expression::Kind::name, 0.0, item->text, {}, item->span};
-}
+Expression expression_of(const Item* item, double otherwise) { return item != nullptr ? make::value(*item) : make::number(otherwise); }
 
 /// factor (a ± b)
 Expression combined(double factor, const Expression& a, std::string_view sign, const Expression& b) {
-  Expression sum{Expression::Kind::binary, 0.0, std::string(sign), {a, b}, {}};
-  return {Expression::Kind::binary, 0.0, "*", {number(factor), std::move(sum)}, {}};
+  return make::operation(make::number(factor), "*", make::operation(a, sign, b));
 }
 
 Item assignment(std::string_view name, Expression value, SourceSpan span) {
-  Item right;
-  right.kind = ItemKind::expression;
-  right.span = right.text_span = span;
-  right.expression = std::make_shared<const Expression>(std::move(value));
   Item whole;
   whole.kind = ItemKind::assignment;
   whole.text = name;
   whole.span = whole.text_span = span;
-  whole.items.push_back(std::move(right));
+  whole.items.push_back(make::item(std::move(value), span));
   return whole;
 }
 
@@ -263,7 +252,7 @@ class XspiceReplacement {
       } else {
         assignments.push_back(assignment("vlow", expression_of(given("out_low"), 0.0), span()));
         assignments.push_back(assignment("vhigh", expression_of(given("out_high"), 1.0), span()));
-        assignments.push_back(assignment("ref", number(0.5), span()));
+        assignments.push_back(assignment("ref", make::number(0.5), span()));
       }
       add_delay(device, assignments);
       call(ports_[0].nodes.size() > 1 ? fmt::format("~{}", k + 1) : "", device, {in, out}, std::move(assignments));

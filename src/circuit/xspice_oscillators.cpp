@@ -10,43 +10,21 @@
 #include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/definitions.hpp"
+#include "circuit/made_expressions.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
 
+using make::call;
+using make::number;
+using make::operation;
 using netlist::Card;
 using netlist::Expression;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
 constexpr std::string_view oscillators[] = {"triangle", "square", "sine", "d_osc", "d_pwm"};
-
-Expression constant(double value) { return {Expression::Kind::number, value, {}, {}, {}}; }
-
-Expression operation(Expression a, std::string_view op, Expression b) {
-  return {Expression::Kind::binary, 0.0, std::string(op), {std::move(a), std::move(b)}, {}};
-}
-
-Expression function(std::string_view name, std::vector<Expression> arguments) {
-  return {Expression::Kind::call, 0.0, std::string(name), std::move(arguments), {}};
-}
-
-Expression name_of(std::string_view text, SourceSpan span = {}) { return {Expression::Kind::name, 0.0, std::string(text), {}, span}; }
-
-Expression value_of(const Item& item) {
-  if (item.expression) return *item.expression;
-  const netlist::NumberText text = netlist::read_number(item.text);
-  return text.valid ? constant(text.value) : name_of(item.text, item.span);
-}
-
-Item expression_item(Expression value, SourceSpan span) {
-  Item item;
-  item.kind = ItemKind::expression;
-  item.span = item.text_span = span;
-  item.expression = std::make_shared<const Expression>(std::move(value));
-  return item;
-}
 
 Item with_items(ItemKind kind, std::string_view text, std::vector<Item> items, SourceSpan span) {
   Item item;
@@ -65,13 +43,13 @@ class Oscillator {
   /// V PULSE(…) or B V={…}, without its nodes.
   [[nodiscard]] std::pair<char, Item> source() const {
     if (same_name(type_, "triangle") && fixed_frequency()) return {'V', pulse()};
-    return {'B', with_items(ItemKind::assignment, "V", {expression_item(value(), span_)}, span_)};
+    return {'B', with_items(ItemKind::assignment, "V", {make::item(value(), span_)}, span_)};
   }
 
  private:
   [[nodiscard]] Expression given(std::string_view name, double otherwise) const {
     const Item* item = given_(name);
-    return item != nullptr ? value_of(*item) : constant(otherwise);
+    return item != nullptr ? make::value(*item) : number(otherwise);
   }
 
   [[nodiscard]] std::vector<Item> list(std::string_view name) const {
@@ -81,7 +59,7 @@ class Oscillator {
   }
 
   [[nodiscard]] static bool are_equal(const Item& a, const Item& b) {
-    const Expression x = value_of(a), y = value_of(b);
+    const Expression x = make::value(a), y = make::value(b);
     if (x.kind == Expression::Kind::number && y.kind == x.kind) return x.number == y.number;
     return x.kind == Expression::Kind::name && y.kind == x.kind && same_name(x.text, y.text);
   }
@@ -90,16 +68,16 @@ class Oscillator {
   [[nodiscard]] std::optional<Expression> fixed_frequency() const {
     if (same_name(type_, "d_pwm")) return given("frequency", 1.0);
     const std::vector<Item> frequencies = list("freq_array");
-    if (frequencies.empty()) return constant(1.0);
+    if (frequencies.empty()) return number(1.0);
     const bool is_one =
         std::all_of(frequencies.begin(), frequencies.end(), [&](const Item& item) { return are_equal(item, frequencies[0]); });
-    return is_one ? std::optional(value_of(frequencies[0])) : std::nullopt;
+    return is_one ? std::optional(make::value(frequencies[0])) : std::nullopt;
   }
 
   [[nodiscard]] Expression control() const {
     std::vector<Expression> nodes;
-    for (const Item& node : control_) nodes.push_back(name_of(node.text, node.span));
-    return function("v", std::move(nodes));
+    for (const Item& node : control_) nodes.push_back(make::name(node.text, node.span));
+    return call("v", std::move(nodes));
   }
 
   /// Straight lines between points, which go on beyond the last ones.
@@ -107,50 +85,50 @@ class Oscillator {
     const std::vector<Item> at = list("cntl_array"), to = list(values);
     std::vector<Expression> arguments{control()};
     for (std::size_t k = 0; k < std::min(at.size(), to.size()); ++k) {
-      arguments.push_back(value_of(at[k]));
-      arguments.push_back(value_of(to[k]));
+      arguments.push_back(make::value(at[k]));
+      arguments.push_back(make::value(to[k]));
     }
-    return function("pwl", std::move(arguments));
+    return call("pwl", std::move(arguments));
   }
 
-  [[nodiscard]] Expression start() const { return operation(given("init_phase", 0.0), "/", constant(360.0)); }
+  [[nodiscard]] Expression start() const { return operation(given("init_phase", 0.0), "/", number(360.0)); }
 
   [[nodiscard]] Expression turns(const Expression& frequency) const {
-    return operation(operation(frequency, "*", name_of("time")), "+", start());
+    return operation(operation(frequency, "*", make::name("time")), "+", start());
   }
 
   [[nodiscard]] Expression phase() const {
-    if (const auto frequency = fixed_frequency()) return function("mod", {turns(*frequency), constant(1.0)});
-    return function("idtmod", {controlled("freq_array"), start(), constant(1.0)});
+    if (const auto frequency = fixed_frequency()) return call("mod", {turns(*frequency), number(1.0)});
+    return call("idtmod", {controlled("freq_array"), start(), number(1.0)});
   }
 
   [[nodiscard]] Expression duty() const { return same_name(type_, "d_pwm") ? controlled("dc_array") : given("duty_cycle", 0.5); }
 
   [[nodiscard]] Expression value() const {
     const bool is_bit = type_.starts_with('d');
-    const Expression low = is_bit ? constant(0.0) : given("out_low", -1.0), high = is_bit ? constant(1.0) : given("out_high", 1.0);
+    const Expression low = is_bit ? number(0.0) : given("out_low", -1.0), high = is_bit ? number(1.0) : given("out_high", 1.0);
     const Expression swing = operation(high, "-", low);
-    if (same_name(type_, "sine")) return operation(operation(constant(0.5), "*", operation(high, "+", low)), "+", oscillation(swing));
-    if (!same_name(type_, "triangle")) return function("if", {operation(phase(), ">=", operation(constant(1.0), "-", duty())), high, low});
+    if (same_name(type_, "sine")) return operation(operation(number(0.5), "*", operation(high, "+", low)), "+", oscillation(swing));
+    if (!same_name(type_, "triangle")) return call("if", {operation(phase(), ">=", operation(number(1.0), "-", duty())), high, low});
     const Expression up = operation(phase(), "/", duty());
-    const Expression down = operation(operation(constant(1.0), "-", phase()), "/", operation(constant(1.0), "-", duty()));
-    return operation(low, "+", operation(swing, "*", function("min", {up, down})));
+    const Expression down = operation(operation(number(1.0), "-", phase()), "/", operation(number(1.0), "-", duty()));
+    return operation(low, "+", operation(swing, "*", call("min", {up, down})));
   }
 
   /// Of a frequency that changes it has no piecewise-linear form, which is an error where the expression is read.
   [[nodiscard]] Expression oscillation(const Expression& swing) const {
     const auto frequency = fixed_frequency();
-    const Expression angle = operation(operation(constant(2.0), "*", name_of("pi")), "*", frequency ? turns(*frequency) : phase());
-    return operation(operation(constant(0.5), "*", swing), "*", function("sin", {angle}));
+    const Expression angle = operation(operation(number(2.0), "*", make::name("pi")), "*", frequency ? turns(*frequency) : phase());
+    return operation(operation(number(0.5), "*", swing), "*", call("sin", {angle}));
   }
 
   [[nodiscard]] Item pulse() const {
     const Expression frequency = *fixed_frequency();
     std::vector<Item> items;
     for (const Expression& each :
-         {given("out_low", -1.0), given("out_high", 1.0), constant(0.0), operation(duty(), "/", frequency),
-          operation(operation(constant(1.0), "-", duty()), "/", frequency), constant(0.0), operation(constant(1.0), "/", frequency)})
-      items.push_back(expression_item(each, span_));
+         {given("out_low", -1.0), given("out_high", 1.0), number(0.0), operation(duty(), "/", frequency),
+          operation(operation(number(1.0), "-", duty()), "/", frequency), number(0.0), operation(number(1.0), "/", frequency)})
+      items.push_back(make::item(each, span_));
     return with_items(ItemKind::group, "PULSE", std::move(items), span_);
   }
 

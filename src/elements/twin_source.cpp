@@ -17,7 +17,7 @@ constexpr std::size_t most_points = 200'000;  // of a waveform written out
 
 using Points = std::vector<model::Pwl::Point>;
 
-/// Pieces at rounding level are none.
+/// Pieces at rounding level do not count.
 double shortest_piece(const Points& points) {
   constexpr double rounding = 1e-12;
   const double least = rounding * std::max(std::abs(points.front().time), std::abs(points.back().time));

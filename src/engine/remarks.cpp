@@ -12,7 +12,7 @@ namespace {
 /// So many events in a crowd are an accumulation that cannot be crossed.
 constexpr std::uint64_t crowd_limit = 400;
 
-/// Of switches that find no rest. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
+/// For switches that keep toggling. Those of transistors ("X1.M2") have no hysteresis, but gates that take time.
 std::string cure_of(const std::vector<std::string>& switches) {
   const auto is_transistor = [](const std::string& name) {
     const char letter = name[name.find_last_of('.') + 1];  // of none at the end: the first of all

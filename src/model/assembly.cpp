@@ -45,6 +45,120 @@ struct Range {
   [[nodiscard]] double middle() const { return most > 0.0 ? std::sqrt(least) * std::sqrt(most) : 1.0; }
 };
 
+/// Writes what elements put into G, F, Hₐ, H_w and S_x.
+class Stamps {
+ public:
+  Stamps(Assembly& assembly, const ComplementarityScales<Wide>& scales) : a_(assembly), scales_(scales) {}
+
+  void kcl(NodeIndex p, NodeIndex n, int column, Wide value) {
+    if (p != ground) add_to(p, column, value);
+    if (n != ground) add_to(n, column, -value);
+  }
+  void voltage(int row, NodeIndex p, NodeIndex n, Wide sign) {
+    if (p != ground) a_.g(row, p) += sign;
+    if (n != ground) a_.g(row, n) -= sign;
+  }
+  void resistance(int column, Wide ratio) {
+    a_.g(column, column) -= ratio;
+    a_.g_data(column, column) += std::abs(a_.g(column, column));
+  }
+  void conductance(NodeIndex p, NodeIndex n, Wide conductance) {
+    for (const NodeIndex column : {p, n}) {
+      if (column == ground) continue;
+      kcl(p, n, column, column == p ? conductance : -conductance);
+      if (conductance > 0.0) continue;
+      if (p != ground) a_.g_data(p, column) -= conductance;
+      if (n != ground) a_.g_data(n, column) -= conductance;
+    }
+  }
+  void form(int row, const LinearForm& terms, Wide factor) { add(row, a_.row_of(terms), factor); }
+  void injection(NodeIndex p, NodeIndex n, const LinearForm& current) {
+    const Assembly::FormRow row = a_.row_of(current);
+    if (p != ground) add(p, row, static_cast<Wide>(a_.r0));
+    if (n != ground) add(n, row, -static_cast<Wide>(a_.r0));
+  }
+  void contact(int port, NodeIndex p, NodeIndex n, double resistance, double drop);
+  /// −slack − u − a = 0 in the place of a diode's v − R0·i − a = 0.
+  void complementarity(int port, int index) {
+    const int column = a_.unknowns.port(port);
+    const auto i = static_cast<std::size_t>(index);
+    form(column, a_.network.complementarities[i].slack, -scales_.slack[i]);
+    add_to(column, column, -1.0L);
+    a_.ha(column, port) = -1.0;
+  }
+  void stores();
+
+ private:
+  void add_to(int row, int column, Wide term) {
+    linalg::Doubled sum{a_.g(row, column), a_.g_rest(row, column)};
+    sum.add(term);
+    a_.g(row, column) = sum.value;
+    a_.g_rest(row, column) = sum.rest;
+  }
+  /// Coefficients of the netlist into a row of G, and of H_w.
+  void add(int row, const Assembly::FormRow& terms, Wide factor) {
+    for (int column = 0; column < a_.unknowns.size(); ++column) {
+      const Wide term = factor * terms.z_part[column];
+      if (term == 0.0) continue;
+      add_to(row, column, term);
+      a_.g_data(row, column) += std::abs(term);
+    }
+    a_.hw.row(row) += factor * terms.zeta_part.transpose();
+  }
+  void capacitor(int i);
+  void inductor_rate(int j);
+
+  Assembly& a_;
+  const ComplementarityScales<Wide>& scales_;
+};
+
+void Stamps::contact(int port, NodeIndex p, NodeIndex n, double resistance, double drop) {
+  const int column = a_.unknowns.port(port);
+  kcl(p, n, column, 1.0);
+  voltage(column, p, n, 1.0);
+  const Wide ratio = static_cast<Wide>(resistance) / a_.r0;
+  add_to(column, column, -1.0L);
+  add_to(column, column, -ratio);
+  a_.g_data(column, column) += std::abs(ratio);
+  a_.ha(column, port) = -1.0;
+  if (drop != 0.0) a_.hw(column, a_.exosystem->constant()) -= drop;
+}
+
+void Stamps::capacitor(int i) {
+  const Capacitor& c = a_.network.capacitors[static_cast<std::size_t>(i)];
+  const int column = a_.unknowns.capacitor(static_cast<std::size_t>(i));
+  const Wide s = std::sqrt(static_cast<Wide>(std::abs(c.capacitance)) * a_.r0 / a_.tau0);
+  kcl(c.p, c.n, column, 1.0);
+  voltage(column, c.p, c.n, 1.0);
+  a_.f(column, i) = -1.0L / s;
+  a_.sx(i, column) = std::copysign(1.0L / (s * a_.tau0), static_cast<Wide>(c.capacitance));
+}
+
+void Stamps::inductor_rate(int j) {
+  const auto store = static_cast<int>(a_.network.capacitors.size()) + j;
+  const Wide scale = a_.inductor_factor.col(j).cwiseAbs().maxCoeff();
+  const int row = a_.unknowns.rate(j);
+  for (int i = 0; i < static_cast<int>(a_.network.inductors.size()); ++i) {
+    const int column = a_.unknowns.inductor(i);
+    const Wide sign = a_.network.inductors[static_cast<std::size_t>(i)].inductance < 0.0 ? -1.0L : 1.0L;
+    a_.g(column, row) -= sign * a_.inductor_factor(i, j) / scale;
+    a_.g(row, column) += a_.inductor_factor(i, j) / scale;
+    a_.g_data(column, row) = a_.g_data(row, column) = std::abs(a_.inductor_factor(i, j) / scale);
+  }
+  a_.f(row, store) = -1.0L / scale;
+  a_.sx(store, row) = 1.0L / (scale * a_.tau0);
+}
+
+void Stamps::stores() {
+  for (int i = 0; i < static_cast<int>(a_.network.capacitors.size()); ++i) capacitor(i);
+  for (int j = 0; j < static_cast<int>(a_.inductor_factor.cols()); ++j) inductor_rate(j);
+  for (int i = 0; i < static_cast<int>(a_.network.inductors.size()); ++i) {
+    const Inductor& l = a_.network.inductors[static_cast<std::size_t>(i)];
+    kcl(l.p, l.n, a_.unknowns.inductor(i), 1.0);
+    voltage(a_.unknowns.inductor(i), l.p, l.n, 1.0);
+  }
+}
+
 }  // namespace
 
 Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) : network(net) {
@@ -53,21 +167,22 @@ Assembly::Assembly(const Network& net, bool constant_wanted, Wide input_factor) 
   factor_inductances();
   number_unknowns();
   scale_inputs(input_factor);
-  const int m = unknowns_;
+  const int m = unknowns.size();
   g = WideMatrix::Zero(m, m);
   g_rest = WideMatrix::Zero(m, m);
   g_data = WideMatrix::Zero(m, m);
   f = WideMatrix::Zero(m, stores());
-  ha = WideMatrix::Zero(m, ports());
+  ha = WideMatrix::Zero(m, unknowns.ports());
   hw = WideMatrix::Zero(m, exosystem->size());
   sx = WideMatrix::Zero(stores(), m);
-  add_resistors();
-  add_stores();
-  add_branches_and_injections();
-  add_ports();
+  Stamps stamps(*this, scales_);
+  stamp_resistors<Wide>(network, unknowns, r0, stamps);
+  stamps.stores();
+  stamp_branches_and_injections(network, unknowns, stamps);
+  stamp_ports(network, stamps);
 }
 
-bool Assembly::is_low(double resistance) const { return std::abs(resistance) < tolerance::low_resistance * r0; }
+double Assembly::low_resistance() const { return tolerance::low_resistance * r0; }
 
 void Assembly::choose_scales() {
   LogMean capacitance, inductance, time;
@@ -112,227 +227,38 @@ void Assembly::factor_inductances() {
 }
 
 void Assembly::number_unknowns() {
-  int next = static_cast<int>(network.nodes.size());
-  first_low_ = next;
-  for (const auto& r : network.resistors) low_resistor_.push_back(is_low(r.resistance) ? next++ : -1);
-  const auto take = [&next](std::size_t count) {
-    const int first = next;
-    next += static_cast<int>(count);
-    return first;
-  };
-  first_capacitor_ = take(network.capacitors.size());
-  first_inductor_ = take(network.inductors.size());
-  first_rate_ = take(static_cast<std::size_t>(inductor_factor.cols()));
-  first_branch_ = take(network.branches.size());
-  first_port_ = take(static_cast<std::size_t>(ports()));
-  unknowns_ = next;
+  unknowns = Unknowns(network, {.low_resistance = low_resistance(),
+                                .capacitor_currents = std::vector<char>(network.capacitors.size(), 1),
+                                .rates = static_cast<int>(inductor_factor.cols())});
 }
 
-void Assembly::add_to(int row, int column, Wide term) {
-  linalg::Doubled sum{g(row, column), g_rest(row, column)};
-  sum.add(term);
-  g(row, column) = sum.value;
-  g_rest(row, column) = sum.rest;
-}
-
-void Assembly::add_kcl(NodeIndex p, NodeIndex n, int column, Wide value) {
-  if (p != ground) add_to(p, column, value);
-  if (n != ground) add_to(n, column, -value);
-}
-
-/// Coefficients of the netlist into a row of G.
-void Assembly::add_data(int row, const WideVector& terms) {
-  for (int column = 0; column < unknowns_; ++column) {
-    if (terms[column] == 0.0) continue;
-    add_to(row, column, terms[column]);
-    g_data(row, column) += std::abs(terms[column]);
-  }
-}
-
-void Assembly::add_voltage(int row, NodeIndex p, NodeIndex n) {
-  if (p != ground) g(row, p) += 1.0;
-  if (n != ground) g(row, n) -= 1.0;
-}
-
-void Assembly::add_resistors() {
-  for (std::size_t i = 0; i < network.resistors.size(); ++i) {
-    const auto& r = network.resistors[i];
-    const int low = low_resistor_[i];
-    if (low >= 0) {
-      add_kcl(r.p, r.n, low, 1.0);
-      add_voltage(low, r.p, r.n);
-      g(low, low) -= static_cast<Wide>(r.resistance) / r0;
-      g_data(low, low) += std::abs(g(low, low));
-      continue;
-    }
-    const Wide conductance = static_cast<Wide>(r0) / r.resistance;
-    for (const NodeIndex column : {r.p, r.n}) {
-      if (column == ground) continue;
-      add_kcl(r.p, r.n, column, column == r.p ? conductance : -conductance);
-      if (conductance > 0.0) continue;
-      if (r.p != ground) g_data(r.p, column) -= conductance;
-      if (r.n != ground) g_data(r.n, column) -= conductance;
-    }
-  }
-}
-
-void Assembly::add_stores() {
-  const auto capacitors = static_cast<int>(network.capacitors.size());
-  for (int i = 0; i < capacitors; ++i) {
-    const auto& c = network.capacitors[i];
-    const int column = first_capacitor_ + i;
-    const Wide s = std::sqrt(static_cast<Wide>(std::abs(c.capacitance)) * r0 / tau0);
-    add_kcl(c.p, c.n, column, 1.0);
-    add_voltage(column, c.p, c.n);
-    f(column, i) = -1.0L / s;
-    sx(i, column) = std::copysign(1.0L / (s * tau0), static_cast<Wide>(c.capacitance));
-  }
-  const auto rates = static_cast<int>(inductor_factor.cols());
-  for (int j = 0; j < rates; ++j) {
-    const Wide scale = inductor_factor.col(j).cwiseAbs().maxCoeff();
-    const int row = first_rate_ + j;
-    for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
-      const Wide sign = network.inductors[i].inductance < 0.0 ? -1.0L : 1.0L;
-      g(first_inductor_ + i, row) -= sign * inductor_factor(i, j) / scale;
-      g(row, first_inductor_ + i) += inductor_factor(i, j) / scale;
-      g_data(first_inductor_ + i, row) = g_data(row, first_inductor_ + i) = std::abs(inductor_factor(i, j) / scale);
-    }
-    f(row, capacitors + j) = -1.0L / scale;
-    sx(capacitors + j, row) = 1.0L / (scale * tau0);
-  }
-  for (int i = 0; i < static_cast<int>(network.inductors.size()); ++i) {
-    const auto& l = network.inductors[i];
-    add_kcl(l.p, l.n, first_inductor_ + i, 1.0);
-    add_voltage(first_inductor_ + i, l.p, l.n);
-  }
-}
-
-void Assembly::add_branches_and_injections() {
-  for (std::size_t i = 0; i < network.branches.size(); ++i) {
-    const auto& b = network.branches[i];
-    const int column = first_branch_ + static_cast<int>(i);
-    add_kcl(b.p, b.n, column, 1.0);
-    add_voltage(column, b.p, b.n);
-    const FormRow row = row_of(b.voltage);
-    add_data(column, -row.z_part);
-    hw.row(column) -= row.zeta_part.transpose();
-  }
-  for (const auto& injection : network.injections) {
-    const FormRow row = row_of(injection.current);
-    for (const auto& [node, sign] : {std::pair{injection.p, static_cast<Wide>(r0)}, std::pair{injection.n, -static_cast<Wide>(r0)}}) {
-      if (node == ground) continue;
-      add_data(node, sign * row.z_part);
-      hw.row(node) += sign * row.zeta_part.transpose();
-    }
-  }
-}
-
-void Assembly::add_port(int port, NodeIndex p, NodeIndex n, double resistance, double drop) {
-  const int column = port_column(port);
-  add_kcl(p, n, column, 1.0);
-  add_voltage(column, p, n);
-  const Wide ratio = static_cast<Wide>(resistance) / r0;
-  add_to(column, column, -1.0L);
-  add_to(column, column, -ratio);
-  g_data(column, column) += std::abs(ratio);
-  ha(column, port) = -1.0;
-  if (drop != 0.0) hw(column, exosystem->constant()) -= drop;
-}
-
-/// Largest coefficients become one: of a slack in its row; of an input where it is a voltage or a current, else in the slacks that hold it.
 void Assembly::scale_inputs(Wide input_factor) {
-  const std::size_t count = network.complementarities.size();
-  std::vector<Wide> in_circuit(count, 0.0), in_slacks(count, 0.0);
-  const auto weigh = [](std::vector<Wide>& largest, const LinearForm& form, Wide factor) {
-    for (const auto& term : form)
-      if (term.kind == Term::Kind::slack_input)
-        largest[static_cast<std::size_t>(term.index)] =
-            std::max(largest[static_cast<std::size_t>(term.index)], std::abs(factor * term.coefficient));
-  };
-  for (const auto& b : network.branches) weigh(in_circuit, b.voltage, 1.0L);
-  for (const auto& i : network.injections) weigh(in_circuit, i.current, static_cast<Wide>(r0));
-  input_scale_.assign(count, 1.0L);
-  slack_scale_.assign(count, 1.0L);
-  for (std::size_t i = 0; i < count; ++i) {
-    const LinearForm& slack = network.complementarities[i].slack;
-    const FormRow row = row_of(slack);
+  scales_ = ComplementarityScales<Wide>(network.complementarities.size());
+  scales_ = scale_complementarities<Wide>(network, r0, [&](const LinearForm& slack) {
+    const WideVector row = row_of(slack).z_part;
     Wide largest = 0.0;
-    for (int j = 0; j < unknowns_; ++j)
-      if (j < port_column(first_complementarity()) || j >= port_column(first_switch()))
-        largest = std::max(largest, std::abs(row.z_part[j]));
-    if (largest > 0.0) slack_scale_[i] = 1.0L / largest;
-    weigh(in_slacks, slack, slack_scale_[i]);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Wide largest = in_circuit[i] > 0.0 ? in_circuit[i] : in_slacks[i];
-    input_scale_[i] = (largest > 0.0 ? 1.0L / largest : 1.0L) / input_factor;
-  }
-}
-
-/// −slack − u − a = 0 in the place of a diode's v − R0·i − a = 0.
-void Assembly::add_complementarity(int port, int index) {
-  const int column = port_column(port);
-  const FormRow row = row_of(network.complementarities[static_cast<std::size_t>(index)].slack);
-  const Wide scale = slack_scale_[static_cast<std::size_t>(index)];
-  add_data(column, -scale * row.z_part);
-  hw.row(column) -= scale * row.zeta_part.transpose();
-  add_to(column, column, -1.0L);
-  ha(column, port) = -1.0;
-}
-
-void Assembly::add_ports() {
-  int port = 0;
-  for (const auto& d : network.diodes) add_port(port++, d.p, d.n, d.resistance, d.drop);
-  for (std::size_t i = 0; i < network.complementarities.size(); ++i) add_complementarity(port++, static_cast<int>(i));
-  for (const auto& s : network.switches) add_port(port++, s.p, s.n, s.resistance, s.drop);
+    for (int j = 0; j < unknowns.size(); ++j)
+      if (!unknowns.is_input(j)) largest = std::max(largest, std::abs(row[j]));
+    return largest;
+  });
+  for (Wide& scale : scales_.input) scale /= input_factor;
 }
 
 Assembly::FormRow Assembly::row_of(const LinearForm& form) const {
-  FormRow row{WideVector::Zero(unknowns_), WideVector::Zero(exosystem->size())};
-  for (const auto& term : form) {
-    const Wide c = term.coefficient;
-    const int i = term.index;
-    switch (term.kind) {
-      case Term::Kind::one:
-        if (c != 0.0) row.zeta_part[exosystem->constant()] += c;
-        break;
-      case Term::Kind::source:
-        row.zeta_part += c * exosystem->rows().row(i).transpose().cast<Wide>();
-        break;
-      case Term::Kind::node_voltage:
-        if (i != ground) row.z_part[i] += c;
-        break;
-      case Term::Kind::resistor_current: {
-        const auto& r = network.resistors[i];
-        if (low_resistor_[i] >= 0) {
-          row.z_part[low_resistor_[i]] += c / r0;
-          break;
-        }
-        if (r.p != ground) row.z_part[r.p] += c / r.resistance;
-        if (r.n != ground) row.z_part[r.n] -= c / r.resistance;
-        break;
-      }
-      case Term::Kind::capacitor_current:
-        row.z_part[first_capacitor_ + i] += c / r0;
-        break;
-      case Term::Kind::inductor_current:
-        row.z_part[first_inductor_ + i] += c / r0;
-        break;
-      case Term::Kind::branch_current:
-        row.z_part[first_branch_ + i] += c / r0;
-        break;
-      case Term::Kind::diode_current:
-        row.z_part[port_column(i)] += c / r0;
-        break;
-      case Term::Kind::switch_current:
-        row.z_part[port_column(first_switch() + i)] += c / r0;
-        break;
-      case Term::Kind::slack_input:
-        row.z_part[port_column(first_complementarity() + i)] += c * input_scale_[static_cast<std::size_t>(i)];
-        break;
+  struct Sum {
+    const Assembly& assembly;
+    FormRow row;
+
+    void constant(Wide c) {
+      if (c != 0.0) row.zeta_part[assembly.exosystem->constant()] += c;
     }
-  }
-  return row;
+    void source(int i, Wide c) { row.zeta_part += c * assembly.exosystem->rows().row(i).transpose().cast<Wide>(); }
+    void unknown(int column, Wide c) { row.z_part[column] += c; }
+    void inductor_current(int i, Wide c) { row.z_part[assembly.unknowns.inductor(i)] += c / assembly.r0; }
+  };
+  Sum sum{*this, {WideVector::Zero(unknowns.size()), WideVector::Zero(exosystem->size())}};
+  write_form(network, unknowns, r0, scales_.input, form, sum);
+  return std::move(sum.row);
 }
 
 Vector Assembly::initial_state() const {
@@ -349,9 +275,9 @@ Vector Assembly::initial_state() const {
 std::vector<Descriptor::StorePort> Assembly::store_ports() const {
   std::vector<Descriptor::StorePort> ports;
   for (std::size_t i = 0; i < network.capacitors.size(); ++i)
-    ports.push_back({network.capacitors[i].p, network.capacitors[i].n, first_capacitor_ + static_cast<int>(i)});
+    ports.push_back({network.capacitors[i].p, network.capacitors[i].n, unknowns.capacitor(i)});
   for (std::size_t i = 0; i < network.inductors.size(); ++i)
-    ports.push_back({network.inductors[i].p, network.inductors[i].n, first_inductor_ + static_cast<int>(i)});
+    ports.push_back({network.inductors[i].p, network.inductors[i].n, unknowns.inductor(static_cast<int>(i))});
   return ports;
 }
 
@@ -368,32 +294,14 @@ Vector Assembly::store_sign() const {
   return sign;
 }
 
-std::string Assembly::current_owner(int index) const {
-  if (index < first_low_) return {};
-  for (std::size_t i = 0; i < low_resistor_.size(); ++i)
-    if (low_resistor_[i] == index) return network.resistors[i].label.name;
-  if (index < first_capacitor_) return {};
-  if (index < first_inductor_) return network.capacitors[index - first_capacitor_].label.name;
-  if (index < first_rate_) return network.inductors[index - first_inductor_].label.name;
-  if (index < first_branch_) return {};
-  if (index < first_port_) return network.branches[index - first_branch_].label.name;
-  return port_label(index - first_port_).name;
-}
-
-const Label& Assembly::port_label(int port) const {
-  if (port < first_complementarity()) return network.diodes[static_cast<std::size_t>(port)].label;
-  if (port < first_switch()) return network.complementarities[static_cast<std::size_t>(port - first_complementarity())].label;
-  return network.switches[static_cast<std::size_t>(port - first_switch())].label;
-}
-
 double Assembly::current_unit(int port) const {
-  const bool of_diode_or_switch = port < first_complementarity() || port >= first_switch();
-  return of_diode_or_switch ? 1.0 / r0 : static_cast<double>(input_scale_[static_cast<std::size_t>(port - first_complementarity())]);
+  if (!unknowns.is_input(unknowns.port(port))) return 1.0 / r0;
+  return static_cast<double>(scales_.input[static_cast<std::size_t>(port - unknowns.first_complementarity())]);
 }
 
 double Assembly::voltage_unit(int port) const {
-  const bool of_diode_or_switch = port < first_complementarity() || port >= first_switch();
-  return of_diode_or_switch ? 1.0 : static_cast<double>(1.0L / slack_scale_[static_cast<std::size_t>(port - first_complementarity())]);
+  if (!unknowns.is_input(unknowns.port(port))) return 1.0;
+  return static_cast<double>(1.0L / scales_.slack[static_cast<std::size_t>(port - unknowns.first_complementarity())]);
 }
 
 }  // namespace pwlsim::model

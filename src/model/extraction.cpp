@@ -102,6 +102,8 @@ class Extractor {
   [[nodiscard]] WideMatrix data_bound(const WideMatrix& inverse, const WideMatrix& solution, const WideMatrix& right) const;
   void finish();
   void add_ports();
+  void add_matrices();
+  void add_descriptor();
   [[nodiscard]] OutputRow output(const LinearForm& form) const;
 
   const Island& island_;
@@ -205,7 +207,7 @@ void Extractor::report_improper(const WideMatrix& na) {
   SourceSpan span;
   for (Eigen::Index j = 0; j < na.cols(); ++j) {
     if (na.col(j).cwiseAbs().maxCoeff() == 0.0) continue;
-    const Label& label = assembly_.port_label(static_cast<int>(j));
+    const Label& label = assembly_.unknowns.port_label(static_cast<int>(j));
     if (!span.known()) span = label.span;
     if (!last.empty() && last == label.name) continue;  // of an element with several ports
     last = label.name;
@@ -221,7 +223,7 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
   const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
   const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
-  // The combination of rows that holds no store: what it says of the sources decides between loop and cutset.
+  // The combination of rows that holds no store: its part in the sources decides between loop and cutset.
   const WideMatrix combination =
       linalg::CarefulElimination(nf.transpose(), {}, tolerance::data_rounding * nf.cwiseAbs().transpose()).kernel();
   const WideMatrix free_rows = null.vectors * combination;
@@ -236,17 +238,13 @@ void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, cons
       if (!node_span.known()) node_span = label.span;
       node_names += (node_names.empty() ? "" : ", ") + label.name;
     }
-    const std::string owner = assembly_.current_owner(static_cast<int>(i));
-    if (!owner.empty() && freedom > tolerance::null_vector_entry) {
-      for (const auto& b : network_.branches) {
-        if (b.label.name != owner) continue;
-        has_source = true;
-        if (!element_span.known()) element_span = b.label.span;
-      }
-      for (const auto& r : network_.resistors)
-        if (r.label.name == owner && !element_span.known()) element_span = r.label.span;
-      element_names += (element_names.empty() ? "" : ", ") + owner;
-    }
+    const auto column = static_cast<int>(i);
+    const Label* const owner = assembly_.unknowns.owner(column);
+    if (owner == nullptr || owner->name.empty() || !(freedom > tolerance::null_vector_entry)) continue;
+    const bool is_source = assembly_.unknowns.is_branch(column);
+    has_source |= is_source;
+    if (!element_span.known() && (is_source || assembly_.unknowns.is_resistor(column))) element_span = owner->span;
+    element_names += (element_names.empty() ? "" : ", ") + owner->name;
   }
   const WideMatrix said = combination.transpose() * nw;
   const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
@@ -289,10 +287,10 @@ void Extractor::solve_constraints() {
 /// b = S a + …;  with p = −v/2-scaled waves the causality of each port follows from one sign (mathematics of wave ports):
 /// Θ = diag(±1) with S + Θ nonsingular.
 void Extractor::choose_causality() {
-  const auto k = assembly_.ports();
+  const auto k = assembly_.unknowns.ports();
   theta_ = WideVector::Zero(k);
   if (k == 0) return;
-  const auto first = assembly_.port_column(0);
+  const auto first = assembly_.unknowns.port(0);
   const WideMatrix z_a = -Eigen::PartialPivLU<WideMatrix>(g_).solve(ha_);
   theta_ = causality(WideMatrix::Identity(k, k) + 2.0 * z_a.middleRows(first, k), theta_, tolerance::same_pivot);
 }
@@ -300,11 +298,11 @@ void Extractor::choose_causality() {
 /// A port's row d − i − a = 0 (d the voltage beyond its drop and resistance, i its current) becomes d + u = 0 with y = i, or d + y = 0 with
 /// u = i: a = −(u + y). The unknowns are then solved for with u given, so that small entries of D are as exact as those of G.
 void Extractor::take_causality() {
-  const auto k = assembly_.ports();
+  const auto k = assembly_.unknowns.ports();
   hu_ = WideMatrix::Zero(g_.rows(), k);
   hu_data_ = WideMatrix::Zero(g_.rows(), k);
   for (int j = 0; j < k; ++j) {
-    const auto column = assembly_.port_column(j);
+    const auto column = assembly_.unknowns.port(j);
     const Wide scale = -ha_(column, j);
     linalg::Doubled diagonal{g_(column, column), g_rest_(column, column)};
     diagonal.add(scale);
@@ -345,7 +343,7 @@ WideMatrix Extractor::data_bound(const WideMatrix& inverse, const WideMatrix& so
 void Extractor::solve_unknowns() {
   const auto m = g_.rows();
   const auto stores = assembly_.stores();
-  const auto k = assembly_.ports();
+  const auto k = assembly_.unknowns.ports();
   const auto nz = hw_.cols();
   WideMatrix right(m, stores + k + nz);
   right << f_, hu_, hw_;
@@ -378,39 +376,29 @@ void Extractor::solve_unknowns() {
 
 void Extractor::add_ports() {
   System& system = result_.system;
-  system.diodes = assembly_.first_switch();
-  system.ports = assembly_.ports();
+  system.diodes = assembly_.unknowns.first_switch();
+  system.ports = assembly_.unknowns.ports();
   for (int i = 0; i < system.ports; ++i) {
     const bool input_is_current = theta_[i] < 0.0;
     const double current = assembly_.current_unit(i), voltage = assembly_.voltage_unit(i);
-    system.port.push_back({assembly_.port_label(i).name, assembly_.port_label(i).span, input_is_current,
+    system.port.push_back({assembly_.unknowns.port_label(i).name, assembly_.unknowns.port_label(i).span, input_is_current,
                            input_is_current ? current : voltage, input_is_current ? voltage : current});
   }
   for (const auto& s : network_.switches) system.switch_inverted.push_back(s.inverted);
   for (std::size_t i = 0; i < network_.diodes.size(); ++i) {
     const Diode& diode = network_.diodes[i];
     if (diode.enabled_by.empty() && !diode.blocks) continue;
-    system.port[i].is_of_leak = diode.label.name.empty();  // put_ports_beside_leaks
+    system.port[i].is_of_leak = diode.is_of_leak;
     Valve valve{static_cast<int>(i), diode.enabled_by};
-    for (int& s : valve.switches) s += assembly_.first_switch();
+    for (int& s : valve.switches) s += assembly_.unknowns.first_switch();
     system.valves.push_back(std::move(valve));
   }
   system.switch_number = island_.switch_number;
 }
 
-void Extractor::finish() {
+void Extractor::add_matrices() {
   System& system = result_.system;
-  Descriptor& descriptor = result_.descriptor;
-  const auto n = static_cast<int>(basis_.cols());
-  const auto nz = assembly_.exosystem->size();
-  const auto k = assembly_.ports();
-  const auto size = n + nz;
-  system.name = island_.name;
-  system.n = n;
-  system.n_zeta = nz;
-  system.exosystem = assembly_.exosystem;
-  add_ports();
-
+  const int n = system.n, nz = system.n_zeta, k = system.ports, size = n + nz;
   auto unrounded = std::make_shared<Unrounded>();
   unrounded->a = WideMatrix::Zero(size, size);
   unrounded->a.topLeftCorner(n, n) = a_;
@@ -419,7 +407,7 @@ void Extractor::finish() {
   unrounded->b = WideMatrix::Zero(size, k);
   unrounded->b.topRows(n) = b_;
   unrounded->c.resize(k, size);
-  const auto first = assembly_.port_column(0);
+  const auto first = assembly_.unknowns.port(0);
   unrounded->c << z_xi_.middleRows(first, k), z_zeta_.middleRows(first, k);
   unrounded->d = z_u_.middleRows(first, k);
   system.a = unrounded->a.cast<double>();
@@ -427,8 +415,13 @@ void Extractor::finish() {
   system.c = unrounded->c.cast<double>();
   system.d = unrounded->d.cast<double>();
   system.unrounded = std::move(unrounded);
+}
 
-  const auto m = assembly_.unknowns();
+/// The equations before the reduction, and how they give z, x and the first state.
+void Extractor::add_descriptor() {
+  System& system = result_.system;
+  Descriptor& descriptor = result_.descriptor;
+  const int k = system.ports, size = system.n + system.n_zeta, first = assembly_.unknowns.port(0);
   descriptor.g = assembly_.g.cast<double>();
   descriptor.f = assembly_.f.cast<double>();
   descriptor.ha = assembly_.ha.cast<double>();
@@ -444,7 +437,7 @@ void Extractor::finish() {
     for (WideMatrix* z : {&z_xi_, &z_u_, &z_zeta_, &z_edge_}) z->row(first + j).setZero();
     z_u_(first + j, j) = 1.0;
   }
-  descriptor.z_state.resize(m, size);
+  descriptor.z_state.resize(assembly_.unknowns.size(), size);
   descriptor.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
   edge_ = z_edge_.cast<double>();
   descriptor.z_input = z_u_.cast<double>();
@@ -452,7 +445,17 @@ void Extractor::finish() {
   descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
   descriptor.reduce = basis_.transpose().cast<double>();
   system.x0 = descriptor.reduce * assembly_.initial_state();
+}
 
+void Extractor::finish() {
+  System& system = result_.system;
+  system.name = island_.name;
+  system.n = static_cast<int>(basis_.cols());
+  system.n_zeta = assembly_.exosystem->size();
+  system.exosystem = assembly_.exosystem;
+  add_ports();
+  add_matrices();
+  add_descriptor();
   for (std::size_t i = 0; i < network_.signals.size(); ++i) {
     system.outputs.push_back(output(network_.signals[i].form));
     system.output_signal.push_back(island_.signal_number[i]);

@@ -11,7 +11,7 @@ namespace pwlsim::model {
 
 namespace {
 
-/// Smaller resistors are none. Without capacitors the rate R/L tells: beside a wire of 1 µΩ any load is large.
+/// Smaller resistors do not count as leaks. Without capacitors the rate R/L decides: beside a wire of 1 µΩ any load is large.
 double least_resistance(const Network& network) {
   LogMean capacitance, inductance;
   for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
@@ -74,7 +74,7 @@ class LeakFinder {
 void put_ports_beside_leaks(Network& network) {
   if (network.inductors.empty() || (network.diodes.empty() && network.complementarities.empty() && network.switches.empty())) return;
   for (const Resistor* leak : LeakFinder(network).run())
-    network.diodes.push_back({{{}, leak->label.span}, leak->p, leak->n, 0.0, 0.0, {}, true});
+    network.diodes.push_back({.label = {{}, leak->label.span}, .p = leak->p, .n = leak->n, .blocks = true, .is_of_leak = true});
 }
 
 }  // namespace pwlsim::model

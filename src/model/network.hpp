@@ -103,6 +103,7 @@ struct Diode {
   double drop = 0.0;
   std::vector<int> enabled_by{};
   bool blocks = false;                  ///< i = 0 for good
+  bool is_of_leak = false;              ///< none that the circuit has: it stands beside a leak (leaks.hpp), and blocks
   std::optional<ExponentialLaw> law{};  ///< of which this is a tangent, where its current is to be found
 };
 /// How the deck writes the control of a switch, for messages: the control in Switch is `sense` times it, and its levels lie `reach` inside of those

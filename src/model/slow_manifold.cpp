@@ -192,7 +192,15 @@ class SlowMotion {
   void turn_lift(const WideMatrix& lift) { lift_ = next_lift(lift); }
   void find_motion();
   [[nodiscard]] WideMatrix feedback() const { return product(product(r_.inputs, before_), coordinates_); }
+  [[nodiscard]] WideMatrix rate() const { return product(product(x_, motion_), coordinates_); }
+  [[nodiscard]] WideMatrix projector() const { return product(x_, coordinates_); }
+  [[nodiscard]] const WideMatrix& slow() const { return slow_; }
+  [[nodiscard]] const WideMatrix& of_rows() const { return of_rows_; }
+  [[nodiscard]] const WideMatrix& lift() const { return lift_; }
+  /// Of x, in the columns of slow().
+  [[nodiscard]] const WideMatrix& slow_coordinates() const { return w_; }
 
+ private:
   [[nodiscard]] WideMatrix next_lift(const WideMatrix& lift) const;
 
   const System& system_;
@@ -287,20 +295,20 @@ void SlowMotion::find_motion() {
 }
 
 void Splitter::take_motion() {
-  const WideMatrix& slow = motion_.slow_;
+  const WideMatrix& slow = motion_.slow();
   off_ = complement(slow).transpose();
-  f_ = complement(motion_.of_rows_);
+  f_ = complement(motion_.of_rows());
   result_.feedback = motion_.feedback();
-  result_.rate = product(product(motion_.x_, motion_.motion_), motion_.coordinates_).topRows(n_);
-  result_.projector = product(motion_.x_, motion_.coordinates_);
+  result_.rate = motion_.rate().topRows(n_);
+  result_.projector = motion_.projector();
   result_.constraints.resize(fast_, n_ + nz_);
-  result_.constraints << off_, -product(off_, motion_.lift_);
+  result_.constraints << off_, -product(off_, motion_.lift());
   const WideMatrix a = system_.unrounded_matrices()->a.topLeftCorner(n_, n_);
-  const Wide change = linalg::absolute_product(motion_.w_, linalg::absolute_product(a, slow)).norm();
+  const Wide change = linalg::absolute_product(motion_.slow_coordinates(), linalg::absolute_product(a, slow)).norm();
   result_.rate_doubt = tolerance::rate_rounding * static_cast<double>(change);
   result_.slow = slow;
-  result_.of_rows = motion_.of_rows_;
-  result_.lift = motion_.lift_;
+  result_.of_rows = motion_.of_rows();
+  result_.lift = motion_.lift();
   result_.shift = resolvent_.shift;
 }
 
@@ -382,7 +390,7 @@ std::optional<Feedback> feedback_at_other_shift(const System& system, const Wide
   if (!motion.take_subspaces(orthonormal(product(s, first.slow)), orthonormal(product(s.transpose(), first.of_rows)))) return std::nullopt;
   motion.turn_lift(first.lift);
   motion.find_motion();
-  return Feedback{motion.feedback(), std::move(resolvent.free), std::move(motion.slow_), std::move(motion.lift_)};
+  return Feedback{motion.feedback(), std::move(resolvent.free), motion.slow(), motion.lift()};
 }
 
 }  // namespace pwlsim::model

@@ -36,7 +36,7 @@ struct Port {
   /// true: u is the (scaled) current and y the blocking voltage; false: u the blocking voltage and y the current.
   bool input_is_current = false;
   double u_unit = 1.0, y_unit = 1.0;  ///< u and y in SI units (a complementarity: in its own) are these times u and y
-  bool is_of_leak = false;            ///< none that the circuit has: it stands beside a leak (leaks.hpp), and no report shows it
+  bool is_of_leak = false;            ///< Diode::is_of_leak: no report shows it
 };
 
 /// A voltage or current that drives switches, with the thresholds of each.

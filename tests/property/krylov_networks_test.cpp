@@ -2,12 +2,10 @@
 /// are not.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
 
-#include "property/independent.hpp"
 #include "property/program_run.hpp"
 #include "property/survey.hpp"
 
@@ -18,30 +16,9 @@ namespace {
 constexpr double agreement = 1e-7;  ///< of the largest √energy
 constexpr int networks = 300;       ///< of a family
 constexpr int others = 1000;        ///< after the first thousand
-/// V and A: where states are smaller than this all the time nothing is there but rounding.
-constexpr double least_voltage = 1e-6, least_current = 1e-9;
+constexpr LeastStates least{.voltage = 1e-6, .current = 1e-9};
 
 enum class Kind { agrees, named, silent };
-
-/// The largest distance of the states of two runs, in the norm of the stored energy, of the largest of that, the start included.
-double distance(const RandomNetwork& network, const ProgramRun& a, const ProgramRun& b) {
-  const auto states = states_of(network);
-  double largest = 0.0, farthest = 0.0;
-  for (const Part& state : states) {
-    const double least = state.kind == Part::Kind::capacitor ? least_voltage : least_current;
-    largest += state.value * (state.initial * state.initial + least * least);
-  }
-  for (std::size_t k = 0; k < a.rows.size(); ++k) {
-    double energy = 0.0, difference = 0.0;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      energy += states[i].value * std::pow(a.rows[k][i + 1], 2);
-      difference += states[i].value * std::pow(a.rows[k][i + 1] - b.rows[k][i + 1], 2);
-    }
-    largest = std::max(largest, energy);
-    farthest = std::max(farthest, difference);
-  }
-  return largest > 0.0 ? std::sqrt(farthest / largest) : 0.0;
-}
 
 struct Outcome {
   Kind kind = Kind::agrees;
@@ -55,7 +32,7 @@ Outcome run_both(const RandomNetwork& network) {
   if (exact.finding.kind != Finding::Kind::fine) return {};
   const ProgramRun segments = run_program_segments(to_model(network), times);
   if (segments.finding.kind != Finding::Kind::fine) return {Kind::named, segments.finding.what + " " + segments.finding.detail};
-  const double apart = distance(network, exact, segments);
+  const double apart = energy_distance(network, exact, segments, least);
   return {apart <= agreement ? Kind::agrees : Kind::silent, "differs by " + Catch::StringMaker<double>::convert(apart)};
 }
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <ctime>
 
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
+#include "property/independent.hpp"
 
 namespace pwlsim::test {
 namespace {
@@ -87,6 +90,25 @@ ProgramRun run_program_segments(const model::Network& network, const std::vector
   return run_engine(times, false, [&](const engine::Request& request, engine::RowSink& rows) {
     return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, rows);
   });
+}
+
+double energy_distance(const RandomNetwork& network, const ProgramRun& a, const ProgramRun& b, LeastStates least) {
+  const auto states = states_of(network);
+  double largest = 0.0, farthest = 0.0;
+  for (const Part& state : states) {
+    const double smallest = state.kind == Part::Kind::capacitor ? least.voltage : least.current;
+    largest += state.value * (state.initial * state.initial + smallest * smallest);
+  }
+  for (std::size_t k = 0; k < a.rows.size(); ++k) {
+    double energy = 0.0, difference = 0.0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      energy += states[i].value * std::pow(a.rows[k][i + 1], 2);
+      difference += states[i].value * std::pow(a.rows[k][i + 1] - b.rows[k][i + 1], 2);
+    }
+    largest = std::max(largest, energy);
+    farthest = std::max(farthest, difference);
+  }
+  return largest > 0.0 ? std::sqrt(farthest / largest) : 0.0;
 }
 
 }  // namespace pwlsim::test

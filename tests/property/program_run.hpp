@@ -6,6 +6,7 @@
 
 #include "engine/run.hpp"
 #include "model/network.hpp"
+#include "property/random_network.hpp"
 
 namespace pwlsim::test {
 
@@ -31,5 +32,13 @@ struct ProgramRun {
 
 /// The same by exact segments (`--engine krylov`).
 [[nodiscard]] ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times);
+
+/// Where states are smaller than this all the time nothing is there but rounding.
+struct LeastStates {
+  double voltage = 0.0, current = 0.0;
+};
+/// The largest distance of the states of two runs of a network, whose rows hold them in its order, in the norm of the stored energy, of the largest of that,
+/// the start included.
+[[nodiscard]] double energy_distance(const RandomNetwork& network, const ProgramRun& a, const ProgramRun& b, LeastStates least = {});
 
 }  // namespace pwlsim::test

@@ -91,11 +91,10 @@ void replace_by_tangent(Model& model, const Settings& settings, Diagnostics& dia
   const model::Tangent law = exponential.tangent(i0);
   if (settings.finds_currents) model.law = exponential;
   const double reverse = values.get("BV");
-  diagnostics.note(
-      "N-diode-tangent", model.span,
-      fmt::format("the exponential diode {} is replaced by its tangent at {} A{}: Ron = {:.6g} ohm, Vfwd = {:.6g} V, Vrev = {:.6g} V",
-                  model.name, i0, settings.finds_currents ? ", unless a first run finds another current" : "", law.resistance, law.drop,
-                  reverse));
+  diagnostics.note("N-diode-tangent", model.span,
+                   fmt::format("the exponential diode {} is replaced by its tangent at {} A{}: Ron = {:.6g} ohm, Vfwd = {:.6g} V{}",
+                               model.name, i0, settings.finds_currents ? ", unless a first run finds another current" : "", law.resistance,
+                               law.drop, std::isinf(reverse) ? "" : fmt::format(", Vrev = {:.6g} V", reverse)));
   values.set("Ron", law.resistance);
   values.set("Vfwd", law.drop);
   values.set("Vrev", reverse);

@@ -70,7 +70,7 @@ class OperatingPointSolver {
 
  private:
   /// An island without a solution is asked again once the others
-  /// have moved its switches, and given up where nothing moves any more. False: some find no rest.
+  /// have moved its switches, and given up where nothing moves any more. False: some keep toggling.
   bool settles(MissingRest& missing, std::vector<Remark>& remarks) {
     SwitchRounds rounds(on.size());
     while (!rounds.exhausted()) {
@@ -266,14 +266,11 @@ bool starts_where_told(const IslandModel& island) {
   return std::any_of(capacitors.begin(), capacitors.end(), [](const model::Capacitor& c) { return c.starts_there; });
 }
 
-}  // namespace
-
-Start start_from_operating_point(const ExactModel& model) {
-  Start start;
-  std::map<std::size_t, model::Extraction> forced;
-  std::vector<const model::System*> systems;
+/// Islands as `.ic` forces them, by number. Null where that contradicts them; `start` says so.
+using Forced = std::map<std::size_t, model::Extraction>;
+std::optional<Forced> forced_islands(const ExactModel& model, Start& start) {
+  Forced forced;
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
-    systems.push_back(&model.islands[i].extraction.system);
     if (!has_conditions(model.islands[i].island)) continue;
     Diagnostics ignored;
     auto extraction = model::extract(with_conditions(model.islands[i].island), ignored);
@@ -282,10 +279,40 @@ Start start_from_operating_point(const ExactModel& model) {
       start.answer.id = "E-ic-contradiction";
       start.answer.message = fmt::format(".ic forces voltages or currents that contradict sources or each other in the part with {}",
                                          island_elements(model.islands[i].extraction.system));
-      return start;
+      return std::nullopt;
     }
     forced.emplace(i, std::move(*extraction));
-    systems.back() = &forced.at(i).system;
+  }
+  return forced;
+}
+
+/// The island's state, and its signals before t = 0 where `has_before`. `system`: the one that was solved, or as it is forced.
+void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before, Start& start) {
+  const model::System& s = island.extraction.system;
+  if (!solution.unique)
+    start.answer.remarks.push_back(
+        {"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
+                                        "floating capacitor); the run starts from the one of least energy",
+                                        island_elements(s))});
+  start.xi.push_back(&system == &s ? Vector(solution.x.head(s.n)) : energy_from(island, system, solution));
+  if (!has_before) return;
+  std::vector<double>& values = start.signals.emplace_back();
+  for (std::size_t k = 0; k < s.outputs.size(); ++k) {
+    const model::OutputRow& row = system.outputs[k];
+    values.push_back(row.state.dot(solution.x) + row.input.dot(solution.u));
+  }
+}
+
+}  // namespace
+
+Start start_from_operating_point(const ExactModel& model) {
+  Start start;
+  const std::optional<Forced> forced = forced_islands(model, start);
+  if (!forced) return start;
+  std::vector<const model::System*> systems;
+  for (std::size_t i = 0; i < model.islands.size(); ++i) {
+    const auto found = forced->find(i);
+    systems.push_back(found != forced->end() ? &found->second.system : &model.islands[i].extraction.system);
   }
   OperatingPointSolver solver(model, std::move(systems));
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
@@ -295,26 +322,8 @@ Start start_from_operating_point(const ExactModel& model) {
   }
   solver.run(start.missing, start.answer.remarks);
   start.on = solver.on;
-  for (std::size_t i = 0; i < model.islands.size(); ++i) {
-    const StaticSolution& solution = solver.solution(i);
-    const model::System& s = model.islands[i].extraction.system;
-    if (!solution.unique)
-      start.answer.remarks.push_back(
-          {"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
-                                          "floating capacitor); the run starts from the one of least energy",
-                                          island_elements(s))});
-    if (const auto it = forced.find(i); it != forced.end() && &it->second.system == &solver.system(i)) {
-      start.xi.push_back(energy_from(model.islands[i], it->second.system, solution));
-    } else {
-      start.xi.push_back(solution.x.head(s.n));
-    }
-    if (!start.missing.empty()) continue;  // there is nothing before t = 0
-    std::vector<double>& values = start.signals.emplace_back();
-    for (std::size_t k = 0; k < s.outputs.size(); ++k) {
-      const model::OutputRow& row = solver.system(i).outputs[k];
-      values.push_back(row.state.dot(solution.x) + row.input.dot(solution.u));
-    }
-  }
+  for (std::size_t i = 0; i < model.islands.size(); ++i)
+    take_solution(model.islands[i], solver.system(i), solver.solution(i), start.missing.empty(), start);
   return start;
 }
 

@@ -100,6 +100,10 @@ class Transient : private RowSource {
   void note_open_signals();
   void open_island(IslandRun& island, Instant& instant);
   void row(double time, double* row) override;
+  void count();
+  void note_doubtful_events();
+  void note_choices();
+  void certify();
   void finish();
 
   const ExactModel& model_;

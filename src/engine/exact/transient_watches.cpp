@@ -1,4 +1,4 @@
-/// Accumulations and crowds of events, and what a run says of itself: why it ends early, what it notes on its way, its sums at the end.
+/// Accumulations and crowds of events, and what a run reports: why it ended early, remarks, statistics and the certificate.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -252,12 +252,11 @@ bool Transient::holds(const IslandRun& island) {
   return false;
 }
 
-void Transient::finish() {
+void Transient::count() {
   Statistics& s = answer_.statistics;
   std::set<int> parts;
   for (const auto& island : islands_) parts.insert(island.model().island.part);
   s.islands = parts.size();
-  bool passive = true;
   for (const auto& island : islands_) {
     s.states += static_cast<std::uint64_t>(island.system().n);
     const auto of_leaks = std::count_if(island.system().port.begin(), island.system().port.end(), std::mem_fn(&model::Port::is_of_leak));
@@ -266,7 +265,14 @@ void Transient::finish() {
     if (island.system().ports > 0) s.modes_visited += island.selector().modes_visited();  // others have but one
     s.lcp_pivots += island.selector().pivots();
     s.steps += island.locator().intervals();
-    passive &= island.system().passive;
+  }
+  s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
+  s.seconds_model = model_.seconds;
+}
+
+/// Events that were found less surely than others.
+void Transient::note_doubtful_events() {
+  for (const auto& island : islands_) {
     if (const std::uint64_t coarse = island.coarse_selections(); coarse > 0)
       answer_.remarks.push_back(
           {"N-coarse-selection",
@@ -282,33 +288,44 @@ void Transient::finish() {
                        "guaranteed bounds; try larger Ron, or no Roff, beside small capacitors and inductors",
                        island.locator().sampled(), island.system().name, 1024)});
   }
-  s.modes_visited = std::max<std::uint64_t>(s.modes_visited, 1);
+}
+
+void Transient::note_choices() {
+  if (several_ == 0) return;
+  answer_.remarks.push_back(
+      {"N-not-unique", fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
+                                   several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
+                                   request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,",
+                                   request_.non_unique == NonUnique::first ? "first" : "stay")});
+}
+
+void Transient::certify() {
+  const auto clock = std::chrono::steady_clock::now();
+  Certificate& certificate = answer_.certificate;
+  if (!watching_.leaves_end_open) certificate = recorder_.check();
+  for (const auto& island : islands_) {
+    certificate.complementarity = std::max(certificate.complementarity, island.guards().worst().share());
+    // In the time t a rate that is off by δ moves what it drives by δt of itself.
+    certificate.kcl_kvl =
+        std::max({certificate.kcl_kvl, island.continuity().worst().share, island.selector().rate_doubt() * request_.stop});
+  }
+  const double worst = std::max({certificate.complementarity, certificate.kcl_kvl, certificate.energy});
+  if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
+  certificate.has_passivity = true;
+  certificate.passive = std::all_of(islands_.begin(), islands_.end(), [](const IslandRun& island) { return island.system().passive; });
+  answer_.statistics.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
+}
+
+void Transient::finish() {
+  count();
+  note_doubtful_events();
   note_open_signals();
   answer_.jumps = jump_recorder_.take();
   for (const model::Clock& clock : clocks_) thresholds_.trace(clock, clock.driven());
   for (Remark& remark : thresholds_.remarks(on_, answer_.outcome == Outcome::completed)) answer_.remarks.push_back(std::move(remark));
   if (auto remark = losses_.remark()) answer_.remarks.push_back(std::move(*remark));
-  if (several_ > 0)
-    answer_.remarks.push_back(
-        {"N-not-unique",
-         fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
-                     several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
-                     request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,",
-                     request_.non_unique == NonUnique::first ? "first" : "stay")});
-  s.seconds_model = model_.seconds;
-  const auto clock = std::chrono::steady_clock::now();
-  if (!watching_.leaves_end_open) answer_.certificate = recorder_.check();
-  for (const auto& island : islands_) {
-    answer_.certificate.complementarity = std::max(answer_.certificate.complementarity, island.guards().worst().share());
-    // In the time t a rate that is off by δ moves what it drives by δt of itself.
-    answer_.certificate.kcl_kvl =
-        std::max({answer_.certificate.kcl_kvl, island.continuity().worst().share, island.selector().rate_doubt() * request_.stop});
-  }
-  const double worst = std::max({answer_.certificate.complementarity, answer_.certificate.kcl_kvl, answer_.certificate.energy});
-  if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
-  answer_.certificate.has_passivity = true;
-  answer_.certificate.passive = passive;
-  s.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
+  note_choices();
+  certify();
   answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());
 }
 

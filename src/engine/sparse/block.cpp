@@ -45,24 +45,24 @@ double longest_step(double period, double reltol) {
   return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
 }
 
-}  // namespace
-
-/// Of the sources, in volts: for segments those of current, too, times R0.
-double Block::scale_of_sources(const model::Network& network, const Descriptor& descriptor, Method method) {
+double scale_of_sources(const model::Network& network, const Descriptor& descriptor, Block::Method method) {
   const double voltage = largest_held_voltage(network);
-  return method == Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
+  return method == Block::Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
 }
+
+}  // namespace
 
 Block::Block(const Part& part, const Request& request, double reltol, Method method)
     : part_(part),
       request_(request),
       reltol_(reltol),
       descriptor_(part.descriptor),
+      source_scale_(scale_of_sources(part.island.network, part.descriptor, method)),
       factors_(part.island.network, descriptor_, reltol),
-      ports_(descriptor_, factors_, scale_of_sources(part.island.network, part.descriptor, method)),
+      ports_(descriptor_, factors_, source_scale_),
       sources_(part.island.network),
       stepper_(descriptor_, ports_, sources_),
-      scale_(descriptor_, scale_of_sources(part.island.network, part.descriptor, method), method == Method::steps),
+      scale_(descriptor_, source_scale_, method == Method::steps),
       controls_(controls_of(part.island.network, descriptor_)),
       gates_(part.gates),
       thresholds_(part.watched, request.stop),

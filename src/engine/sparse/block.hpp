@@ -80,7 +80,6 @@ class Block {
   static constexpr int last_level = 96;  ///< of the ladder
 
   // block.cpp: steps
-  [[nodiscard]] static double scale_of_sources(const model::Network& network, const Descriptor& descriptor, Method method);
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
   /// The first whose Euler steps are no longer than shortest_.
   [[nodiscard]] int shortest_level() const {
@@ -119,6 +118,7 @@ class Block {
   [[nodiscard]] double largest_input(const Point& at) const;
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
+  Instant begin_instant();
   bool restart();
   void note_jump(double time, double h);
   void note_impulses(double h);
@@ -186,6 +186,7 @@ class Block {
   const Request& request_;
   double reltol_;
   const Descriptor& descriptor_;
+  double source_scale_;  ///< V: the largest source of voltage; for segments those of current, too, times R0
   Factors factors_;
   PortSolver ports_;
   Sources sources_;

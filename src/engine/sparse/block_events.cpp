@@ -185,7 +185,7 @@ bool Block::flip_ahead(double h, Instant& instant, Point& first) {
 }
 
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
-/// until none moves. False: no position (trial_.solved); `failure_` says so where they find no rest.
+/// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool Block::settle(double h, Instant& instant, Point& first) {
   for (Control& control : controls_) control.has_rested = false;
   for (int round = 0; round < most_rounds; ++round) {
@@ -305,16 +305,22 @@ bool Block::take_gates(double until) {
   return true;
 }
 
-bool Block::restart() {
+/// Of sources and gates whose time has come.
+Block::Instant Block::begin_instant() {
   restart_due_ = false;
-  const double time = point_.time;
   Instant instant;
-  instant.time = time;
+  instant.time = point_.time;
   if (position_before_.empty()) position_before_ = point_.on;
   if (request_.events || request_.probes.sink != nullptr)
     for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
-  if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
-  instant.mode_change = take_gates(time + break_tolerance_);
+  if (sources_.next_break() <= instant.time + break_tolerance_) instant.source_edge = sources_.advance(instant.time, break_tolerance_);
+  instant.mode_change = take_gates(instant.time + break_tolerance_);
+  return instant;
+}
+
+bool Block::restart() {
+  const double time = point_.time;
+  Instant instant = begin_instant();
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const double room = std::min(next_break(), request_.stop > time + tolerance_ ? request_.stop : model::forever) - time;
   int level = level_ + restart_levels(reltol_);

@@ -253,7 +253,7 @@ bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
 
 /// What is not small, of sources and start values; of 1 V where nothing moves at all.
 void Block::note_least_voltage() {
-  const double most = std::max(largest(states_), scale_of_sources(part_.island.network, descriptor_, Method::segments));
+  const double most = std::max(largest(states_), source_scale_);
   const double least = least_share_of_scale * (most > 0.0 ? most : 1.0);
   segment_->note_least_voltage(least);
   ties_->note_voltage(least);
@@ -261,15 +261,8 @@ void Block::note_least_voltage() {
 }
 
 bool Block::begin_segment() {
-  restart_due_ = false;
   const double time = point_.time;
-  Instant instant;
-  instant.time = time;
-  if (position_before_.empty()) position_before_ = point_.on;
-  if (request_.events || request_.probes.sink != nullptr)
-    for (std::size_t i = 0; i < signals_.size(); ++i) signals_before_[i] = signals_[i].value(point_.z.data(), point_.w.data());
-  if (sources_.next_break() <= time + break_tolerance_) instant.source_edge = sources_.advance(time, break_tolerance_);
-  instant.mode_change = take_gates(time + break_tolerance_);
+  Instant instant = begin_instant();
   for (const Gate& gate : gates_)
     if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/log_mean.hpp"
+#include "model/certificate.hpp"
 #include "model/forms.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -15,7 +16,6 @@ namespace {
 
 using model::ground;
 using model::NodeIndex;
-using model::Term;
 
 /// Resistors below this fraction of R0 carry their own current.
 constexpr double low_resistance = 1e-6;
@@ -59,8 +59,8 @@ class Potentials {
 std::vector<char> capacitors_read(const model::Network& network) {
   std::vector<char> read(network.capacitors.size(), 0);
   const auto note = [&](const model::LinearForm& form) {
-    for (const Term& term : form)
-      if (term.kind == Term::Kind::capacitor_current) read[static_cast<std::size_t>(term.index)] = 1;
+    for (const model::Term& term : form)
+      if (term.kind == model::Term::Kind::capacitor_current) read[static_cast<std::size_t>(term.index)] = 1;
   };
   model::for_each_equation(network, note);
   for (const auto& s : network.switches) note(s.control);
@@ -70,14 +70,73 @@ std::vector<char> capacitors_read(const model::Network& network) {
 
 }  // namespace
 
+/// Writes what elements put into E, G, H, g and closing rows.
+class Descriptor::Stamps {
+ public:
+  explicit Stamps(Descriptor& descriptor) : d_(descriptor) {}
+
+  void entry(int row, int column, double e, double g) { d_.places_.push_back({row, column, e, g, 0.0, 0.0}); }
+  void kcl(NodeIndex p, NodeIndex n, int column, double g, double e = 0.0) {
+    for (const FloatingSets::Cut& cut : d_.sets_.cuts(p, n)) entry(cut.row, column, cut.sign * e, cut.sign * g);
+  }
+  void voltage(int row, NodeIndex p, NodeIndex n, double sign) {
+    if (p != ground) entry(row, p, 0.0, sign);
+    if (n != ground) entry(row, n, 0.0, -sign);
+  }
+  void resistance(int column, double ratio) { entry(column, column, 0.0, -ratio); }
+  void conductance(NodeIndex p, NodeIndex n, double conductance) {
+    if (p != ground) kcl(p, n, p, conductance);
+    if (n != ground) kcl(p, n, n, -conductance);
+  }
+  void form(int row, const model::LinearForm& terms, double factor) {
+    const Form f = d_.form(terms);
+    for (const auto& part : f.z) entry(row, part.index, 0.0, factor * part.coefficient);
+    for (const auto& part : f.w) d_.sources_.push_back({row, part.index, factor * part.coefficient});
+    d_.constant_[static_cast<std::size_t>(row)] += factor * f.constant;
+  }
+  void injection(NodeIndex p, NodeIndex n, const model::LinearForm& current) {
+    for (const FloatingSets::Cut& cut : d_.sets_.cuts(p, n)) form(cut.row, current, cut.sign * d_.r0_);
+  }
+  void contact(int port, NodeIndex p, NodeIndex n, double resistance, double drop) {
+    const int row = d_.unknowns_.port(port);
+    kcl(p, n, row, 1.0);
+    Form slack;
+    if (p != ground) slack.z.push_back({p, -1.0});
+    if (n != ground) slack.z.push_back({n, 1.0});
+    if (resistance != 0.0) slack.z.push_back({row, resistance / d_.r0_});
+    slack.constant = drop;
+    close(port, std::move(slack), p, n);
+  }
+  void complementarity(int port, int index) {
+    const auto i = static_cast<std::size_t>(index);
+    Form slack = d_.form(d_.network_.complementarities[i].slack);
+    for (auto* parts : {&slack.z, &slack.w})
+      for (auto& part : *parts) part.coefficient *= d_.scales_.slack[i];
+    slack.constant *= d_.scales_.slack[i];
+    close(port, std::move(slack), ground, ground);
+  }
+
+ private:
+  void close(int number, Form slack, NodeIndex p, NodeIndex n) {
+    const int row = d_.unknowns_.port(number);
+    for (const auto& part : slack.z) d_.places_.push_back({row, part.index, 0.0, 0.0, part.coefficient, 0.0});
+    d_.places_.push_back({row, row, 0.0, 0.0, 0.0, 1.0});
+    d_.ports_.push_back({d_.unknowns_.port_label(number).name, row, std::move(slack), number >= d_.first_switch(), {}, p, n});
+  }
+
+  Descriptor& d_;
+};
+
 Descriptor::Descriptor(const model::Network& network) : network_(network), sets_(network), windings_(network) {
   choose_scale();
   number_unknowns();
-  constant_.assign(static_cast<std::size_t>(size_), 0.0);
-  add_resistors();
+  constant_.assign(static_cast<std::size_t>(size()), 0.0);
+  Stamps stamps(*this);
+  model::stamp_resistors<double>(network_, unknowns_, r0_, stamps);
   add_stores();
-  add_branches_and_injections();
-  add_ports();
+  model::stamp_branches_and_injections(network_, unknowns_, stamps);
+  model::stamp_ports(network_, stamps);
+  note_valves();
   note_conductances();
   compress();
 }
@@ -97,119 +156,57 @@ void Descriptor::choose_scale() {
 }
 
 void Descriptor::number_unknowns() {
-  int next = static_cast<int>(network_.nodes.size());
-  for (const auto& r : network_.resistors) low_resistor_.push_back(std::abs(r.resistance) < low_resistance * r0_ ? next++ : -1);
-  for (const char read : capacitors_read(network_)) capacitor_current_.push_back(read != 0 ? next++ : -1);
-  first_inductor_ = next;
-  first_branch_ = first_inductor_ + static_cast<int>(network_.inductors.size());
-  first_port_ = first_branch_ + static_cast<int>(network_.branches.size());
-  first_switch_ = static_cast<int>(network_.diodes.size() + network_.complementarities.size());
-  size_ = first_port_ + first_switch_ + static_cast<int>(network_.switches.size());
-  input_scale_.assign(network_.complementarities.size(), 1.0);
-  slack_scale_.assign(network_.complementarities.size(), 1.0);
+  unknowns_ = model::Unknowns(network_, {.low_resistance = low_resistance * r0_, .capacitor_currents = capacitors_read(network_)});
   scale_complementarities();
 }
 
-/// Largest coefficients become one: of an input where it is a voltage or a current, else in the slacks that hold it; of a slack in its row.
 void Descriptor::scale_complementarities() {
-  std::vector<double> in_circuit(input_scale_.size(), 0.0), in_slacks(input_scale_.size(), 0.0);
-  const auto weigh = [](std::vector<double>& largest, const model::LinearForm& form, double factor) {
-    for (const Term& term : form)
-      if (term.kind == Term::Kind::slack_input) {
-        double& l = largest[static_cast<std::size_t>(term.index)];
-        l = std::max(l, std::abs(factor * term.coefficient));
-      }
-  };
-  for (const auto& b : network_.branches) weigh(in_circuit, b.voltage, 1.0);
-  for (const auto& i : network_.injections) weigh(in_circuit, i.current, r0_);
-  for (std::size_t i = 0; i < slack_scale_.size(); ++i) {
-    const model::LinearForm& terms = network_.complementarities[i].slack;
+  scales_ = model::ComplementarityScales<double>(network_.complementarities.size());
+  scales_ = model::scale_complementarities<double>(network_, r0_, [&](const model::LinearForm& slack) {
     double largest = 0.0;
-    for (const auto& part : form(terms).z)
-      if (part.index < first_port_ + static_cast<int>(network_.diodes.size()) || part.index >= first_port_ + first_switch_)
-        largest = std::max(largest, std::abs(part.coefficient));
-    if (largest > 0.0) slack_scale_[i] = 1.0 / largest;
-    weigh(in_slacks, terms, slack_scale_[i]);
-  }
-  for (std::size_t i = 0; i < input_scale_.size(); ++i) {
-    const double largest = in_circuit[i] > 0.0 ? in_circuit[i] : in_slacks[i];
-    if (largest > 0.0) input_scale_[i] = 1.0 / largest;
-  }
-}
-
-void Descriptor::entry(int row, int column, double e, double g) { places_.push_back({row, column, e, g, 0.0, 0.0}); }
-
-void Descriptor::entry_of_port(int row, int column, double slack, double input) {
-  places_.push_back({row, column, 0.0, 0.0, slack, input});
-}
-
-void Descriptor::add_kcl(NodeIndex p, NodeIndex n, int column, double g, double e) {
-  for (const FloatingSets::Cut& cut : sets_.cuts(p, n)) entry(cut.row, column, cut.sign * e, cut.sign * g);
-}
-
-void Descriptor::add_voltage(int row, NodeIndex p, NodeIndex n, double sign) {
-  if (p != ground) entry(row, p, 0.0, sign);
-  if (n != ground) entry(row, n, 0.0, -sign);
-}
-
-void Descriptor::add_form(int row, const model::LinearForm& terms, double factor) {
-  const Form f = form(terms);
-  for (const auto& part : f.z) entry(row, part.index, 0.0, factor * part.coefficient);
-  for (const auto& part : f.w) sources_.push_back({row, part.index, factor * part.coefficient});
-  constant_[static_cast<std::size_t>(row)] += factor * f.constant;
-}
-
-void Descriptor::add_resistors() {
-  for (std::size_t i = 0; i < network_.resistors.size(); ++i) {
-    const auto& r = network_.resistors[i];
-    const int low = low_resistor_[i];
-    if (low >= 0) {
-      add_kcl(r.p, r.n, low, 1.0);
-      add_voltage(low, r.p, r.n, 1.0);
-      entry(low, low, 0.0, -r.resistance / r0_);
-      continue;
-    }
-    const double conductance = r0_ / r.resistance;
-    if (r.p != ground) add_kcl(r.p, r.n, r.p, conductance);
-    if (r.n != ground) add_kcl(r.p, r.n, r.n, -conductance);
-  }
+    for (const auto& part : form(slack).z)
+      if (!unknowns_.is_input(part.index)) largest = std::max(largest, std::abs(part.coefficient));
+    return largest;
+  });
 }
 
 void Descriptor::add_stores() {
+  Stamps stamps(*this);
   for (std::size_t i = 0; i < network_.capacitors.size(); ++i) {
     const auto& c = network_.capacitors[i];
     const double e = r0_ * c.capacitance;
     largest_capacitance_ = std::max(largest_capacitance_, std::abs(e));
-    const int own = capacitor_current_[i];
+    const int own = unknowns_.capacitor(i);
     states_.push_back({c.p, c.n, false, c.capacitance});
     if (own >= 0) {
-      add_kcl(c.p, c.n, own, 1.0);
-      entry(own, own, 0.0, -1.0);
+      stamps.kcl(c.p, c.n, own, 1.0);
+      stamps.entry(own, own, 0.0, -1.0);
     }
     for (const auto& [node, sign] : {std::pair{c.p, 1.0}, std::pair{c.n, -1.0}}) {
       if (node == ground) continue;
       if (own >= 0)
-        entry(own, node, sign * e, 0.0);
+        stamps.entry(own, node, sign * e, 0.0);
       else
-        add_kcl(c.p, c.n, node, 0.0, sign * e);
+        stamps.kcl(c.p, c.n, node, 0.0, sign * e);
     }
   }
   add_inductors();
 }
 
 void Descriptor::add_inductors() {
+  Stamps stamps(*this);
   for (int i = 0; i < static_cast<int>(network_.inductors.size()); ++i) {
-    const int own = first_inductor_ + i;
+    const int own = unknowns_.inductor(i);
     states_.push_back({own, -1, true, network_.inductors[static_cast<std::size_t>(i)].inductance});
     const Windings::Sum& current = windings_.current(i);
     if (current.size() > 1 || windings_.coordinate(i).size() > 1)
-      for (const auto& share : current) states_.back().current.push_back({first_inductor_ + share.index, share.weight});
+      for (const auto& share : current) states_.back().current.push_back({unknowns_.inductor(share.index), share.weight});
     for (const auto& share : windings_.voltages(i)) {
       const auto& l = network_.inductors[static_cast<std::size_t>(share.index)];
-      add_kcl(l.p, l.n, own, share.weight);
-      add_voltage(own, l.p, l.n, -share.weight);
+      stamps.kcl(l.p, l.n, own, share.weight);
+      stamps.voltage(own, l.p, l.n, -share.weight);
     }
-    entry(own, own, windings_.inductance(i) / r0_, 0.0);
+    stamps.entry(own, own, windings_.inductance(i) / r0_, 0.0);
   }
   measure_fluxes();
 }
@@ -220,88 +217,36 @@ void Descriptor::measure_fluxes() {
     for (const int i : {k.inductor_a, k.inductor_b}) {
       auto& flux = states_[network_.capacitors.size() + static_cast<std::size_t>(i)].flux;
       if (!flux.empty()) continue;
-      for (const auto& share : windings_.flux(i)) flux.push_back({first_inductor_ + share.index, share.weight});
+      for (const auto& share : windings_.flux(i)) flux.push_back({unknowns_.inductor(share.index), share.weight});
     }
   }
 }
 
 bool Descriptor::passive() const {
-  const auto by_sources = [](const model::LinearForm& form) { return model::is_independent(form); };
-  const auto all = [](const auto& list, const auto& test) { return std::all_of(list.begin(), list.end(), test); };
-  int branch = 0;
-  const auto is_source = [&](const model::Branch& b) {  // with a resistance of its own
-    const int own = branch++;
-    return std::all_of(b.voltage.begin(), b.voltage.end(), [&](const Term& t) {
-      return model::is_independent(t) || (t.kind == Term::Kind::branch_current && t.index == own && t.coefficient >= 0.0);
-    });
-  };
-  return network_.complementarities.empty() && all(network_.branches, is_source) &&
-         all(network_.injections, [&](const auto& i) { return by_sources(i.current); }) &&
-         all(network_.resistors, [](const auto& r) { return r.resistance >= 0.0; }) &&
-         all(network_.capacitors, [](const auto& c) { return c.capacitance >= 0.0; }) &&
-         all(network_.inductors, [](const auto& l) { return l.inductance >= 0.0; }) &&
-         all(network_.diodes, [](const auto& d) { return d.resistance >= 0.0; }) &&
-         all(network_.switches, [](const auto& s) { return s.resistance >= 0.0; });
+  return model::has_passive_parts_only(network_) &&
+         std::all_of(network_.capacitors.begin(), network_.capacitors.end(), [](const auto& c) { return c.capacitance >= 0.0; }) &&
+         std::all_of(network_.inductors.begin(), network_.inductors.end(), [](const auto& l) { return l.inductance >= 0.0; });
 }
 
-void Descriptor::add_branches_and_injections() {
-  for (std::size_t i = 0; i < network_.branches.size(); ++i) {
-    const auto& b = network_.branches[i];
-    const int own = first_branch_ + static_cast<int>(i);
-    add_kcl(b.p, b.n, own, 1.0);
-    add_voltage(own, b.p, b.n, 1.0);
-    add_form(own, b.voltage, -1.0);
-  }
-  for (const auto& i : network_.injections)
-    for (const FloatingSets::Cut& cut : sets_.cuts(i.p, i.n)) add_form(cut.row, i.current, cut.sign * r0_);
-}
-
-void Descriptor::add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, NodeIndex p, NodeIndex n,
-                          double resistance, double drop) {
-  Port port{std::move(name), row, {}, false, {}, p, n};
-  if (slack) {
-    port.slack = form(*slack);
-    for (auto& part : port.slack.z) part.coefficient *= slack_scale;
-    for (auto& part : port.slack.w) part.coefficient *= slack_scale;
-    port.slack.constant *= slack_scale;
-  } else {
-    add_kcl(p, n, row, 1.0);
-    if (p != ground) port.slack.z.push_back({p, -1.0});
-    if (n != ground) port.slack.z.push_back({n, 1.0});
-    if (resistance != 0.0) port.slack.z.push_back({row, resistance / r0_});
-    port.slack.constant = drop;
-  }
-  for (const auto& part : port.slack.z) entry_of_port(row, part.index, part.coefficient, 0.0);
-  entry_of_port(row, row, 0.0, 1.0);
-  ports_.push_back(std::move(port));
-}
-
-void Descriptor::add_ports() {
-  int row = first_port_;
-  for (const auto& d : network_.diodes) {
-    add_port(d.label.name, row++, nullptr, 1.0, d.p, d.n, d.resistance, d.drop);
-    for (const int s : d.enabled_by) ports_.back().enabled_by.push_back(first_switch_ + s);
-    if (!d.enabled_by.empty()) valves_.push_back(static_cast<int>(ports_.size()) - 1);
-  }
-  for (std::size_t i = 0; i < network_.complementarities.size(); ++i)
-    add_port(network_.complementarities[i].label.name, row++, &network_.complementarities[i].slack, slack_scale_[i], ground, ground, 0.0,
-             0.0);
-  for (const auto& s : network_.switches) {
-    add_port(s.label.name, row++, nullptr, 1.0, s.p, s.n, s.resistance, s.drop);
-    ports_.back().is_switch = true;
-  }
+void Descriptor::note_valves() {
+  for (std::size_t i = 0; i < network_.diodes.size(); ++i)
+    if (const std::vector<int>& switches = network_.diodes[i].enabled_by; !switches.empty()) {
+      for (const int s : switches) ports_[i].enabled_by.push_back(first_switch() + s);
+      valves_.push_back(static_cast<int>(i));
+    }
 }
 
 void Descriptor::note_conductances() {
   std::vector<double> sum(network_.nodes.size(), 0.0);
   for (std::size_t i = 0; i < network_.resistors.size(); ++i)
     for (const NodeIndex node : {network_.resistors[i].p, network_.resistors[i].n})
-      if (node != ground && low_resistor_[i] < 0) sum[static_cast<std::size_t>(node)] += r0_ / std::abs(network_.resistors[i].resistance);
+      if (node != ground && unknowns_.low_resistor(i) < 0)
+        sum[static_cast<std::size_t>(node)] += r0_ / std::abs(network_.resistors[i].resistance);
   conductance_at_port_ = at_ports(sum);
 }
 
 void Descriptor::compress() {
-  linalg::PatternBuilder builder(size_);
+  linalg::PatternBuilder builder(size());
   for (const Place& place : places_) builder.add(place.row, place.column);
   std::vector<int> entry_of_place;
   pattern_ = builder.take(entry_of_place);
@@ -314,9 +259,9 @@ void Descriptor::compress() {
     input_[k] += places_[i].input;
   }
   for (std::size_t k = 0; k < pattern_.entries(); ++k)
-    if (pattern_.row[k] >= first_port_) {
+    if (pattern_.row[k] >= unknowns_.port(0)) {
       port_entries_.push_back(static_cast<int>(k));
-      port_of_entry_.push_back(pattern_.row[k] - first_port_);
+      port_of_entry_.push_back(pattern_.row[k] - unknowns_.port(0));
     }
   places_ = {};
   memory_ = linalg::without_zeros(pattern_, e_);
@@ -406,21 +351,21 @@ void Descriptor::rates_without_sources(const double* z, double* k) const {
 
 void Descriptor::conduct(const double* z, double* k) const {
   linalg::multiply(conduction_.pattern, conduction_.values, z, k);
-  for (int i = 0; i < size_; ++i) k[i] = -k[i];
+  for (int i = 0; i < size(); ++i) k[i] = -k[i];
 }
 
 void Descriptor::add_constants(double factor, double* k) const {
-  for (int i = 0; i < size_; ++i) k[i] -= factor * constant_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < size(); ++i) k[i] -= factor * constant_[static_cast<std::size_t>(i)];
 }
 
 std::vector<char> Descriptor::differential_rows() const {
-  std::vector<char> result(static_cast<std::size_t>(size_), 0);
+  std::vector<char> result(static_cast<std::size_t>(size()), 0);
   for (const int row : memory_.pattern.row) result[static_cast<std::size_t>(row)] = 1;
   return result;
 }
 
 std::vector<double> Descriptor::memory_diagonal() const {
-  std::vector<double> result(static_cast<std::size_t>(size_), 0.0);
+  std::vector<double> result(static_cast<std::size_t>(size()), 0.0);
   for (std::size_t j = 0; j < result.size(); ++j)
     for (int e = memory_.pattern.start[j]; e < memory_.pattern.start[j + 1]; ++e)
       if (memory_.pattern.row[static_cast<std::size_t>(e)] == static_cast<int>(j)) result[j] += memory_.values[static_cast<std::size_t>(e)];
@@ -433,23 +378,23 @@ void Descriptor::add_sources(const double* w, double* k) const {
 
 void Descriptor::rate_sizes(const double* z, const double* w, double* sizes) const {
   linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes);
-  for (int i = 0; i < size_; ++i) sizes[i] += std::abs(constant_[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < size(); ++i) sizes[i] += std::abs(constant_[static_cast<std::size_t>(i)]);
   for (const SourceEntry& entry : sources_) sizes[entry.row] += std::abs(entry.coefficient * w[entry.source]);
 }
 
 bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std::vector<double>& w, const Position& on,
                                     std::vector<double>& z, std::vector<double>& y) const {
-  z.assign(static_cast<std::size_t>(size_), 0.0);
-  y.assign(static_cast<std::size_t>(size_), 0.0);
+  z.assign(static_cast<std::size_t>(size()), 0.0);
+  y.assign(static_cast<std::size_t>(size()), 0.0);
   const std::size_t capacitors = network_.capacitors.size();
   for (int i = 0; i < static_cast<int>(network_.inductors.size()); ++i)
     for (const auto& share : windings_.coordinate(i))
-      z[static_cast<std::size_t>(first_inductor_ + i)] += share.weight * values[capacitors + static_cast<std::size_t>(share.index)];
+      z[static_cast<std::size_t>(unknowns_.inductor(i))] += share.weight * values[capacitors + static_cast<std::size_t>(share.index)];
   Potentials potentials(network_.nodes.size());
   for (std::size_t i = 0; i < capacitors; ++i) potentials.join(states_[i].plus, states_[i].minus, values[i]);
   for (const auto& branch : network_.branches)
     if (model::is_independent(branch.voltage)) potentials.join(branch.p, branch.n, form(branch.voltage).value(nullptr, w.data()));
-  for (std::size_t i = static_cast<std::size_t>(first_switch_); i < ports_.size(); ++i)
+  for (std::size_t i = static_cast<std::size_t>(first_switch()); i < ports_.size(); ++i)
     if (on[i] != 0) potentials.join(ports_[i].p, ports_[i].n, 0.0);
   for (int node = 0; node < nodes(); ++node) z[static_cast<std::size_t>(node)] = potentials.at(node);
   bool remains = false;
@@ -461,7 +406,7 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
       continue;
     remains = true;
     const double charge = r0_ * states_[i].storage * missing;
-    const int own = capacitor_current_[i];
+    const int own = unknowns_.capacitor(i);
     if (own >= 0)
       y[static_cast<std::size_t>(own)] += charge;
     else
@@ -472,66 +417,26 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
 }
 
 Form Descriptor::form(const model::LinearForm& terms) const {
-  Form f;
-  const auto add = [&](int column, double coefficient) {
-    if (column >= 0) f.z.push_back({column, coefficient});
-  };
-  for (const Term& term : terms) {
-    const double c = term.coefficient;
-    const auto i = static_cast<std::size_t>(term.index);
-    switch (term.kind) {
-      case Term::Kind::one:
-        f.constant += c;
-        break;
-      case Term::Kind::source:
-        f.w.push_back({term.index, c});
-        break;
-      case Term::Kind::node_voltage:
-        add(term.index, c);
-        break;
-      case Term::Kind::resistor_current: {
-        const auto& r = network_.resistors[i];
-        if (low_resistor_[i] >= 0) {
-          add(low_resistor_[i], c / r0_);
-        } else {
-          add(r.p, c / r.resistance);
-          add(r.n, -c / r.resistance);
-        }
-        break;
-      }
-      case Term::Kind::capacitor_current:
-        add(capacitor_current_[i], c / r0_);
-        break;
-      case Term::Kind::inductor_current:
-        for (const auto& share : windings_.current(term.index)) add(first_inductor_ + share.index, share.weight * c / r0_);
-        break;
-      case Term::Kind::branch_current:
-        add(first_branch_ + term.index, c / r0_);
-        break;
-      case Term::Kind::diode_current:
-        add(first_port_ + term.index, c / r0_);
-        break;
-      case Term::Kind::switch_current:
-        add(first_port_ + first_switch_ + term.index, c / r0_);
-        break;
-      case Term::Kind::slack_input:
-        add(first_port_ + static_cast<int>(network_.diodes.size()) + term.index, c * input_scale_[i]);
-        break;
+  struct Sum {
+    const Descriptor& descriptor;
+    Form form;
+
+    void constant(double c) { form.constant += c; }
+    void source(int i, double c) { form.w.push_back({i, c}); }
+    void unknown(int column, double c) { form.z.push_back({column, c}); }
+    void inductor_current(int i, double c) {
+      for (const auto& share : descriptor.windings_.current(i))
+        unknown(descriptor.unknowns_.inductor(share.index), share.weight * c / descriptor.r0_);
     }
-  }
-  return f;
+  };
+  Sum sum{*this, {}};
+  model::write_form(network_, unknowns_, r0_, scales_.input, terms, sum);
+  return std::move(sum.form);
 }
 
 std::string Descriptor::unknown_name(int index) const {
-  const auto i = static_cast<std::size_t>(index);
-  if (i < network_.nodes.size()) return "node " + network_.nodes[i].name;
-  for (std::size_t r = 0; r < low_resistor_.size(); ++r)
-    if (low_resistor_[r] == index) return network_.resistors[r].label.name;
-  for (std::size_t c = 0; c < capacitor_current_.size(); ++c)
-    if (capacitor_current_[c] == index) return network_.capacitors[c].label.name;
-  if (index < first_branch_) return network_.inductors[i - static_cast<std::size_t>(first_inductor_)].label.name;
-  if (index < first_port_) return network_.branches[i - static_cast<std::size_t>(first_branch_)].label.name;
-  return ports_[i - static_cast<std::size_t>(first_port_)].name;
+  if (index < nodes()) return "node " + network_.nodes[static_cast<std::size_t>(index)].name;
+  return unknowns_.owner(index)->name;
 }
 
 }  // namespace pwlsim::engine::sparse

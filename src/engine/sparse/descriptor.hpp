@@ -1,8 +1,7 @@
 #pragma once
 /// A network as equations without any reduction:  E z' + G z + H w + g = 0,  w the values of its sources.
 ///
-/// z: node voltages, then currents times R0 of low resistors, of capacitors whose current some form reads, of inductors, branches and diodes, the
-/// scaled inputs of complementarities, currents times R0 of switches: all of it in volts. E is symmetric positive semidefinite (capacitances in rows
+/// z: the unknowns of model/tableau.hpp, with the currents of those capacitors whose current some form reads; all of it in volts. E is symmetric positive semidefinite (capacitances in rows
 /// of Kirchhoff's current law, inductances in those of inductors), so that ½ zᵀE z / R0 is the stored energy where no capacitor has a
 /// current of its own and no part hangs on capacitors alone (below).
 ///
@@ -25,7 +24,7 @@
 #include "engine/sparse/floating_sets.hpp"
 #include "engine/sparse/windings.hpp"
 #include "linalg/sparse.hpp"
-#include "model/network.hpp"
+#include "model/tableau.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -104,7 +103,7 @@ class Descriptor {
  public:
   explicit Descriptor(const model::Network& network);
 
-  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int size() const { return unknowns_.size(); }
   /// The first unknowns are node voltages.
   [[nodiscard]] int nodes() const { return static_cast<int>(network_.nodes.size()); }
   [[nodiscard]] double r0() const { return r0_; }
@@ -118,7 +117,7 @@ class Descriptor {
       if (ports_[static_cast<std::size_t>(i)].blocks(on)) on[static_cast<std::size_t>(i)] = 0;
   }
   /// Diodes and complementarities come first.
-  [[nodiscard]] int first_switch() const { return first_switch_; }
+  [[nodiscard]] int first_switch() const { return unknowns_.first_switch(); }
   /// Whether nothing in the network can feed energy in but its sources: then its solution is unique, and jumps are of first order.
   [[nodiscard]] bool passive() const;
   /// Capacitors, then inductors, as in the network.
@@ -162,8 +161,8 @@ class Descriptor {
   void measure_states(const double* z, std::vector<double>& states) const;
   /// Leaves of z the voltages of nodes and the currents of inductors.
   void forget_currents(std::vector<double>& z) const {
-    std::fill(z.begin() + nodes(), z.begin() + first_inductor_, 0.0);
-    std::fill(z.begin() + first_branch_, z.end(), 0.0);
+    std::fill(z.begin() + nodes(), z.begin() + unknowns_.inductor(0), 0.0);
+    std::fill(z.begin() + unknowns_.branch(0), z.end(), 0.0);
   }
   /// y = E z.
   void memory(const double* z, double* y) const { linalg::multiply(memory_.pattern, memory_.values, z, y); }
@@ -190,22 +189,14 @@ class Descriptor {
   void choose_scale();
   void number_unknowns();
   void scale_complementarities();
-  void add_resistors();
   void add_stores();
   void add_inductors();
   void measure_fluxes();
-  void add_branches_and_injections();
-  void add_ports();
   void note_conductances();
-  void add_port(std::string name, int row, const model::LinearForm* slack, double slack_scale, model::NodeIndex p, model::NodeIndex n,
-                double resistance, double drop);
+  void note_valves();
   void compress();
-  void entry(int row, int column, double e, double g);
-  void entry_of_port(int row, int column, double slack, double input);
-  void add_kcl(model::NodeIndex p, model::NodeIndex n, int column, double g, double e = 0.0);
-  void add_voltage(int row, model::NodeIndex p, model::NodeIndex n, double sign);
-  void add_form(int row, const model::LinearForm& terms, double factor);
 
+  class Stamps;
   struct Place {
     int row, column;
     double e, g, slack, input;
@@ -217,12 +208,10 @@ class Descriptor {
   std::vector<int> valves_;  ///< ports that switches enable
   const model::Network& network_;
   double r0_ = 1.0, largest_capacitance_ = 0.0;
-  int size_ = 0, first_switch_ = 0;
-  int first_branch_ = 0, first_port_ = 0, first_inductor_ = 0;
-  std::vector<int> low_resistor_, capacitor_current_;  ///< element -> unknown, −1: none
+  model::Unknowns unknowns_;
   FloatingSets sets_;
   Windings windings_;
-  std::vector<double> input_scale_, slack_scale_;  ///< of complementarities: SI value of u a volt, one over the largest of the slack
+  model::ComplementarityScales<double> scales_;
   std::vector<Place> places_;
   linalg::SparsePattern pattern_;
   std::vector<double> e_, g_, slack_, input_;      ///< one an entry; slack_ and input_ only in closing rows

@@ -1,0 +1,203 @@
+/// What integrals contribute to derivatives: the members of MeasuredFunctionals that read pieces of the run.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/measured_derivative.hpp"
+#include "linalg/legendre.hpp"
+#include "measure/piece_view.hpp"
+
+namespace pwlsim::analysis {
+
+namespace {
+
+using circuit::Measurement;
+using measure::ExpressionGradient;
+using measure::GradientValue;
+
+engine::Piece piece_of(const KeptPiece& kept) { return {kept.from, kept.to, kept.begin, kept.length, kept.values}; }
+
+/// The sixteen polynomials that are 1 at one of the points and 0 at the others, at x.
+linalg::LegendreValues cardinals(double x) {
+  const auto& rule = linalg::gauss_legendre();
+  const auto polynomials = [](double at) {
+    linalg::LegendreValues p{};
+    p[0] = 1.0;
+    p[1] = at;
+    for (std::size_t k = 1; k + 1 < p.size(); ++k) {
+      const auto order = static_cast<double>(k);
+      p[k + 1] = ((2.0 * order + 1.0) * at * p[k] - order * p[k - 1]) / (order + 1.0);
+    }
+    return p;
+  };
+  static const std::array<linalg::LegendreValues, linalg::legendre_points> at_points = [&] {
+    std::array<linalg::LegendreValues, linalg::legendre_points> table{};
+    for (std::size_t j = 0; j < table.size(); ++j) table[j] = polynomials(rule.point[j]);
+    return table;
+  }();
+  const linalg::LegendreValues here = polynomials(x);
+  linalg::LegendreValues values{};
+  for (std::size_t j = 0; j < values.size(); ++j)
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[j] += 0.5 * (2.0 * static_cast<double>(k) + 1.0) * rule.weight[j] * at_points[j][k] * here[k];
+  return values;
+}
+
+}  // namespace
+
+/// What each point of a part of a piece takes of the points of the piece; most pieces have the parts of others.
+const MeasuredFunctionals::Shares& MeasuredFunctionals::shares_on(double from, double to, double rounding) {
+  const auto same = [&](const Shares& known) { return std::abs(from - known.from) <= rounding && std::abs(to - known.to) <= rounding; };
+  const auto known = std::find_if(shares_.begin(), shares_.end(), same);
+  if (known != shares_.end()) return *known;
+  Shares& shares = shares_[next_shares_++ % shares_.size()];
+  shares.from = from;
+  shares.to = to;
+  const auto& rule = linalg::gauss_legendre();
+  for (std::size_t i = 0; i < shares.points.size(); ++i)
+    shares.points[i] = cardinals(2.0 * (from + 0.5 * (rule.point[i] + 1.0) * (to - from)) - 1.0);
+  return shares;
+}
+
+MeasuredFunctionals::AffineGradient MeasuredFunctionals::affine_gradient(const circuit::MeasuredExpression& expression,
+                                                                         bool squares) const {
+  constexpr double same = 1e-12;  // of a gradient: what else it may be is a function of higher degree
+  const measure::Program program(expression);
+  if (reads_time(expression) || !program.is_polynomial() || (squares && !program.is_linear())) return {};
+  const ExpressionGradient gradient(expression);
+  const std::size_t count = gradient.probes().size();
+  // Of a square: 2·value·gradient.
+  const auto at = [&](const std::vector<double>& signals) {
+    std::vector<double> values = gradient_by_signals(gradient, signals, run_.record.values);
+    if (squares)
+      for (double& each : values) each *= 2.0 * gradient.at(signals, run_.record.values, 0.0).value;
+    return values;
+  };
+  AffineGradient affine{at(std::vector<double>(count, 0.0)), std::vector<double>(count * count, 0.0)};
+  if (affine.constant.size() != count) return {};
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<double> unit(count, 0.0);
+    unit[k] = 1.0;
+    const std::vector<double> there = at(unit);
+    if (there.size() != count) return {};
+    for (std::size_t i = 0; i < count; ++i) affine.slopes[i * count + k] = there[i] - affine.constant[i];
+  }
+  const std::vector<double> values = some_values(count), there = at(values);
+  if (there.size() != count) return {};
+  for (std::size_t i = 0; i < count; ++i) {
+    double own = affine.constant[i], size = std::abs(own);
+    for (std::size_t k = 0; k < count; ++k) {
+      own += affine.slopes[i * count + k] * values[k];
+      size += std::abs(affine.slopes[i * count + k] * values[k]);
+    }
+    if (!(std::abs(own - there[i]) <= same * size)) return {};
+  }
+  return affine;
+}
+
+void MeasuredFunctionals::AffineGradient::at(const std::vector<double>& signals, std::vector<double>& gradient) const {
+  gradient = constant;
+  for (std::size_t j = 0; j < signals.size(); ++j)
+    for (std::size_t k = 0; k < signals.size(); ++k) gradient[j] += slopes[j * signals.size() + k] * signals[k];
+}
+
+/// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
+void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
+                                     double to, bool squares, double scale, MeasuredFunctional& sum) {
+  const KeptPiece& kept = run_.pieces[number];
+  const std::size_t n = linalg::legendre_points, width = signals_.size();
+  steady::Functional::Interval& interval = sum.sum.run.intervals[number];
+  if (interval.weights.empty()) interval = {0.5 * (kept.from + kept.to), kept.begin, kept.length, std::vector<double>(n * width, 0.0)};
+  constexpr double whole = 1e-14, of_time = 1e-15;
+  const double near = whole + of_time * std::abs(to) / kept.length;
+  const double begins = (from - kept.begin) / kept.length, ends = (to - kept.begin) / kept.length;
+  const bool is_whole = std::abs(begins) <= near && std::abs(ends - 1.0) <= near;
+  std::vector<linalg::LegendreSeries> values;
+  if (!is_whole)
+    for (const int probe : gradient.probes()) values.emplace_back(kept.values.data() + static_cast<std::size_t>(probe) * n);
+  const auto& rule = linalg::gauss_legendre();
+  const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
+  std::vector<double> signals(gradient.probes().size()), of_signals;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double time = from + 0.5 * (rule.point[i] + 1.0) * (to - from);
+    const double x = is_whole ? rule.point[i] : 2.0 * (time - kept.begin) / kept.length - 1.0;
+    for (std::size_t k = 0; k < signals.size(); ++k)
+      signals[k] = is_whole ? kept.values[static_cast<std::size_t>(gradient.probes()[k]) * n + i] : values[k](x);
+    double weight = 0.5 * (to - from) * rule.weight[i] * scale;
+    if (!affine.constant.empty()) {
+      affine.at(signals, of_signals);
+    } else {
+      GradientValue at = gradient.at(signals, run_.record.values, time);
+      if (squares) weight *= 2.0 * at.value;
+      add_numbers(weight, at);
+      of_signals = std::move(at.signals);
+    }
+    const auto take = [&](std::size_t point, double share) {
+      for (std::size_t k = 0; k < signals.size(); ++k)
+        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * of_signals[k];
+    };
+    if (is_whole) {
+      take(i, weight);
+      continue;
+    }
+    for (std::size_t j = 0; j < n; ++j) take(j, weight * shares->points[i][j]);
+  }
+}
+
+void MeasuredFunctionals::add_numbers(double weight, const GradientValue& at) {
+  const auto add = [&](std::vector<double>& sum, const std::vector<double>& list) {
+    if (sum.size() < list.size()) sum.resize(list.size(), 0.0);
+    for (std::size_t k = 0; k < list.size(); ++k) sum[k] += weight * list[k];
+  };
+  add(read_.results, at.results);
+  add(read_.numbers, at.numbers);
+}
+
+/// ∫ of a sum of signals.
+bool MeasuredFunctionals::add_stretch(const Measurement& measurement, const measure::Place& place, double scale, MeasuredFunctional& sum) {
+  const std::vector<double> weights = even_weights(measurement.expression, run_.record.values);
+  if (weights.empty()) return false;
+  steady::Functional even;
+  even.stretches.push_back({place.from, place.to, std::vector<double>(signals_.size(), 0.0)});
+  const ExpressionGradient gradient(measurement.expression);
+  for (std::size_t k = 0; k < weights.size(); ++k) even.stretches[0].weights[static_cast<std::size_t>(gradient.probes()[k])] += weights[k];
+  sum.sum.run.add(scale, even);
+  return true;
+}
+
+void MeasuredFunctionals::add_integral(const Measurement& measurement, const measure::Place& place, bool squares, double scale,
+                                       MeasuredFunctional& sum) {
+  const ExpressionGradient gradient(measurement.expression);
+  const measure::Program program(measurement.expression);
+  measure::PieceView view(signals_.size());
+  double size = 0.0;
+  read_ = {};
+  const AffineGradient affine = affine_gradient(measurement.expression, squares);
+  const bool is_even = !squares && add_stretch(measurement, place, scale, sum);
+  for (std::size_t k = 0; k < run_.pieces.size() && !is_even; ++k) {
+    const KeptPiece& kept = run_.pieces[k];
+    const double from = std::max(kept.from, place.from), to = std::min(kept.to, place.to);
+    if (!(from < to)) continue;
+    if (program.is_polynomial()) {
+      add_inside(gradient, affine, k, from, to, squares, scale, sum);
+      continue;
+    }
+    view.set(piece_of(kept));
+    const bool resolved = view.resolve(program, run_.record.values, from, to, size, [&](const measure::Part& part) {
+      for (const double value : part.values) size = std::max(size, std::abs(value));
+      add_inside(gradient, affine, k, part.from, part.to, squares, scale, sum);
+    });
+    if (!resolved) sum.failure = "the expression moves too fast to be followed";
+  }
+  const GradientValue read = std::exchange(read_, {});
+  add_results(1.0, read, sum);
+  const auto of_end = [&](double time, Side side) {
+    const double value = jet_of(measurement.expression, time, side).value;
+    return squares ? value * value : value;
+  };
+  if (const MeasuredFunctional moves = to_moves(measurement); !moves.sum.is_empty()) sum.add(scale * of_end(place.to, Side::left), moves);
+  if (const MeasuredFunctional moves = from_moves(measurement); !moves.sum.is_empty())
+    sum.add(-scale * of_end(place.from, Side::right), moves);
+}
+
+}  // namespace pwlsim::analysis
