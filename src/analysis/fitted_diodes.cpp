@@ -46,6 +46,16 @@ struct FittedChannel {
   double overdrive = 0.0;  ///< V, found; 0: none
 };
 
+/// A channel that follows its gate. In SPICE its current is gain/2 (s² − d²), where s and d are what the gate exceeds its threshold by against source and
+/// drain, and 0 below: gain (s + d)/2 times s − d.
+struct FollowingChannel {
+  std::size_t half = 0;  ///< complementarity of the network, that of the source; the drain's is the next
+  double resistance = 0.0;
+  double overdrive = 0.0;  ///< V, (s + d)/2
+  double before = 0.0;     ///< V, of the run before; 0: none
+  double answer = 0.0;     ///< V, what that run found
+};
+
 /// Each diode's current where there are others in parallel.
 void count_parallel_ones(model::LinearForm& form, const std::vector<std::vector<int>>& added) {
   const std::size_t terms = form.size();
@@ -59,6 +69,19 @@ void count_parallel_ones(model::LinearForm& form, const std::vector<std::vector<
 
 void give_resistances(model::Network& network, const std::vector<FittedChannel>& channels) {
   for (const FittedChannel& each : channels) network.switches[each.contact].resistance = each.resistance;
+}
+
+/// The factor of a positive part by its input.
+double part_of_input(const model::ChannelHalf& half, double resistance) { return resistance / half.resistance; }
+
+void give_slopes(model::Network& network, const std::vector<FollowingChannel>& channels) {
+  for (const FollowingChannel& each : channels)
+    for (std::size_t k = each.half; k < each.half + 2; ++k) {
+      model::Complementarity& part = network.complementarities[k];
+      for (model::Term& term : part.slack)
+        if (term.kind == model::Term::Kind::slack_input && term.index == static_cast<int>(k))
+          term.coefficient = part_of_input(*part.half, each.resistance);
+    }
 }
 
 /// The network with the lines in place of the tangents at 1 A.
@@ -109,15 +132,24 @@ class Fit {
       network_.signals.push_back({"", overdrive});
       network_.signals.push_back({"", std::move(overdrive)});
     }
+    for (std::size_t k = 0; k + 1 < network_.complementarities.size(); ++k) {
+      const auto& half = network_.complementarities[k].half;
+      if (!half || !half->is_source || !network_.complementarities[k + 1].half) continue;
+      following_.push_back({k, half->resistance, 1.0 / (half->law.gain * (half->resistance - half->law.series))});
+      const auto part = [](std::size_t index) { return model::Term{model::Term::Kind::slack_input, static_cast<int>(index), 0.5}; };
+      const model::LinearForm overdrive{part(k), part(k + 1)};
+      network_.signals.push_back({"", overdrive});
+      network_.signals.push_back({"", overdrive});
+    }
   }
 
-  [[nodiscard]] bool is_needed() const { return !fitted_.empty() || !channels_.empty(); }
+  [[nodiscard]] bool is_needed() const { return !fitted_.empty() || !channels_.empty() || !following_.empty(); }
 
   /// False where a run does not come to its end.
   bool run(const circuit::Analyses& analyses) {
     int runs = most_runs;
     for (int k = 0; k < runs; ++k) {
-      measure::DiodeCurrents found(fitted_.size() + channels_.size(), analyses.transient->stop.seconds);
+      measure::DiodeCurrents found(fitted_.size() + channels_.size() + following_.size(), analyses.transient->stop.seconds);
       if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
       if (found.pieces() > long_run) runs = most_long_runs;
@@ -131,7 +163,7 @@ class Fit {
     constexpr int most = 50;
     for (int k = 0; k < most; ++k) {
       model::Network network = network_;
-      give(network);
+      give_measured(network);
       Diagnostics unheard;
       const PreparedEngine engine = prepare_engine(network, choice_, reltol_, unheard);
       if (!engine.operating_point) return false;
@@ -145,6 +177,17 @@ class Fit {
   void give(model::Network& network) const {
     give_lines(network, fitted_);
     give_resistances(network, channels_);
+    give_slopes(network, following_);
+  }
+
+  /// The same with what is measured.
+  void give_measured(model::Network& network) const {
+    give(network);
+    const std::size_t first = 2 * (fitted_.size() + channels_.size());
+    for (std::size_t k = 0; k < following_.size(); ++k)
+      for (const std::size_t signal : {first + 2 * k, first + 2 * k + 1})
+        for (model::Term& term : network.signals[signal].form)
+          term.coefficient = 0.5 * part_of_input(*network.complementarities[following_[k].half].half, following_[k].resistance);
   }
 
   [[nodiscard]] Diagnostics notes() const {
@@ -160,14 +203,21 @@ class Fit {
     std::string list;
     std::size_t moved = 0;
     SourceSpan first;
+    const auto name = [&](const model::Label& label, double gate, double resistance) {
+      if (moved == 0) first = label.span;
+      if (++moved <= most_named)
+        list += fmt::format("{}{} at {} (Ron = {:.6g} ohm)", moved > 1 ? ", " : "", label.name, quantity(gate, "V", 2), resistance);
+    };
     for (const FittedChannel& each : channels_) {
       if (each.overdrive <= 0.0) continue;
       const model::Switch& contact = network_.switches[each.contact];
-      if (moved == 0) first = contact.label.span;
       const double sign = contact.written ? contact.written->sense : 1.0;
-      if (++moved <= most_named)
-        list += fmt::format("{}{} at {} (Ron = {:.6g} ohm)", moved > 1 ? ", " : "", contact.label.name,
-                            quantity(sign * (contact.on_level + each.overdrive), "V", 2), each.resistance);
+      name(contact.label, sign * (contact.on_level + each.overdrive), each.resistance);
+    }
+    for (const FollowingChannel& each : following_) {
+      if (each.before <= 0.0) continue;
+      const model::Complementarity& part = network_.complementarities[each.half];
+      name(part.label, part.half->level + (part.half->is_p_type ? -each.overdrive : each.overdrive), each.resistance);
     }
     if (moved == 0) return std::nullopt;
     if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
@@ -202,7 +252,7 @@ class Fit {
 
   bool measure(const circuit::Analyses& analyses, measure::DiodeCurrents& found) const {
     model::Network network = network_;
-    give(network);
+    give_measured(network);
     Diagnostics unheard;
     const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network, choice_, reltol_, unheard, *interrupt_)
                                                         : prepare_engine(network, choice_, reltol_, unheard);
@@ -228,6 +278,8 @@ class Fit {
       has_moved = true;
     }
     for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], usual(found.spectrum(fitted_.size() + k)));
+    for (std::size_t k = 0; k < following_.size(); ++k)
+      has_moved |= take_overdrive(following_[k], usual(found.spectrum(fitted_.size() + channels_.size() + k)));
     return has_moved;
   }
 
@@ -249,6 +301,27 @@ class Fit {
     return true;
   }
 
+  /// Where a given current flows, the overdrive falls as the slope rises, and two runs in turn return to the same value: the next is where the line through two
+  /// answers, in logarithms, is its own.
+  bool take_overdrive(FollowingChannel& each, double overdrive) const {
+    if (!(overdrive > 0.0)) return false;
+    overdrive = std::max(overdrive, least_overdrive);
+    const double last = each.overdrive, answer = overdrive;
+    if (each.before > 0.0 && each.before != last) {
+      const double slope = std::log(answer / each.answer) / std::log(last / each.before);
+      if (slope < 0.0) overdrive = last * std::pow(answer / last, 1.0 / (1.0 - slope));
+    }
+    overdrive = rounded(overdrive, four_digits);
+    const double resistance =
+        std::max(network_.complementarities[each.half].half->law.resistance(overdrive), model::least_channel_resistance);
+    if (std::abs(resistance - each.resistance) <= settled_resistance * each.resistance) return false;
+    each.before = last;
+    each.answer = answer;
+    each.overdrive = overdrive;
+    each.resistance = resistance;
+    return true;
+  }
+
   /// Whether a tangent has moved.
   bool take_point(const std::vector<double>& values) {
     constexpr double settled = 1e-9;  // of a current
@@ -264,6 +337,8 @@ class Fit {
       has_moved = true;
     }
     for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], values[2 * (fitted_.size() + k)]);
+    for (std::size_t k = 0; k < following_.size(); ++k)
+      has_moved |= take_overdrive(following_[k], values[2 * (fitted_.size() + channels_.size() + k)]);
     return has_moved;
   }
 
@@ -299,6 +374,7 @@ class Fit {
   const std::atomic<int>* interrupt_;
   std::vector<Fitted> fitted_;  ///< the diodes that have a law
   std::vector<FittedChannel> channels_;
+  std::vector<FollowingChannel> following_;
 };
 
 }  // namespace

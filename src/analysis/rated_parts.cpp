@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "analysis/quantity.hpp"
+#include "base/names.hpp"
 
 namespace pwlsim::analysis {
 namespace {
 
 constexpr double worth_a_word = 1e-3;  ///< of the run
 constexpr std::size_t most_parts = 6;  ///< in the message
+constexpr double far_beyond = 3.0;     ///< times the rated current
 
 }  // namespace
 
@@ -49,6 +54,38 @@ std::optional<engine::Remark> RatedParts::remark(double end) {
       "W-rated-voltage",
       fmt::format("parts of the models at hand break down at their rated voltage: {}; LTspice's models of such parts block any voltage; "
                   "try parts for a higher voltage, or .model cards of their own",
+                  list)};
+}
+
+RatedCurrents::RatedCurrents(const std::vector<circuit::RatedCurrent>& rated, const std::vector<std::string>& columns) {
+  for (const circuit::RatedCurrent& each : rated)
+    for (std::size_t k = 1; k < columns.size(); ++k)
+      if (same_name(columns[k], fmt::format("i({})", each.element))) columns_.push_back({k, &each});
+}
+
+void RatedCurrents::add(std::span<const double> rows, std::size_t columns) {
+  if (columns_.empty()) return;
+  for (std::size_t row = 0; row < rows.size(); row += columns)
+    for (Column& column : columns_) column.sum += std::abs(rows[row + column.index]);
+  rows_ += static_cast<double>(rows.size() / columns);
+}
+
+std::optional<engine::Remark> RatedCurrents::remark() const {
+  std::string list;
+  std::size_t number = 0;
+  for (const Column& column : columns_) {
+    const double mean = column.sum / rows_;
+    if (!(mean > far_beyond * column.rated->amperes)) continue;
+    if (++number <= most_parts)
+      list += fmt::format("{}{} with {}, rated for {}", number > 1 ? ", " : "", column.rated->element, quantity(mean, "A", 2),
+                          quantity(column.rated->amperes, "A", 2));
+  }
+  if (number == 0) return std::nullopt;
+  if (number > most_parts) list += fmt::format(" and {} more", number - most_parts);
+  return engine::Remark{
+      "W-rated-current",
+      fmt::format("parts of the models at hand carry, on average over the rows, far more than they are rated for: {}; their "
+                  "straight lines hold near the rating; try larger parts, or .model cards of their own",
                   list)};
 }
 

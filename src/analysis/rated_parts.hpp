@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "circuit/compile.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::analysis {
@@ -34,6 +35,27 @@ class RatedParts : public engine::EventWatcher {
   engine::EventWatcher* next_;
   std::vector<Part> parts_;
   double time_ = 0.0;
+};
+
+/// Adds up the currents of such parts over the rows.
+class RatedCurrents {
+ public:
+  /// `columns`: of a row, the time first.
+  RatedCurrents(const std::vector<circuit::RatedCurrent>& rated, const std::vector<std::string>& columns);
+
+  void add(std::span<const double> rows, std::size_t columns);
+
+  /// A warning where the mean of a current was far beyond the rating.
+  [[nodiscard]] std::optional<engine::Remark> remark() const;
+
+ private:
+  struct Column {
+    std::size_t index = 0;
+    const circuit::RatedCurrent* rated = nullptr;
+    double sum = 0.0;
+  };
+  std::vector<Column> columns_;
+  double rows_ = 0.0;
 };
 
 }  // namespace pwlsim::analysis

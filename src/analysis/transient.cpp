@@ -25,12 +25,13 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 class FileSink : public engine::RowSink {
  public:
-  FileSink(waveform::RowWriter& writer, std::size_t columns) : writer_(writer), columns_(columns) {}
+  FileSink(waveform::RowWriter& writer, std::size_t columns, RatedCurrents& rated) : writer_(writer), columns_(columns), rated_(rated) {}
 
   bool write(std::span<const double> values, std::size_t count) override {
     const auto start = Clock::now();
     const std::size_t good = finite_rows(values, count);
     watch(values.first(good * columns_));
+    rated_.add(values.first(good * columns_), columns_);
     rows_ += good;
     if (good != 0) last_time_ = values[(good - 1) * columns_];
     const bool written = writer_.write(values.first(good * columns_));
@@ -75,6 +76,7 @@ class FileSink : public engine::RowSink {
 
   waveform::RowWriter& writer_;
   std::size_t columns_;
+  RatedCurrents& rated_;
   std::uint64_t rows_ = 0;
   std::size_t bad_column_ = 0;
   std::vector<double> first_;  ///< row
@@ -297,7 +299,8 @@ std::unique_ptr<waveform::RowWriter> row_writer(RowFormat format, const circuit:
 
 TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulate, waveform::RowWriter& writer, const RunControl& control) {
   const std::vector<std::string> names = column_names(compiled);
-  FileSink sink(writer, names.size());
+  RatedCurrents currents(compiled.rated_currents, names);
+  FileSink sink(writer, names.size(), currents);
   MeasuredRun measured(compiled, simulate, control.recorder, control.longest_window);
   TransientRun run;
   const auto broken = [&](std::string id, std::string_view what) {
@@ -311,6 +314,7 @@ TransientRun run_rows(const circuit::Compiled& compiled, const Simulate& simulat
     if (!compiled.rated_ports.empty()) request.watcher = &rated;
     run.answer = measured.run(std::move(request), sink);
     if (auto remark = rated.remark(run.answer.time)) run.answer.remarks.push_back(std::move(*remark));
+    if (auto remark = currents.remark()) run.answer.remarks.push_back(std::move(*remark));
     judge(run, sink, names);
     note_rest(run.answer, compiled, sink);
   } catch (const std::bad_alloc&) {

@@ -98,15 +98,18 @@ struct Sensitivities {
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
-/// One `.step`: the values that a parameter of the deck, a source without a waveform, a resistor, a capacitor or an inductor takes in turn.
+/// One `.step`: the values that a parameter of the deck or of a model, a source without a waveform, a resistor, a capacitor or an inductor takes in turn.
 struct Sweep {
-  std::string name;  ///< as written
+  std::string name;  ///< as written; of a model what stepped_model_name makes of it
   bool is_parameter = false;
   std::vector<double> values;
   SourceSpan span;
 
   [[nodiscard]] bool is_source() const;
 };
+
+/// `model(parameter)`: a parameter of the deck under a name that no expression can read.
+[[nodiscard]] std::string stepped_model_name(std::string_view model, std::string_view parameter);
 
 /// All of them; the first changes fastest.
 struct Sweeps {

@@ -97,9 +97,17 @@ class CardBinding {
       }
       instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
     }
-    for (int k = 0; k < kind_.optional_terminals && at_optional_terminal(); ++k)
-      instance_.nodes.push_back(binder_.node(place_, *cursor_.next()));
+    for (int k = 0; k < kind_.optional_terminals && at_optional_terminal(); ++k) {
+      const bool is_terminal = has_optional_nodes(*cursor_.peek(1));
+      const Item& node = *cursor_.next();
+      if (is_terminal) instance_.nodes.push_back(binder_.node(place_, node));
+    }
     return true;
+  }
+
+  bool has_optional_nodes(const Item& model) const {
+    const elements::ModelKind* kind = binder_.models().kind_of(place_.scope, model);
+    return kind == nullptr || kind->has_optional_nodes;
   }
 
   /// Two words are left, the second of which can be the model.

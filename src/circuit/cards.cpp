@@ -97,25 +97,13 @@ constexpr RefusedElement refused[] = {
 };
 
 constexpr std::string_view foreign_types[] = {
-    "CORE",        "URC",           "LTRA",
-    "TRN",         "LPNP",          "NMF",
-    "PMF",         "PIGBT",         "NHFET",
-    "PHFET",       "mult",          "divide",
-    "slew",        "climit",        "ilimit",
-    "sidiode",     "aswitch",       "adc_bridge",
-    "dac_bridge",  "core",          "lcouple",
-    "sine",        "square",        "triangle",
-    "oneshot",     "cmeter",        "lmeter",
-    "d_and",       "d_nand",        "d_or",
-    "d_nor",       "d_xor",         "d_xnor",
-    "d_buffer",    "d_inverter",    "d_dff",
-    "d_jkff",      "d_tff",         "d_srff",
-    "d_dlatch",    "d_srlatch",     "d_tristate",
-    "d_pullup",    "d_pulldown",    "d_open_c",
-    "d_source",    "d_fdiv",        "d_state",
-    "d_ram",       "d_osc",         "d_pwm",
-    "d_genlut",    "d_lut",         "d_process",
-    "pswitch",     "potentiometer", "multi_input_pwl",
+    "CORE",        "URC",        "LTRA",       "TRN",      "NMF",       "PMF",     "PIGBT",         "NHFET",
+    "PHFET",       "mult",       "divide",     "slew",     "climit",    "ilimit",  "sidiode",       "aswitch",
+    "adc_bridge",  "dac_bridge", "core",       "lcouple",  "sine",      "square",  "triangle",      "oneshot",
+    "cmeter",      "lmeter",     "d_and",      "d_nand",   "d_or",      "d_nor",   "d_xor",         "d_xnor",
+    "d_buffer",    "d_inverter", "d_dff",      "d_jkff",   "d_tff",     "d_srff",  "d_dlatch",      "d_srlatch",
+    "d_tristate",  "d_pullup",   "d_pulldown", "d_open_c", "d_source",  "d_fdiv",  "d_state",       "d_ram",
+    "d_osc",       "d_pwm",      "d_genlut",   "d_lut",    "d_process", "pswitch", "potentiometer", "multi_input_pwl",
     "file_source",
 };
 

@@ -74,17 +74,18 @@ class Circuit {
   std::unordered_set<model::NodeIndex> unread_nodes;  ///< of parts that were left out: no row shows them
   std::vector<GateOutput> gate_outputs;
   Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
-  std::vector<SaveRequest> probes;   ///< signals that measurements read
-  std::size_t measured_signals = 0;  ///< the last ones of the network: drawn or measured, not saved; filled in by assemble
-  std::size_t drawn_signals = 0;     ///< the first of these, which are drawn
+  std::vector<SaveRequest> probes;                ///< signals that measurements read
+  std::size_t measured_signals = 0;               ///< the last ones of the network: drawn or measured, not saved; filled in by assemble
+  std::size_t drawn_signals = 0;                  ///< the first of these, which are drawn
   std::vector<InitialCondition> conditions;
   Analyses analyses;
-  std::vector<elements::Written> unfollowed;   ///< numbers that depend on parameters of .sens, and that are none of an element
-  std::vector<std::string> parameter_names;    ///< of the deck itself
-  bool written_by_ltspice = false;  ///< by its own cards
-  std::string stands_for_ground;    ///< a node that is ground, in a circuit that has none; "" in others
-  bool draws_random = false;        ///< values differ from run to run of .step
-  bool has_gaps = false;            ///< some element could not be read: what it connects is not known
+  std::vector<elements::Written> unfollowed;  ///< numbers that depend on parameters of .sens, and that are none of an element
+  std::vector<std::string> parameter_names;   ///< of the deck itself
+  bool written_by_ltspice = false;            ///< by its own cards
+  bool prints = false;                        ///< has a card `.print` or `.plot`
+  std::string stands_for_ground;              ///< a node that is ground, in a circuit that has none; "" in others
+  bool draws_random = false;                  ///< values differ from run to run of .step
+  bool has_gaps = false;                      ///< some element could not be read: what it connects is not known
 
   /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.
   model::NodeIndex node(std::string_view name, SourceSpan where = {});

@@ -28,10 +28,11 @@ void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
     }
 }
 
-/// By its .control section, or the title that KiCad gives its netlists.
+/// By its .control section, by cards that print or plot, or by the title that KiCad gives its netlists.
 bool is_for_ngspice(const Circuit& circuit, const Diagnostics& told) {
   const auto is_section = [](const Diagnostic& diagnostic) { return diagnostic.id == "N-control-skipped"; };
-  return circuit.title.find("KiCad") != std::string::npos || std::any_of(told.all().begin(), told.all().end(), is_section);
+  return circuit.prints || circuit.title.find("KiCad") != std::string::npos ||
+         std::any_of(told.all().begin(), told.all().end(), is_section);
 }
 
 /// What ngspice takes otherwise: a pulse without a top lasts there, and a diode without numbers is SPICE's default one.
@@ -50,6 +51,18 @@ void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
         fmt::format("the model {} has no numbers: its diodes are ideal, without a drop; in SPICE IS is 1e-14 then: try D(IS=1e-14)",
                     each.name));
   }
+}
+
+std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter& reporter) {
+  std::vector<RatedCurrent> rated;
+  for (const elements::Instance& instance : circuit.instances) {
+    if (instance.model < 0) continue;
+    const elements::Model& model = circuit.models[static_cast<std::size_t>(instance.model)];
+    const bool is_rated = elements::find_parameter(model.values.table(), "Iave") != nullptr && model.values.has("Iave");
+    if (is_rated && reporter.file_of(model.span) == device_models_file)
+      rated.push_back({instance.name, model.values.get("Iave") * instance.values.get("m")});
+  }
+  return rated;
 }
 
 /// A Zener diode is there to break down; it has a resistance then.
@@ -113,6 +126,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   compiled.names_signals =
       std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
   compiled.rated_ports = rated_ports(circuit, compiled.network, reporter);
+  compiled.rated_currents = rated_currents(circuit, reporter);
   for (model::Switch& contact : compiled.network.switches)
     if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
   if (options.keep_circuit) compiled.circuit = std::move(circuit);

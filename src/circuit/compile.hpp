@@ -24,6 +24,12 @@ struct CompileOptions {
       held{};  ///< sources of a constant value that the run is told anew (model::Held): their channels are the places here
 };
 
+/// An element whose model, one of those at hand, has a rated average current.
+struct RatedCurrent {
+  std::string element;
+  double amperes = 0.0;  ///< of all its devices
+};
+
 /// `network.signals` are the columns of the output after `time`, in order; the last `measured_signals` are drawn or measured only.
 struct Compiled {
   std::string title;
@@ -37,6 +43,7 @@ struct Compiled {
   bool names_signals = false;     ///< the deck says which signals it saves
   HiddenParts hidden{};
   std::vector<std::string> rated_ports{};  ///< diodes of the network that are the breakdown of a part of the models at hand
+  std::vector<RatedCurrent> rated_currents{};
 
   [[nodiscard]] std::size_t saved_signals() const { return network.signals.size() - measured_signals; }
   /// With those that are drawn.

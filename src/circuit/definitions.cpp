@@ -50,6 +50,7 @@ class Reader {
   Definitions read() {
     open({}, deck_.title_span);
     result_.written_by_ltspice = deck_.names_ltspice_library;
+    result_.misplaced_analysis = deck_.is_board;
     for (const Card& card : deck_.cards) card.name.front() == '.' ? read_dot_card(card) : read_element(card);
     while (stack_.size() > 1) {
       reporter_.error("E-missing-ends", current().definition->span, fmt::format(".subckt {} has no .ends", current().definition->name));
@@ -163,14 +164,16 @@ class Reader {
         return read_analysis(card, result_.sweeps);
       case CardRole::state_machine:
         if (reporter_.first_time("state machine"))
-          reporter_.error("E-not-supported", card.name_span,
-                          fmt::format("{}: LTspice's state machines are not supported; try SRFLOP and DFLOP devices, one for each bit of the "
-                                      "state, gates for the rules between them, and a source B for the output",
-                                      card.name));
+          reporter_.error(
+              "E-not-supported", card.name_span,
+              fmt::format("{}: LTspice's state machines are not supported; try SRFLOP and DFLOP devices, one for each bit of the "
+                          "state, gates for the rules between them, and a source B for the output",
+                          card.name));
         return;
       case CardRole::raw_system:
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:
+        result_.prints |= same_name(kind.name, ".plot");
         if (reporter_.first_time(kind.name)) {
           reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));
         }
@@ -194,11 +197,13 @@ class Reader {
   }
 
   void read_print(const Card& card) {
+    result_.prints = true;
     const bool is_group = !card.items.empty() && card.items[0].kind == ItemKind::group;
     if (is_group || (!card.items.empty() && same_name(card.items[0].text, "tran"))) return read_analysis(card, result_.saves);
     if (!card.items.empty() && same_name(card.items[0].text, "ac")) return read_analysis(card, result_.response_prints);
     const std::string what = card.items.empty() ? "" : " " + card.items[0].text;
-    reporter_.warning("W-ignored-card", card.name_span, fmt::format("{}{} is ignored: only .print tran and .print ac name signals", card.name, what));
+    reporter_.warning("W-ignored-card", card.name_span,
+                      fmt::format("{}{} is ignored: only .print tran and .print ac name signals", card.name, what));
   }
 
   void read_subcircuit(const Card& card) {

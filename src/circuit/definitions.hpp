@@ -54,10 +54,13 @@ struct Definition {
 struct Definitions {
   std::vector<std::unique_ptr<Definition>> all;  ///< all[0] is the deck itself
   std::unordered_set<std::string> global_nodes;  ///< keys
-  std::vector<const netlist::Card*> options, transients, steady_states, small_signals, sensitivities, response_prints, operating_points, saves, measurements, fourier_analyses, sweeps, raw_systems;
-  std::deque<netlist::Card> made;  ///< in place of cards of the deck
+  std::vector<const netlist::Card*> options, transients, steady_states, small_signals, sensitivities, response_prints, operating_points,
+      saves, measurements, fourier_analyses, sweeps, raw_systems;
+  std::deque<netlist::Card> made;   ///< in place of cards of the deck
   bool written_by_ltspice = false;  ///< by its cards `.backanno` or `.lib …standard.dio`
-  bool misplaced_analysis = false;  ///< an analysis card stands where it cannot: its absence elsewhere is no further error
+  bool misplaced_analysis =
+      false;            ///< an analysis card stands where it cannot, or the file is no deck: its absence elsewhere is no further error
+  bool prints = false;  ///< has a card `.print` or `.plot`
 };
 
 /// Reports cards that are unknown, misplaced or not supported, two definitions of one name, and .subckt without .ends.

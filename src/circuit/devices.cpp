@@ -142,11 +142,11 @@ bool takes_type(char letter, std::string_view type) {
   }
 }
 
-/// The part a card of this letter means: PSpice's libraries write the letter before the number, as in D1N4148 and Q2N2222.
+/// The part a card of this letter means: PSpice's libraries write the letter before the part, as in D1N4148, Q2N2222 and QBC548B.
 std::optional<Device> device_of_card(char letter, std::string_view name) {
   const auto fits = [&](const std::optional<Device>& device) { return device && takes_type(letter, device->type); };
   if (auto device = find_device(name); fits(device)) return device;
-  const bool is_prefixed = name.size() > 2 && lower_letter(name[0]) == letter && is_digit(name[1]);
+  const bool is_prefixed = name.size() > 2 && lower_letter(name[0]) == letter;
   if (!is_prefixed) return std::nullopt;
   auto device = find_device(name.substr(1));
   return fits(device) ? device : std::nullopt;

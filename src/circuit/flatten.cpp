@@ -28,6 +28,7 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   Definitions definitions = read_definitions(deck, reporter);
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
   circuit.written_by_ltspice = definitions.written_by_ltspice;
+  circuit.prints = definitions.prints;
   replace_control_switches(definitions);
   replace_xspice_logic(definitions, reporter);
   replace_logic_devices(definitions, reporter);

@@ -139,6 +139,14 @@ elements::Values own_values(const ChainLink& link, const elements::ModelKind& ki
   return values;
 }
 
+/// `.step NPN QX(BF) …`
+void take_stepped(Scope& top, elements::Model& model) {
+  for (const elements::Parameter& parameter : model.kind->parameters) {
+    const std::optional<double> value = top.own_value(stepped_model_name(model.name, parameter.name));
+    if (value) model.values.set(parameter.name, *value, model.span);
+  }
+}
+
 void warn_ignored(const std::vector<std::string>& ignored, const elements::Model& model, Diagnostics& diagnostics) {
   if (ignored.empty()) return;
   diagnostics.warning("W-ignored-parameter", model.span,
@@ -207,6 +215,7 @@ std::optional<elements::Model> Models::read(Scope& scope, const Card& card) {
     for (elements::Written& number : link->found.scope->take_written(written)) model.written.push_back(std::move(number));
     for (const auto& given : own.all()) model.values.set_list(given.parameter->name, given.list, given.span);
   }
+  if (scope.outer() == nullptr) take_stepped(scope, model);
   Diagnostics scratch;
   warn_ignored(ignored, model, scratch);
   if (kind->complete != nullptr) kind->complete(model, settings_, scratch);
@@ -262,11 +271,20 @@ void Models::report_unknown(Scope& scope, const Item& name, const elements::Kind
   reporter_.error("E-unknown-model", name.span, fmt::format("unknown model '{}'{}", name.text, cure));
 }
 
-bool Models::is_idealised(Scope& scope, const Card& card) {
+const elements::ModelKind* Models::kind_of(Scope& scope, const Card& card) {
   Diagnostics ignored;
   Reporter quiet = reporter_.beside(ignored);
   const std::vector<ChainLink> chain = chain_of(scope, card, quiet);
-  const elements::ModelKind* kind = chain.empty() ? nullptr : elements::find_model_kind(typed_text(chain).type);
+  return chain.empty() ? nullptr : elements::find_model_kind(typed_text(chain).type);
+}
+
+const elements::ModelKind* Models::kind_of(Scope& scope, const Item& name) {
+  const FoundModel found = find_model(scope, name.text);
+  return found.card == nullptr ? nullptr : kind_of(*found.scope, *found.card);
+}
+
+bool Models::is_idealised(Scope& scope, const Card& card) {
+  const elements::ModelKind* kind = kind_of(scope, card);
   return kind != nullptr && kind->is_idealised;
 }
 

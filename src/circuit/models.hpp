@@ -24,6 +24,8 @@ class Models {
 
   [[nodiscard]] const elements::Model& at(int index) const { return circuit_.models[static_cast<std::size_t>(index)]; }
   [[nodiscard]] static bool known(Scope& scope, const netlist::Item& name);
+  /// The type of the model `name`; null where there is none, or its card cannot be read.
+  [[nodiscard]] const elements::ModelKind* kind_of(Scope& scope, const netlist::Item& name);
 
   /// Errors in the models of `file` that nothing used: a mistake is one even where it has no effect.
   void check_unused(Scope& top, FileIndex file);
@@ -31,6 +33,7 @@ class Models {
  private:
   [[nodiscard]] int evaluated(Scope& scope, const netlist::Card& card);
   [[nodiscard]] std::optional<elements::Model> read(Scope& scope, const netlist::Card& card);
+  [[nodiscard]] const elements::ModelKind* kind_of(Scope& scope, const netlist::Card& card);
   [[nodiscard]] bool is_idealised(Scope& scope, const netlist::Card& card);
   void tell_device(const netlist::Card& card, const netlist::Item& name);
   void report_unknown(Scope& scope, const netlist::Item& name, const elements::Kind& kind);

@@ -69,7 +69,7 @@ Device carbide_mosfet(double threshold, double body_drop, double ohms, double vo
 
 /// `rise` V above the drop at the current in the name.
 Device diode(double drop, double rise, double amperes, double volts, std::string_view source) {
-  return {"D", fmt::format("Vfwd={:g} Ron={:.3g} Vrev={:g}", drop, rise / amperes, volts), source};
+  return {"D", fmt::format("Vfwd={:g} Ron={:.3g} Vrev={:g} Iave={:g}", drop, rise / amperes, volts, amperes), source};
 }
 
 constexpr double low_threshold = 1.7, normal_threshold = 3.0;  // V, of gates for 5 V and for 10 V

@@ -84,11 +84,22 @@ std::string single_part(std::string_view name) {
   return fmt::format(".subckt {} {}\n{} part\n.model part {}({})\n.ends\n", name, part->ports, part->card, part->type, device->parameters);
 }
 
+/// The timers of PSpice's libraries, which have a parameter of their own; "" for other names.
+std::string timer_of_pspice(std::string_view name) {
+  constexpr std::string_view names[] = {"555b", "555c", "555d"};
+  const auto is_it = [&](std::string_view each) { return same_name(each, name); };
+  if (std::none_of(std::begin(names), std::end(names), is_it)) return "";
+  std::string text = renamed(*find_shipped("ne555"), name);
+  text.insert(text.find('\n'), " params: maxfreq=3Meg");
+  return text;
+}
+
 /// "" where there is none.
 std::string text_of(std::string_view name) {
   const std::string_view level = amplifier_level(name);
   if (const ShippedSubcircuit* found = find_shipped(level.empty() ? name : level)) return renamed(*found, name);
   std::string text = packaged(name);
+  if (text.empty()) text = timer_of_pspice(name);
   if (text.empty()) text = single_part(name);
   return text.empty() ? logic_subcircuit(name) : text;
 }

@@ -7,6 +7,7 @@
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/items.hpp"
+#include "elements/catalogue.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -15,7 +16,8 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view usage = ".step param name start stop step | list a b … | dec|oct start stop points";
+constexpr std::string_view usage =
+    ".step param name start stop step | list a b … | dec|oct start stop points; .step TYPE model(parameter) start stop step";
 /// First letters of elements whose value can be stepped.
 constexpr std::string_view stepped_elements = "virlc";
 constexpr std::size_t most_sweeps = 3;
@@ -61,11 +63,29 @@ class SweepReader {
       sweep_.is_parameter = true;
     }
     if (at >= items.size()) return fail("E-missing-value", card_.span, "it does not say what to step");
+    if (!sweep_.is_parameter && at + 1 < items.size() && names_model(items[at], items[at + 1])) {
+      if (!take_model(items[at], items[at + 1])) return std::nullopt;
+      return read_values(at + 2);
+    }
     const Item& name = items[at++];
     if (!accepts(name, at < items.size() ? &items[at] : nullptr)) return std::nullopt;
     sweep_.name = name.text;
     sweep_.span = name.span;
-    take_spacing();
+    return read_values(at);
+  }
+
+  /// What could be read where there was an error: of a parameter, the name.
+  [[nodiscard]] const Sweep& so_far() const { return sweep_; }
+
+ private:
+  std::optional<Sweep> read_values(std::size_t at) {
+    const auto& items = card_.items;
+    if (at < items.size()) {
+      if (const auto spacing = spacing_of(items[at])) {
+        spacing_ = *spacing;
+        ++at;
+      }
+    }
     std::vector<Number> numbers;
     for (; at < items.size(); ++at) {
       if (items[at].kind == ItemKind::assignment && same_name(items[at].text, "file"))
@@ -78,10 +98,29 @@ class SweepReader {
     return sweep_;
   }
 
-  /// What could be read where there was an error: of a parameter, the name.
-  [[nodiscard]] const Sweep& so_far() const { return sweep_; }
+  /// `NPN QX(BF)`
+  static bool names_model(const Item& type, const Item& model) {
+    return type.kind == ItemKind::word && elements::find_model_kind(type.text) != nullptr && model.kind == ItemKind::group &&
+           model.items.size() == 1 && model.items[0].kind == ItemKind::word;
+  }
 
- private:
+  /// A parameter of the deck that no expression can name, for Models to find.
+  bool take_model(const Item& type, const Item& model) {
+    const Item& name = model.items[0];
+    const elements::Parameter* parameter = elements::find_parameter(elements::find_model_kind(type.text)->parameters, name.text);
+    if (!scope_.definition().models.contains(without_case(model.text))) {
+      (void)fail("E-unknown-model", model.span, fmt::format("unknown model '{}'", model.text));
+    } else if (parameter == nullptr || parameter->use != elements::Use::honoured) {
+      (void)fail("E-unknown-parameter", name.span, fmt::format("{} has no effect in a model of type {}", name.text, type.text));
+    } else {
+      sweep_.is_parameter = true;
+      sweep_.name = stepped_model_name(model.text, parameter->name);
+      sweep_.span = model.span;
+      return true;
+    }
+    return false;
+  }
+
   std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
     reporter_.error(std::move(id), span, fmt::format(".step: {}; usage: {}", text, usage));
     return std::nullopt;
@@ -89,14 +128,13 @@ class SweepReader {
 
   bool accepts(const Item& name, const Item* next) {
     if (sweep_.is_parameter && name.kind == ItemKind::word) return true;
-    // What stands behind a type is a model and its parameter: `.step RES RM(R) …`.
     const bool is_element = name.kind == ItemKind::word && stepped_elements.find(lower_letter(name.text.front())) != std::string_view::npos;
     if (is_element && (next == nullptr || next->kind != ItemKind::group)) return true;
     (void)fail("E-not-supported", name.span,
-               fmt::format(
-                   "{} is neither a parameter nor a source, resistor, capacitor or inductor; try .step param x … and {{x}} as the value of "
-                   "the element, or in its model",
-                   reporter_.text(name.span)));
+               fmt::format("{} is neither a parameter nor a source, resistor, capacitor or inductor, nor the type of a model with its "
+                           "parameter; try .step param x … and {{x}} as the value of "
+                           "the element, or in its model",
+                           reporter_.text(name.span)));
     return false;
   }
 
@@ -173,6 +211,8 @@ bool set_value(elements::Instance& instance, double value, SourceSpan span) {
 }
 
 }  // namespace
+
+std::string stepped_model_name(std::string_view model, std::string_view parameter) { return fmt::format("{}({})", model, parameter); }
 
 bool Sweep::is_source() const { return !is_parameter && std::string_view("vi").find(lower_letter(name.front())) != std::string_view::npos; }
 

@@ -45,6 +45,7 @@ struct ModelKind {
   const Block* block = nullptr;      ///< of an A element: from its input to its output
   bool is_idealised = false;         ///< stands for something else than its elements become: may lie in a deck unread while nothing uses it
   std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all where there are none
+  bool has_optional_nodes = true;    ///< else what stands behind the nodes that its element needs is no part of the circuit
 };
 
 /// What leads to a gate, and what charges it: ohm, F.

@@ -118,7 +118,9 @@ std::optional<LinearForm> step_of_source(Emission& emission, const LinearForm& x
   const std::optional<model::SourceFunction> step = std::visit(StepOf{*sum, at_zero}, function);
   if (!step) return std::nullopt;
   if (const auto* constant = std::get_if<model::Dc>(&*step)) return LinearForm{model::constant(constant->value)};
-  return quantity(Quantity::source, emission.builder().add(model::Source{emission.label(), *step}));
+  model::Source source{emission.label(), *step};
+  source.follows = network.sources[static_cast<std::size_t>(sum->source)].label.name;
+  return quantity(Quantity::source, emission.builder().add(std::move(source)));
 }
 
 }  // namespace pwlsim::elements

@@ -59,14 +59,17 @@ void add_channel(Emission& emission, const Channel& channel) {
 }
 
 void add_following_channel(Emission& emission, const Channel& channel) {
-  constexpr double least_resistance = 1e-4;  // ohm
   const std::vector<model::NodeIndex>& nodes = emission.instance().nodes;
   const double sign = channel.p_type ? -1.0 : 1.0;
-  const double conductance = 1.0 / std::max(channel.resistance, least_resistance);
+  const double resistance = std::max(channel.resistance, model::least_channel_resistance), conductance = 1.0 / resistance;
   const auto excess_over = [&](std::size_t terminal) {
     model::LinearForm excess = model::voltage_between(channel.gate, nodes[terminal], sign);
     excess.push_back(model::constant(-sign * channel.threshold));
-    return add_positive_part(emission, excess);
+    model::LinearForm part = add_positive_part(emission, excess);
+    if (channel.law)
+      emission.builder().network().complementarities.back().half =
+          model::ChannelHalf{*channel.law, resistance, channel.threshold, channel.p_type, terminal == source};
+    return part;
   };
   model::LinearForm current;
   model::accumulate(current, excess_over(source), sign * conductance);

@@ -21,7 +21,10 @@ std::set<std::string> running_sources(const std::vector<model::Island>& islands)
   for (const auto& island : islands) {
     if (!island.needed) continue;
     for (const auto& branch : island.network.branches) running.insert(branch.label.name);
-    for (const auto& source : island.network.sources) running.insert(source.label.name);
+    for (const auto& source : island.network.sources) {
+      running.insert(source.label.name);
+      if (!source.follows.empty()) running.insert(source.follows);
+    }
   }
   return running;
 }

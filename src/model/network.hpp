@@ -113,6 +113,7 @@ struct WrittenControl {
   double reach = 0.0;
   std::string unit = "V";
 };
+constexpr double least_channel_resistance = 1e-4;  ///< ohm, of a channel that follows its gate
 /// Of a transistor's channel where the gate's voltage is to be found: what the resistance is by the overdrive, the control beyond its level.
 struct ChannelLaw {
   double series = 0.0;  ///< ohm
@@ -135,15 +136,25 @@ struct Switch {
   std::optional<ChannelLaw> law{};          ///< whose resistance this is at one overdrive
 };
 /// 0 ≤ u ⊥ slack ≥ 0, u a number of its own that any form may hold, `slack` too.
+/// Of a channel that follows its gate: one of the two positive parts whose difference is its current, that of the source first, that of the drain next.
+/// Its input counts `resistance` times the excess over the threshold, divided by the resistance that is found.
+struct ChannelHalf {
+  ChannelLaw law;
+  double resistance = 0.0;  ///< ohm, of which the current is written
+  double level = 0.0;       ///< V, of the gate against the terminal
+  bool is_p_type = false, is_source = false;
+};
 struct Complementarity {
   Label label;
   LinearForm slack;
+  std::optional<ChannelHalf> half{};
 };
 struct Source {
   Label label;
   SourceFunction function;
   bool stands_in = false;                  ///< for a value of another part, in a part that is left out
   std::complex<double> alternating = 0.0;  ///< `AC`: amplitude in small-signal analyses
+  std::string follows{};                   ///< the element whose comparison with a level it is; "" if it is its own
 };
 /// A saved signal, named as its CSV column.
 struct Signal {

@@ -87,10 +87,10 @@ struct Card {
   SourceSpan name_span;
   std::vector<Item> items;
   SourceSpan span;
-  bool damaged = false;      ///< a syntax error on this card has been reported
-  bool made_call = false;    ///< a subcircuit, whatever its name begins with: of a card that `circuit` made
+  bool damaged = false;         ///< a syntax error on this card has been reported
+  bool made_call = false;       ///< a subcircuit, whatever its name begins with: of a card that `circuit` made
   std::vector<Guard> guards{};  ///< that each call of its subcircuit decides
-  std::vector<Card> rows{};  ///< of `.lcs`: the lines of its file, their first words as names
+  std::vector<Card> rows{};     ///< of `.lcs`: the lines of its file, their first words as names
 };
 
 /// A deck after includes and library sections have been read in place. `.subckt`/`.ends` are still cards of the flat list.
@@ -98,6 +98,7 @@ struct Deck {
   std::string title;
   SourceSpan title_span;
   std::vector<Card> cards;
+  bool is_board = false;               ///< the netlist of a printed circuit board, which is refused as such
   bool names_ltspice_library = false;  ///< a `.lib` of LTspice's own `standard.dio` or its like
 };
 

@@ -52,9 +52,24 @@ bool report_ended_by(const Token& token, const char* opening, const ParseContext
   return false;
 }
 
+/// Skips the quotes of par('…').
+class ParQuotes {
+ public:
+  bool skip(const char*& at, const ExpressionBuilder& builder) {
+    if (*at != '\'' || !(is_open_ || builder.at_quote())) return false;
+    is_open_ = !is_open_;
+    ++at;
+    return true;
+  }
+
+ private:
+  bool is_open_ = false;
+};
+
 bool read_delimited(const char*& at, const char* last, const ParseContext& context, Expression& result) {
   const char* const opening = at++;
   ExpressionBuilder builder(context);
+  ParQuotes quotes;
   Token token;
   for (skip_blanks(at, last); at != last; skip_blanks(at, last)) {
     if (*opening == '\'' && *at == '\'') {
@@ -62,6 +77,7 @@ bool read_delimited(const char*& at, const char* last, const ParseContext& conte
       ++at;
       return complete;
     }
+    if (*opening == '{' && quotes.skip(at, builder)) continue;
     if (!next_token(at, last, token)) {
       return report_unexpected(at, last, context);
     }
@@ -79,9 +95,11 @@ bool read_delimited(const char*& at, const char* last, const ParseContext& conte
 
 bool read_open(const char*& first, const char* last, const ParseContext& context, Expression& result) {
   ExpressionBuilder builder(context);
+  ParQuotes quotes;
   Token token;
   const char* at = first;
   for (skip_blanks(at, last); at != last; skip_blanks(at, last)) {
+    if (quotes.skip(at, builder)) continue;
     if (!next_token(at, last, token)) {
       if (builder.complete()) {
         break;

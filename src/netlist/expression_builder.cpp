@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "base/names.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::netlist {
@@ -29,6 +30,9 @@ bool is_prefix(std::string_view text) { return text == "-" || text == "+" || tex
 
 /// PSpice and Xyce write ~ for it.
 std::string_view without_tilde(std::string_view prefix) { return prefix == "~" ? "!" : prefix; }
+
+/// par('expression') of output and measurement cards is the expression.
+bool is_par(std::string_view name) { return same_name(name, "par"); }
 
 std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
@@ -160,8 +164,9 @@ ExpressionBuilder::Outcome ExpressionBuilder::close(const Token& token) {
   pending_.pop_back();
   --parentheses_;
   const SourceSpan span = context_.line.span(opened.whole.data(), token.whole.data() + token.whole.size());
-  if (opened.kind == Pending::Kind::call) {
-    return combine(Expression::Kind::call, opened, operands_.size() - opened.operands_before, span) ? Outcome::taken : Outcome::failed;
+  const std::size_t arguments = operands_.size() - opened.operands_before;
+  if (opened.kind == Pending::Kind::call && !(is_par(opened.text) && arguments == 1)) {
+    return combine(Expression::Kind::call, opened, arguments, span) ? Outcome::taken : Outcome::failed;
   }
   operands_.back().expression.span = span;
   return Outcome::taken;
@@ -244,6 +249,10 @@ bool ExpressionBuilder::combine(Expression::Kind kind, const Pending& operation,
          "more than " + std::to_string(deepest_expression) + " nested operations; try a .param for a part of them");
   }
   return allowed;
+}
+
+bool ExpressionBuilder::at_quote() const {
+  return operand_expected_ && !pending_.empty() && pending_.back().kind == Pending::Kind::call && is_par(pending_.back().text);
 }
 
 bool ExpressionBuilder::finish(const char* end, Expression& result) {

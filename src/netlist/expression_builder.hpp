@@ -23,6 +23,8 @@ class ExpressionBuilder {
   Outcome take(const Token& token);
 
   /// What was taken so far is an expression.
+  /// Behind `par(`, where a quoted expression may come (ngspice, HSPICE).
+  [[nodiscard]] bool at_quote() const;
   [[nodiscard]] bool complete() const { return !operand_expected_ && parentheses_ == 0; }
 
   /// Nothing more follows; `end` is where it would stand. False, with an error reported, where something is missing.

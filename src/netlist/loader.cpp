@@ -53,6 +53,7 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
     const std::size_t errors_before = errors_.count();
     const std::size_t begin = take_title(file);
     if (is_of_board(deck_.title)) {
+      deck_.is_board = true;
       errors_.report("E-board-netlist", deck_.title_span,
                      "this is the netlist of a printed circuit board, not a SPICE deck; try the export of a netlist for SPICE in the "
                      "schematic editor");

@@ -101,13 +101,14 @@ void complete(Model& model, const Settings& settings, Diagnostics&) {
 
 constexpr ModelKind npn{"NPN", "NPN transistor", model_parameters, complete, nullptr, true};
 constexpr ModelKind pnp{"PNP", "PNP transistor", model_parameters, complete, nullptr, true};
-constexpr const ModelKind* models[] = {&npn, &pnp};
+constexpr ModelKind lateral{"LPNP", "lateral PNP transistor", model_parameters, complete, nullptr, true};
+constexpr const ModelKind* models[] = {&npn, &pnp, &lateral};
 
 constexpr Parameter parameters[] = {
     multiplicity, without_effect("area"), without_effect("off"), without_effect("ic"), temperature, temperature_difference,
 };
 
-bool is_p_type(const Model& model) { return model.kind == &pnp; }
+bool is_p_type(const Model& model) { return model.kind != &npn; }
 double share_of(double gain) { return gain / (1.0 + gain); }
 
 /// A diode carries 1/alpha of the transport current.

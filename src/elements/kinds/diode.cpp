@@ -71,7 +71,7 @@ constexpr Parameter model_parameters[] = {
     ignored("perim", "Perimeter."),
     ignored("area", "Area."),
     ignored("Vpk", "Rated peak voltage."),
-    ignored("Iave", "Rated average current."),
+    {"Iave", "A", infinite, Range::positive, true, "Rated average current: a part of the models at hand that carries far more is told of."},
     ignored("Ipk", "Rated peak current."),
     ignored("Irms", "Rated current."),
     ignored("diss", "Rated dissipation."),

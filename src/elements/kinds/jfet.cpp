@@ -73,20 +73,24 @@ Channel channel_of(const Instance& instance, const Model& model) {
   return {is_p_type(model), is_p_type(model) ? -v.get("Vto") : v.get("Vto"), on / instance.values.get("m")};
 }
 
-Tangent law_of(const Instance& instance, const Model& model) {
+/// In series with the gate's junction to the drain (`Rd`) or to the source (`Rs`).
+Tangent law_of(const Instance& instance, const Model& model, std::string_view series) {
   const Values& v = model.values;
-  Tangent law = tangent(v.get("Is"), v.get("N"), 0.0, v.get("I0"));
+  Tangent law = tangent(v.get("Is"), v.get("N"), v.get(series), v.get("I0"));
   law.resistance /= instance.values.get("m");
   return law;
 }
 
 Junction gate_diode(const Instance& instance, const Model& model, std::string_view part, std::size_t terminal) {
+  const std::string_view series = terminal == 0 ? "Rd" : "Rs";
+  std::optional<model::ExponentialLaw> law = model.law;
+  if (law) law->series = model.values.get(series);
   return {part,
           is_p_type(model),
           {instance.nodes[1], instance.nodes[terminal]},
-          law_of(instance, model),
+          law_of(instance, model, series),
           infinite,
-          in_parallel(model.law, instance.values.get("m"))};
+          in_parallel(law, instance.values.get("m"))};
 }
 
 void emit(Emission& emission) {
@@ -101,7 +105,7 @@ void emit(Emission& emission) {
                              instance.drive_is_apart ? "a straight channel (its gate is not driven against its source) that conducts"
                                                      : "a switch closed",
                              channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"),
-                             words_of(law_of(instance, emission.model()))));
+                             words_of(law_of(instance, emission.model(), "Rs"))));
 }
 
 void smooth_twin(Twin& twin) {

@@ -241,7 +241,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
 constexpr double levels[] = {1.0, 2.0, 3.0};
 constexpr ModelKind n_channel{"NMOS", "MOSFET", planar_parameters, complete, nullptr, true, levels};
 constexpr ModelKind p_channel{"PMOS", "P-channel MOSFET", planar_parameters, complete, nullptr, true, levels};
-constexpr ModelKind vertical{"VDMOS", "power MOSFET", vertical_parameters, complete, nullptr, true};
+constexpr ModelKind vertical{"VDMOS", "power MOSFET", vertical_parameters, complete, nullptr, true, {}, false};
 constexpr const ModelKind* models[] = {&n_channel, &p_channel, &vertical};
 
 constexpr Parameter parameters[] = {

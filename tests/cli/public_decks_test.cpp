@@ -1,0 +1,137 @@
+// Forms and circuits that public decks hold, one small deck each.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "cli/run_in.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("the fourth node of a VDMOS is no part of the circuit", "[unit]") {
+  const Scratch scratch;
+  // LTspice's VDMOS has three terminals: 10 V over 9 Ω and 1 Ω.
+  const Finished finished = run_deck(scratch,
+                                     "body pin\nV1 a 0 10\nR1 a d 9\nV2 g 0 10\nM1 d g 0 n004 MX\n.model MX VDMOS(Vto=2 Ron=1)\n"
+                                     ".tran 1m 2m\n.meas i FIND i(R1) AT=1m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "i") == Approx(1.0).epsilon(1e-9));
+}
+
+TEST_CASE("par('expression') is the expression", "[unit]") {
+  const Scratch scratch;
+  // 2 V at 2 Ω: 1 A, 2 W.
+  const Finished finished = run_deck(scratch,
+                                     "par\nV1 a 0 2\nR1 a 0 2\n.tran 1m 2m\n.meas tran i FIND par('-i(V1)') AT=1m\n"
+                                     ".meas tran p AVG par('v(a)*i(R1)') FROM=0 TO=2m\n");
+  INFO(finished.err);
+  CHECK(value_of(finished.out, "i") == Approx(1.0).epsilon(1e-12));
+  CHECK(value_of(finished.out, "p") == Approx(2.0).epsilon(1e-12));
+}
+
+TEST_CASE("a lateral PNP transistor is a PNP transistor", "[unit]") {
+  const Scratch scratch;
+  // In its active region it carries BF times its base's current.
+  const Finished finished = run_deck(scratch,
+                                     "lateral\nV1 e 0 10\nR1 b 0 1Meg\nR2 c 0 1k\nQ1 c b e QL\n.model QL LPNP(IS=1e-15 BF=50)\n"
+                                     ".tran 1m 2m\n.meas ib FIND i(R1) AT=1m\n.meas ic FIND i(R2) AT=1m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "ic") == Approx(50.0 * value_of(finished.out, "ib")).epsilon(1e-9));
+  CHECK(value_of(finished.out, "ib") > 5e-6);
+}
+
+TEST_CASE(".step takes a parameter of a model", "[unit]") {
+  const Scratch scratch;
+  const std::string circuit = "V1 c 0 10\nV2 p 0 10\nR1 p b 1Meg\nR2 c k 1k\nQ1 k b 0 QX\n.model QX NPN(IS=1e-15 BF=10)\n.tran 1m 2m\n";
+  const Finished finished =
+      run_deck(scratch, "gain\n" + circuit + ".step NPN QX(BF) list 50 100 200\n.meas gain FIND i(R2)/i(R1) AT=1m\n.save i(R2)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.out, Contains("50") && Contains("100") && Contains("200"));
+  const std::string rows = read_file(scratch / "d.csv");
+  INFO(rows);
+  // (10 V - kT/q ln(Ic/Is))/1 MΩ times the gain.
+  for (const double gain : {50.0, 100.0, 200.0}) {
+    const double expected = gain * (10.0 - 1.380649e-23 * 300.15 / 1.602176634e-19 * std::log(gain * 9.3e-6 / 1e-15)) / 1e6;
+    const std::size_t at = rows.find("\n" + std::to_string(static_cast<int>(gain)) + ",");
+    REQUIRE(at != std::string::npos);
+    const std::string line = rows.substr(at + 1, rows.find('\n', at + 1) - at - 1);
+    const double last = std::stod(line.substr(line.rfind(',') + 1));
+    CHECK(last == Approx(expected).epsilon(0.005));
+  }
+  CHECK_THAT(run_deck(scratch, "none\n" + circuit + ".step NPN QY(BF) 50 100 50\n").err, Contains("unknown model 'QY'"));
+  CHECK_THAT(run_deck(scratch, "none\n" + circuit + ".step NPN QX(nothing) 50 100 50\n").err, Contains("nothing has no effect"));
+}
+
+TEST_CASE("a follower's channel has the slope of its own overdrive", "[unit]") {
+  const Scratch scratch;
+  // Level 1 in saturation: I = K/2 (vgs - Vto)², K = Kp W/L.
+  const double current = 1e-3, k = 100e-6 * 100.0, overdrive = std::sqrt(2.0 * current / k);
+  const Finished finished = run_deck(scratch,
+                                     "follower\nVD d 0 10\nVG g 0 5\nM1 d g s s NM W=100u L=1u\nI1 s 0 1m\n.model NM NMOS(Vto=1 Kp=100u)\n"
+                                     ".tran 1u 10u\n.meas v FIND v(s) AT=5u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "v") == Approx(5.0 - 1.0 - overdrive).margin(0.02 * overdrive));
+  CHECK_THAT(finished.err, Contains("N-gate-drive"));
+  // A transmission gate of 1.8 V, hard on: its resistance at no drop is 1/(K (vgs - Vto)), with s and d the overdrives against source and drain.
+  const Finished gate =
+      run_deck(scratch,
+               "gate\nVIN in 0 0.2\nVG g 0 1.8\nM1 in g out 0 NM W=100u L=1u\nR1 out 0 10\n.model NM NMOS(Vto=0.5 Kp=100u)\n"
+               ".tran 1u 10u\n.meas i FIND i(R1) AT=5u\n");
+  INFO(gate.err);
+  REQUIRE(gate.status == 0);
+  const double i = value_of(gate.out, "i"), s = 1.8 - 10.0 * i - 0.5, d = 1.8 - 0.2 - 0.5;
+  CHECK(i == Approx(0.5 * k * (s * s - d * d)).epsilon(0.02));
+}
+
+TEST_CASE("a source that comparisons alone read is not left out", "[unit]") {
+  const Scratch scratch;
+  const Finished finished = run_deck(scratch,
+                                     "clock\nVtri tri 0 PULSE(0 1 0 5u 5u 0 10u)\nVx x 0 1\nB1 g 0 V=if(V(tri)<0.3,5,0)\nR1 g 0 1k\n"
+                                     "R2 x 0 1\n.save v(g)\n.tran 1u 100u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("left out") && Contains("Vx") && !Contains("Vtri"));
+}
+
+TEST_CASE("the netlist of a board is one error", "[unit]") {
+  const Scratch scratch;
+  const Finished finished = run_deck(scratch, "(export (version D)\n  (design (source x.sch)))\n");
+  CHECK_THAT(finished.err, Contains("E-board-netlist") && !Contains("E-no-analysis"));
+}
+
+TEST_CASE("the gate of a junction FET leads over its Rd and Rs", "[unit]") {
+  const Scratch scratch;
+  // 0.1 A each over 10 Ω and a junction: v = 1 V + kT/q ln(0.1/1e-14).
+  const double volts = 1.0 + 1.380649e-23 * 300.15 / 1.602176634e-19 * std::log(0.1 / 1e-14);
+  const Finished finished = run_deck(scratch, "gate\nV1 g 0 " + std::to_string(volts) +
+                                                  "\nJ1 0 g 0 JX\n.model JX NJF(Vto=-2 Beta=1m Rd=10 Rs=10 Is=1e-14)\n"
+                                                  ".tran 1u 10u\n.meas i FIND i(V1) AT=5u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "i") == Approx(-0.2).epsilon(1e-3));
+}
+
+TEST_CASE("an ideal diode is told of where another simulator prints", "[unit]") {
+  const Scratch scratch;
+  const std::string circuit = "V1 a 0 2\nD1 a b DX\nR1 b 0 2\n.model DX D\n.tran 1m 2m\n";
+  CHECK_THAT(run_deck(scratch, "print\n" + circuit + ".print tran v(b)\n").err, Contains("N-ideal-diode"));
+  CHECK_THAT(run_deck(scratch, "save\n" + circuit + ".save v(b)\n").err, !Contains("N-ideal-diode"));
+}
+
+TEST_CASE("parts of PSpice's libraries: a letter before a name, its timers", "[unit]") {
+  const Scratch scratch;
+  CHECK_THAT(run_deck(scratch, "letter\nV1 a 0 5\nR1 a b 1Meg\nR2 a c 1k\nQ1 c b 0 QBC548B\n.tran 1m 2m\n").err,
+             Contains("QBC548B is not defined here, and taken from the models at hand"));
+  // An astable multivibrator of 40 kΩ, 25 kΩ and 10 nF: half a period is 25 kΩ·10 nF·ln 2, the other 65 kΩ·10 nF·ln 2.
+  const Finished finished = run_deck(scratch,
+                                     "timer\nX1 0 t o v k t d v 555D PARAMS: MAXFREQ=3E6\nV1 v 0 12\nC2 k 0 10n\nR3 0 o 10k\nC1 0 t 10n\n"
+                                     "R1 d v 40k\nR2 d t 25k\n.tran 1u 5m uic\n.meas p TRIG v(o)=6 FALL=3 TARG v(o)=6 FALL=4\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "p") == Approx(90e3 * 10e-9 * std::log(2.0)).epsilon(0.01));
+}
