@@ -539,8 +539,9 @@ SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& sta
 DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
   DeckResponse response;
   if (state == nullptr) {
-    SmallSignalResult result = linear_small_signals(compiled, response.id, response.message);
-    if (response.id.empty()) response.result = std::move(result);
+    const LinearSmallSignals linear(compiled);
+    if (!linear.id().empty()) return {{}, linear.id(), linear.message()};
+    response.result = linear.result();
     return response;
   }
   if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
