@@ -32,6 +32,8 @@ class Propagators {
   const Matrix& of(const Mode& mode, double length) {
     Matrix& known = known_[{&mode, length}];
     if (known.size() > 0) return known;
+    constexpr int many = 4;  // sources a state: a block of its own pays
+    if (mode.ny <= many * mode.n1) return known = mode.flow.minus_identity(length).topLeftCorner(mode.n1, mode.n1);
     auto own = blocks_.find(&mode);
     if (own == blocks_.end())
       own = blocks_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1), mode.flow.rate())).first;
