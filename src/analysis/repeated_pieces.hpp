@@ -10,7 +10,7 @@ namespace pwlsim::analysis {
 class RepeatedPieces : public engine::PieceSink {
  public:
   /// What happens at the end of the period happens at its begin. A driven run (`is_driven`) has it there, and stops left of the end; a self-timed one begins
-  /// right of it, and rounding decides whether it comes to it again.
+  /// right of it, and must go on to `self_timed_end`, so that it comes to it again whatever rounding makes of its time; its impulses are handed on first.
   RepeatedPieces(const engine::Probes& wanted, double period, bool is_driven)
       : wanted_(wanted), period_(period), is_driven_(is_driven), repeats_(wanted.sink != nullptr && wanted.to > period) {}
 
@@ -22,38 +22,51 @@ class RepeatedPieces : public engine::PieceSink {
       probes.from = 0.0;
       probes.to = period_;
     }
+    if (!is_driven_ && probes.to >= period_) probes.to = self_timed_end(period_);
     probes.sink = this;
     return probes;
   }
+  [[nodiscard]] static double self_timed_end(double period) { return period * (1.0 + beyond); }
   /// After the run: the further periods. How far the probes have been served, s, where the run served them so far.
   double repeat(double probed) {
-    if (!repeats_) return probed;
-    for (double begin = period_; begin < wanted_.to; begin += period_)
-      for (const Kept& kept : kept_) hand_on(kept, begin);
+    if (!keeps()) return probed;
+    double begin = is_driven_ ? period_ : 0.0;
+    do {
+      for (const Kept& kept : kept_)
+        if (is_of_end(kept)) wanted_.sink->impulse(begin, kept.values);
+      for (const Kept& kept : kept_)
+        if (!is_of_end(kept)) hand_on(kept, begin);
+      begin += period_;
+    } while (begin < wanted_.to);
     return wanted_.to;
   }
 
   void before_start(std::span<const double> values) override { wanted_.sink->before_start(values); }
   void take(const engine::Piece& piece) override {
-    if (!is_driven_ && piece.from >= period_ * (1.0 - at_end)) return;
-    if (!repeats_) return wanted_.sink->take(piece);
+    if (!is_driven_ && piece.from >= period_ * (1.0 - beyond)) return;
+    if (!keeps()) return wanted_.sink->take(piece);
     kept_.push_back({piece, {piece.values.begin(), piece.values.end()}, {piece.noise.begin(), piece.noise.end()}, 0.0});
-    hand_on(kept_.back(), 0.0);
+    if (is_driven_) hand_on(kept_.back(), 0.0);
   }
   void impulse(double time, std::span<const double> values) override {
     if (is_driven_ && time >= period_ * (1.0 - at_end)) return;
-    if (!repeats_) return wanted_.sink->impulse(time, values);
+    if (!keeps()) return wanted_.sink->impulse(time, values);
     kept_.push_back({{}, {values.begin(), values.end()}, {}, time});
-    hand_on(kept_.back(), 0.0);
+    if (is_driven_) hand_on(kept_.back(), 0.0);
   }
 
  private:
   static constexpr double at_end = 1e-12;  ///< of the period: what lies this near to its end lies at it
+  static constexpr double beyond = 1e-11;  ///< likewise, of a free period, which is known to 1e-11
   struct Kept {
     engine::Piece piece;  ///< of length 0: an impulse
     std::vector<double> values, noise;
     double time = 0.0;
   };
+  [[nodiscard]] bool keeps() const { return repeats_ || (wanted_.sink != nullptr && !is_driven_); }
+  [[nodiscard]] bool is_of_end(const Kept& kept) const {
+    return !is_driven_ && kept.piece.length == 0.0 && kept.time >= period_ * (1.0 - beyond);
+  }
   void hand_on(const Kept& kept, double later) {
     if (kept.piece.length == 0.0) return wanted_.sink->impulse(kept.time + later, kept.values);
     engine::Piece piece = kept.piece;

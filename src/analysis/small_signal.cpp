@@ -304,14 +304,6 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
 
 namespace {
 
-/// A circuit without switches, with its inputs.
-struct LinearCircuit {
-  model::Network network;
-  SmallSignalInputs inputs;
-  std::shared_ptr<const engine::ExactModel> model;
-  std::string id, message;  ///< of an error
-};
-
 /// What belongs to a period, "" where the card asks for nothing of the kind.
 std::string periodic_part(const SmallSignal& card) {
   if (card.input == SmallSignal::Input::frequency) return "freq() modulates a period";
@@ -321,59 +313,50 @@ std::string periodic_part(const SmallSignal& card) {
   return "";
 }
 
-LinearCircuit linear_circuit(const circuit::Compiled& compiled) {
-  const SmallSignal& card = *compiled.analyses.small_signal;
-  LinearCircuit circuit;
-  circuit.network = compiled.network;
-  circuit.inputs = add_small_signal_inputs(card, circuit.network);
-  Diagnostics diagnostics;
-  circuit.model = engine::prepare(circuit.network, diagnostics);
-  if (!circuit.model) return circuit;
-  const auto fail = [&](std::string id, std::string message) {
-    circuit.id = std::move(id);
-    circuit.message = std::move(message);
-    return circuit;
-  };
-  for (const engine::IslandModel& island : circuit.model->islands)
-    if (const model::System& system = island.extraction.system; system.ports > 0)
-      return fail("E-ac-needs-pss",
-                  fmt::format("{} switches: small signals are those around a periodic steady state; try .pss", system.port.front().name));
-  if (const std::string part = periodic_part(card); circuit.inputs.id.empty() && !part.empty())
-    return fail("E-ac-needs-pss", part + ", and the deck has none; try .pss");
-  return fail(circuit.inputs.id, circuit.inputs.message);
-}
-
 }  // namespace
 
-std::string small_signal_problem(const circuit::Compiled& compiled, std::string& id) {
-  if (!compiled.analyses.steady_state) {
-    LinearCircuit circuit = linear_circuit(compiled);
-    id = std::move(circuit.id);
-    return std::move(circuit.message);
-  }
+LinearSmallSignals::LinearSmallSignals(const circuit::Compiled& compiled) : compiled_(&compiled), network_(compiled.network) {
+  const SmallSignal& card = *compiled.analyses.small_signal;
+  inputs_ = add_small_signal_inputs(card, network_);
+  Diagnostics diagnostics;
+  model_ = engine::prepare(network_, diagnostics);
+  if (!model_) return;
+  const auto& islands = model_->islands;
+  const auto switching =
+      std::find_if(islands.begin(), islands.end(), [](const engine::IslandModel& island) { return island.extraction.system.ports > 0; });
+  const std::string part = periodic_part(card);
+  if (switching != islands.end())
+    fail("E-ac-needs-pss", fmt::format("{} switches: small signals are those around a periodic steady state; try .pss",
+                                       switching->extraction.system.port.front().name));
+  else if (inputs_.id.empty() && !part.empty())
+    fail("E-ac-needs-pss", part + ", and the deck has none; try .pss");
+  else
+    fail(inputs_.id, inputs_.message);
+}
+
+void LinearSmallSignals::fail(std::string id, std::string message) {
+  id_ = std::move(id);
+  message_ = std::move(message);
+}
+
+SmallSignalResult LinearSmallSignals::result() const {
+  if (!id_.empty() || !model_) return {};
+  engine::March march(*model_, {});
+  engine::RunState state = engine::start_from_initial_values(*model_);
+  steady::TraceRecorder recorder(state.on);
+  constexpr double moment = 1e-12;  // s: the one mode there is
+  march.advance(state, moment, &recorder);
+  const steady::LinearisedOrbit linear(*model_, recorder.take(), moment, true, inputs_.names);
+  return evaluate(*compiled_, inputs_, [&](double f, const std::vector<Complex>& amplitudes) {
+    return steady::linear_response(linear, network_.signals.size(), f, amplitudes);
+  });
+}
+
+std::string small_signal_problem_of_orbit(const circuit::Compiled& compiled, std::string& id) {
   model::Network network = compiled.network;
   SmallSignalInputs inputs = add_small_signal_inputs(*compiled.analyses.small_signal, network);
   id = std::move(inputs.id);
   return std::move(inputs.message);
-}
-
-SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message) {
-  LinearCircuit circuit = linear_circuit(compiled);
-  id = std::move(circuit.id);
-  message = std::move(circuit.message);
-  const auto& model = circuit.model;
-  const model::Network& network = circuit.network;
-  const SmallSignalInputs& inputs = circuit.inputs;
-  if (!id.empty() || !model) return {};
-  engine::March march(*model, {});
-  engine::RunState state = engine::start_from_initial_values(*model);
-  steady::TraceRecorder recorder(state.on);
-  constexpr double moment = 1e-12;  // s: the one mode there is
-  march.advance(state, moment, &recorder);
-  const steady::LinearisedOrbit linear(*model, recorder.take(), moment, true, inputs.names);
-  return evaluate(compiled, inputs, [&](double f, const std::vector<Complex>& amplitudes) {
-    return steady::linear_response(linear, network.signals.size(), f, amplitudes);
-  });
 }
 
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result) {

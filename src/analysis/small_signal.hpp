@@ -60,8 +60,24 @@ struct SmallSignalInputs {
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
                                               const model::Network& network, const engine::ExactModel& model, const steady::Orbit& orbit,
                                               bool is_driven);
-/// Of a linear circuit. `id` is E-ac-needs-pss where something in it switches.
-[[nodiscard]] SmallSignalResult linear_small_signals(const circuit::Compiled& compiled, std::string& id, std::string& message);
+/// Of a linear circuit: prepared, and known to have a response or not, before it is computed.
+class LinearSmallSignals {
+ public:
+  /// `compiled` must outlive it.
+  explicit LinearSmallSignals(const circuit::Compiled& compiled);
+  [[nodiscard]] const std::string& id() const { return id_; }  ///< E-ac-needs-pss where something switches; "": there is a response
+  [[nodiscard]] const std::string& message() const { return message_; }
+  [[nodiscard]] SmallSignalResult result() const;
+
+ private:
+  void fail(std::string id, std::string message);
+
+  const circuit::Compiled* compiled_;
+  model::Network network_;
+  SmallSignalInputs inputs_;
+  std::shared_ptr<const engine::ExactModel> model_;
+  std::string id_, message_;
+};
 
 /// Leaves out the responses of these signals of the network.
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
@@ -79,7 +95,7 @@ void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<in
 /// The same under a head.
 [[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
 /// Why there can be no response, whatever the orbit; empty where there can. `id` is that of the error.
-[[nodiscard]] std::string small_signal_problem(const circuit::Compiled& compiled, std::string& id);
+[[nodiscard]] std::string small_signal_problem_of_orbit(const circuit::Compiled& compiled, std::string& id);
 /// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
 [[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);
 /// The member `ac`.

@@ -188,6 +188,7 @@ class Finder {
     if (!common.failure.empty()) {
       if (!card_.period || card_.is_hint) return fail("E-pss-no-period", common.failure);
       period = *card_.period;
+      if (!fits_sources(period)) return false;
     } else if (card_.period && !card_.is_hint) {
       const std::int64_t whole = steady::whole_multiple(*card_.period, period);
       if (whole == 0) return fail("E-pss-not-a-multiple", multiple_text(*card_.period, period), true);
@@ -197,6 +198,23 @@ class Finder {
     task_.period = period * task_.multiple;
     if (card_.periods_before) task_.periods_before = *card_.periods_before;
     if (card_.settling_time) task_.periods_before = static_cast<int>(std::min(1e6, std::ceil(*card_.settling_time / period)));
+    return true;
+  }
+
+  /// A period that the card gives where the sources have none in common: each must be near its begin again.
+  bool fits_sources(double period) {
+    constexpr double most_cut = 0.01, none_cut = 1e-9;  // of a source's period
+    for (steady::PeriodicSource& source : state_.common.sources) {
+      const double cycles = period / source.period, cut = std::abs(cycles - std::nearbyint(cycles));
+      const std::string held = fmt::format("period={} holds {:.9g} periods of {}", quantity(period, "s"), cycles, source.name);
+      if (cut > most_cut || std::nearbyint(cycles) < 1.0)
+        return fail("E-pss-not-a-multiple",
+                    fmt::format("{}; try a period that holds a whole number of periods of each source, but for a hundredth", held), true);
+      source.cycles = static_cast<std::int64_t>(std::nearbyint(cycles));
+      if (cut > none_cut * cycles)
+        say(Severity::warning, "W-pss-cut-source",
+            fmt::format("{}: its phase jumps by {:.3g} of its period at the end of each one", held, cut));
+    }
     return true;
   }
 
@@ -372,6 +390,7 @@ class Finder {
                                                                                                               engine::RowSink& sink) {
       RepeatedPieces repeated(request.probes, period, is_driven);
       request.probes = repeated.probes();
+      if (!is_driven && request.probes.sink != nullptr && request.stop >= period) request.stop = RepeatedPieces::self_timed_end(period);
       engine::Answer answer = march->run(begin, request, sink);
       if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
       return answer;
@@ -539,8 +558,9 @@ SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& sta
 DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
   DeckResponse response;
   if (state == nullptr) {
-    SmallSignalResult result = linear_small_signals(compiled, response.id, response.message);
-    if (response.id.empty()) response.result = std::move(result);
+    const LinearSmallSignals linear(compiled);
+    if (!linear.id().empty()) return {{}, linear.id(), linear.message()};
+    response.result = linear.result();
     return response;
   }
   if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};

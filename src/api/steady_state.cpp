@@ -132,11 +132,10 @@ Response Circuit::small_signals(const std::vector<double>& frequencies, const Sm
     Options alone = options;
     alone.stop = 0.0;
     const Compilation linear(*this, alone, {.cards = card, .replaced = {".tran", ".ac"}});
-    std::string id, message;
     if (!linear.compiled().analyses.steady_state) {
-      const analysis::SmallSignalResult result = analysis::linear_small_signals(linear.compiled(), id, message);
-      if (id.empty()) return response_of(result, linear.messages());
-      if (id != "E-ac-needs-pss") throw api::error(id, message);
+      const analysis::LinearSmallSignals prepared(linear.compiled());
+      if (prepared.id().empty()) return response_of(prepared.result(), linear.messages());
+      if (prepared.id() != "E-ac-needs-pss") throw api::error(prepared.id(), prepared.message());
     }
   }
   Compilation compilation = with_cards(*this, around, options, card);

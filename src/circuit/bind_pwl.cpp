@@ -92,8 +92,12 @@ class PwlBinding {
     if (word_is(time, "+")) time = cursor_.next();  // the sign stands before an expression
     if (time == nullptr || !at_waveform_value(cursor_)) return fail("E-missing-value", point.span, "this time of a PWL has no value");
     const std::optional<Number> at = scope_.number(*time);
+    if (at) scope_.claim(*at);
     const std::optional<Number> value = scope_.number(*cursor_.next());
+    if (value) scope_.claim(*value);
     if (!at || !value) return false;
+    point.time_gradient = at->gradient;
+    point.value_gradient = value->gradient;
     point.time = at->value;
     point.value = value->value;
     part.points.push_back(point);
@@ -132,10 +136,13 @@ bool read_pwl_option(const Item& item, PwlCard& card, Scope& scope, Reporter& re
   }
   const std::optional<Number> number = scope.number(item.items[0]);
   if (!number) return false;
+  scope.claim(*number);
   if (same_name(item.text, "td")) {
     card.delay = number->value;
+    card.delay_gradient = number->gradient;
   } else {
     card.repeat_from = number->value;
+    card.repeat_gradient = number->gradient;
     card.repeat_span = item.span;
   }
   return true;

@@ -215,6 +215,7 @@ class SourceBinding {
     if (!pwl_) return;
     Diagnostics scratch;
     instance_.waveform = elements::make_pwl(*pwl_, scratch);
+    if (instance_.waveform) instance_.waveform_moves = elements::pwl_derivatives(*pwl_);
     reporter_.forward(scratch);
   }
 

@@ -47,6 +47,7 @@ struct InitialCondition {
   std::string name;
   double value = 0.0;
   SourceSpan span;
+  std::vector<double> gradient{};  ///< to the parameters of .sens; empty where it does not depend on them
 };
 
 /// Elements of the deck that became subcircuits it did not write.

@@ -169,7 +169,8 @@ void Expander::give(Place& place, const Card& card, const Item& assignment, Scop
                      fmt::format("{} of {} must not be negative, not {}", assignment.text, card.name, number->value));
   const Definition& called = inner.definition();
   if (declares(called, assignment.text)) {
-    if (!assignment.items.empty()) inner.give(assignment.text, number ? number->value : 0.0, number ? number->gradient : std::vector<double>());
+    if (!assignment.items.empty())
+      inner.give(assignment.text, number ? number->value : 0.0, number ? number->gradient : std::vector<double>());
   } else if (!reads(called, assignment.text)) {
     reporter().error("E-unknown-parameter", assignment.text_span,
                      fmt::format("the subcircuit {} has no parameter '{}'{}", called.name, assignment.text,
@@ -200,9 +201,11 @@ void Expander::condition(Place& place, const Item& item) {
     return;
   }
   const std::optional<Number> number = place.scope.number(item.items[0]);
+  if (number) place.scope.claim(*number);
   const Item& word = quantity->items[0];
   const std::string name = is_voltage ? full_node_name(place, word.text) : place.prefix + word.text;
-  circuit_.conditions.push_back({is_current, name, number ? number->value : 0.0, word.span});
+  circuit_.conditions.push_back(
+      {is_current, name, number ? number->value : 0.0, word.span, number ? number->gradient : std::vector<double>()});
 }
 
 }  // namespace pwlsim::circuit

@@ -107,6 +107,9 @@ class Slots {
     return instance_.waveform && std::holds_alternative<model::Dc>(*instance_.waveform) && add_source(model::Dc{p}, moves);
   }
 
+  /// Its whole waveform, by the derivatives of all its numbers.
+  bool source_moves(const model::SourceFunction& derivative, NetworkMoves& moves) const { return add_source(derivative, moves); }
+
   /// A gain, the only coefficient.
   bool gain(double p, NetworkMoves& moves) const {
     const auto& c = instance_.coefficients;
@@ -254,7 +257,8 @@ class Slots {
     if (same_name(name, is_swapped ? "Roff" : "Ron")) return contact(Moved::switch_resistance, contact_index, p * to_on(low, high), moves);
     if (same_name(name, is_swapped ? "Ron" : "Roff"))
       return leak(p, moves) && (contact(Moved::switch_resistance, contact_index, p * to_off(low, high), moves) || true);
-    const bool is_around = type == "SW" || type == "CSW" || (type == "VSWITCH" && (v.has("Vt") || (v.has("Vh") && !v.has("Von") && !v.has("Voff"))));
+    const bool is_around =
+        type == "SW" || type == "CSW" || (type == "VSWITCH" && (v.has("Vt") || (v.has("Vh") && !v.has("Von") && !v.has("Voff"))));
     if (is_around && (same_name(name, "Vt") || same_name(name, "It"))) return levels(p, p, moves);
     if (is_around && (same_name(name, "Vh") || same_name(name, "Ih"))) return levels(p, -p, moves);
     if (is_around) return false;
@@ -367,8 +371,8 @@ class Follower {
     for (Sensitivities::Parameter& parameter : card_.parameters)
       if (parameter.number < 0) follow_element(parameter);
     for (const Instance& instance : circuit_.instances) follow_numbers(instance);
+    for (const InitialCondition& condition : circuit_.conditions) follow_condition(condition);
     for (const elements::Written& number : circuit_.unfollowed) give_up(number.gradient, reporter_.text(number.span), "");
-    take_condition_failures();
   }
 
  private:
@@ -481,6 +485,11 @@ class Follower {
   void follow_numbers(const Instance& instance) {
     if (instance.kind == nullptr) return;
     const Slots slots(network_, circuit_, instance);
+    for (Sensitivities::Parameter& parameter : card_.parameters) {
+      if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= instance.waveform_moves.size()) continue;
+      const auto& moved = instance.waveform_moves[static_cast<std::size_t>(parameter.number)];
+      if (moved && parameter.failure.empty()) (void)slots.source_moves(*moved, parameter.moves);
+    }
     for (const elements::Written& number : instance.written) {
       const auto name = name_of(number, instance.values), waveform = name_of(number, instance.waveform_values);
       distribute(instance, number, [&](double p, NetworkMoves& moves) {
@@ -521,15 +530,23 @@ class Follower {
     }
   }
 
-  /// Currents and voltages of `.ic` are not followed where they count for something that is asked for.
-  void take_condition_failures() {
-    if (circuit_.conditions.empty()) return;
-    const bool uses_values = (circuit_.analyses.transient && circuit_.analyses.transient->use_initial_conditions);
-    if (!uses_values) return;
-    for (Sensitivities::Parameter& parameter : card_.parameters)
-      for (const NetworkMove& move : parameter.moves)
-        if (parameter.failure.empty() && (move.item == Moved::initial_voltage))
-          parameter.failure = ".ic sets voltages that are not followed";
+  /// Of several for one node or inductor the network has the last.
+  void follow_condition(const InitialCondition& condition) {
+    const auto add = [&](const auto& list, Moved item) {
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        const SourceSpan& span = list[i].label.span;
+        if (span.file != condition.span.file || span.begin != condition.span.begin) continue;
+        for (Sensitivities::Parameter& parameter : card_.parameters) {
+          if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= condition.gradient.size()) continue;
+          const double p = condition.gradient[static_cast<std::size_t>(parameter.number)];
+          if (p != 0.0) parameter.moves.push_back({item, static_cast<int>(i), 0, p, {}});
+        }
+      }
+    };
+    if (condition.is_current)
+      add(network_.current_conditions, Moved::current_condition);
+    else
+      add(network_.node_conditions, Moved::node_condition);
   }
 
   Circuit& circuit_;

@@ -13,7 +13,6 @@
 namespace pwlsim::cli {
 namespace {
 
-/// Beside a .tran without .pss, as in decks of other simulators, it is left out with a warning where it cannot be.
 class SmallSignalSession : public AnalysisSession {
  public:
   [[nodiscard]] bool is_asked(const circuit::Analyses& analyses) const override { return analyses.small_signal.has_value(); }
@@ -22,8 +21,7 @@ class SmallSignalSession : public AnalysisSession {
     const RunOptions& options = run.options;
     const bool has_rows = run.rows_file.has_value();
     const bool has_run = run.analyses().transient.has_value(), goes_to_pipe = options.output == "-" && !options.no_rows;
-    if (run.is_stepped() || run.analyses().steady_state)
-      if (const int status = check(run); status != 0 || is_left_out_) return status;
+    if (const int wrong = check(run); wrong != 0) return wrong;
     if (goes_to_pipe && has_run)
       run.messages.report({Severity::warning, "W-ignored-card", run.analyses().small_signal->span,
                            "the rows of .ac are left out: standard output takes those of .tran"},
@@ -38,9 +36,13 @@ class SmallSignalSession : public AnalysisSession {
 
   [[nodiscard]] int run(RunContext& run) override {
     auto& response = run.outcome.small_signal;
-    analysis::DeckResponse found = analysis::deck_response(*run.compiled, run.outcome.steady_state ? &*run.outcome.steady_state : nullptr);
-    if (!found.id.empty()) return fail_or_leave_out(run, found.id, found.message);
-    response = std::move(found.result);
+    if (run.outcome.steady_state) {
+      analysis::DeckResponse found = analysis::deck_response(*run.compiled, &*run.outcome.steady_state);
+      if (!found.id.empty()) return fail(run, found.id, found.message);
+      response = std::move(found.result);
+    } else {
+      response = linear_->result();
+    }
     for (const double f : response->singular) run.messages.report(singular_response_warning(f));
     if (!response->impulsive.empty()) run.messages.report(impulsive_response_warning(response->impulsive));
     const int status = file_ ? write_whole(*file_, analysis::small_signal_csv(*response), run.messages) : 0;
@@ -58,30 +60,29 @@ class SmallSignalSession : public AnalysisSession {
   }
 
  private:
-  int fail_or_leave_out(RunContext& run, const std::string& id, const std::string& message) {
-    const circuit::Analyses& analyses = run.analyses();
-    const circuit::SmallSignal& card = *analyses.small_signal;
-    if (analyses.steady_state || !analyses.transient) {
-      const bool names_input = card.input != circuit::SmallSignal::Input::marked || !card.loop.empty();
-      run.messages.report({Severity::error, id, names_input && id == "E-ac-no-input" ? card.input_span : card.span, message}, run.sources);
-      return static_cast<int>(Status::wrong_input);
-    }
-    run.messages.report({Severity::warning, "W-ignored-card", card.span, fmt::format(".ac is ignored: {}", message)}, run.sources);
-    is_left_out_ = true;
-    run.compiled->analyses.small_signal.reset();
-    return 0;
+  static int fail(RunContext& run, const std::string& id, const std::string& message) {
+    const circuit::SmallSignal& card = *run.analyses().small_signal;
+    const bool names_input = card.input != circuit::SmallSignal::Input::marked || !card.loop.empty();
+    run.messages.report({Severity::error, id, names_input && id == "E-ac-no-input" ? card.input_span : card.span, message}, run.sources);
+    return static_cast<int>(Status::wrong_input);
   }
 
   /// Before anything is written; of a sweep the first run represents the deck.
   int check(RunContext& run) {
-    std::string id;
-    const std::string message = analysis::small_signal_problem(*run.compiled, id);
-    return id.empty() ? 0 : fail_or_leave_out(run, id, message);
+    std::string id, message;
+    if (run.analyses().steady_state) {
+      message = analysis::small_signal_problem_of_orbit(*run.compiled, id);
+    } else {
+      linear_.emplace(*run.compiled);
+      id = linear_->id();
+      message = linear_->message();
+    }
+    return id.empty() ? 0 : fail(run, id, message);
   }
 
+  std::optional<analysis::LinearSmallSignals> linear_;  ///< of a deck without .pss
   std::optional<waveform::OutputFile> file_;
   PictureFile bode_file_;
-  bool is_left_out_ = false;  ///< beside a .tran
 };
 
 }  // namespace

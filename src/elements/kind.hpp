@@ -143,9 +143,10 @@ struct Instance {
   std::vector<BlockInput> inputs;
   std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;
-  std::complex<double> alternating = 0.0;  ///< of a source: `AC`
-  int model = -1;                          ///< index within the circuit's models
-  std::optional<bool> flag;                ///< on / off as written
+  std::vector<std::optional<model::SourceFunction>> waveform_moves{};  ///< of PWL: its derivative to each parameter of .sens that moves it
+  std::complex<double> alternating = 0.0;                              ///< of a source: `AC`
+  int model = -1;                                                      ///< index within the circuit's models
+  std::optional<bool> flag;                                            ///< on / off as written
   bool drive_is_apart =
       false;  ///< of a MOSFET or JFET: its gate is driven against another node than its source, whose potential its own current moves
 };

@@ -8,32 +8,55 @@
 namespace pwlsim::elements {
 namespace {
 
-using Points = std::vector<model::Pwl::Point>;
-
 constexpr double largest_expansion = 1e7;  // points of finite repetitions written out
 
-void append(Points& points, const model::Pwl::Point& point) {
-  const bool repeated = !points.empty() && points.back().time == point.time && points.back().value == point.value;
+/// A number with its derivative to one parameter.
+struct Dual {
+  double value = 0.0, moved = 0.0;
+  friend Dual operator+(Dual a, Dual b) { return {a.value + b.value, a.moved + b.moved}; }
+  friend Dual operator*(double factor, Dual a) { return {factor * a.value, factor * a.moved}; }
+};
+
+struct Point {
+  Dual time, value;
+};
+using Points = std::vector<Point>;
+
+/// Entry of a gradient; `parameter` < 0: none is asked for.
+double entry(const std::vector<double>& gradient, int parameter) {
+  return parameter >= 0 && static_cast<std::size_t>(parameter) < gradient.size() ? gradient[static_cast<std::size_t>(parameter)] : 0.0;
+}
+
+/// What becomes of a card, with the derivatives of its numbers to one parameter.
+struct Track {
+  Points points;
+  Dual repeat_from;
+  double repeats = 0.0;
+};
+
+void append(Points& points, const Point& point) {
+  const bool repeated = !points.empty() && points.back().time.value == point.time.value && points.back().value.value == point.value.value;
   if (!repeated) points.push_back(point);
 }
 
-void append_pass(Points& points, const Points& block, double base) {
-  for (const auto& point : block) append(points, {base + point.time, point.value});
+void append_pass(Points& points, const Points& block, Dual base) {
+  for (const Point& point : block) append(points, {base + point.time, point.value});
 }
 
 /// Times made absolute within the part; empty where they are negative or decrease.
-std::optional<Points> read_part(const PwlPart& part, Diagnostics& diagnostics) {
+std::optional<Points> read_part(const PwlPart& part, int parameter, Diagnostics& diagnostics) {
   Points points;
-  double last = 0.0;
+  Dual last;
   for (const PwlPoint& point : part.points) {
-    const double time = point.relative ? last + point.time : point.time;
-    if (time < last) {
+    const Dual written{point.time, entry(point.time_gradient, parameter)};
+    const Dual time = point.relative ? last + written : written;
+    if (time.value < last.value) {
       diagnostics.error("E-pwl-order", point.span,
-                        last == 0.0 ? fmt::format("the time {} s is negative", time)
-                                    : fmt::format("the times of a PWL must not decrease: {} s follows {} s", time, last));
+                        last.value == 0.0 ? fmt::format("the time {} s is negative", time.value)
+                                          : fmt::format("the times of a PWL must not decrease: {} s follows {} s", time.value, last.value));
       return std::nullopt;
     }
-    points.push_back({time, point.value});
+    points.push_back({time, {point.value, entry(point.value_gradient, parameter)}});
     last = time;
   }
   return points;
@@ -43,7 +66,7 @@ bool check_part(const PwlPart& part, const Points& block, bool last, Diagnostics
   const char* complaint = nullptr;
   if (block.empty())
     complaint = "a PWL needs at least one time and value";
-  else if (part.passes != 1.0 && block.back().time <= 0.0)
+  else if (part.passes != 1.0 && block.back().time.value <= 0.0)
     complaint = "a repeated part of a PWL needs a length: its last time is 0";
   else if (std::isinf(part.passes) && !last)
     complaint = "nothing may follow a part that is repeated forever";
@@ -56,65 +79,98 @@ bool check_part(const PwlPart& part, const Points& block, bool last, Diagnostics
 /// A later pass begins where the one before ended, so a block that starts after 0 is led there by a straight line.
 Points next_pass(const Points& block) {
   Points points;
-  if (block.front().time > 0.0) points.push_back({0.0, block.back().value});
+  if (block.front().time.value > 0.0) points.push_back({{}, block.back().value});
   points.insert(points.end(), block.begin(), block.end());
   return points;
 }
 
 /// The first pass is written out; of the others one is written where the model repeats it, all where more follows.
-void append_part(model::Pwl& pwl, const Points& block, double passes, bool last, double& base) {
-  const double length = block.back().time;
-  append_pass(pwl.points, block, base);
-  if (last && passes > 1.0 && block.front().time == 0.0) {
-    pwl.repeat_from = base;
-    pwl.repeats = passes - 1.0;
+void append_part(Track& track, const Points& block, double passes, bool last, Dual& base) {
+  const Dual length = block.back().time;
+  append_pass(track.points, block, base);
+  if (last && passes > 1.0 && block.front().time.value == 0.0) {
+    track.repeat_from = base;
+    track.repeats = passes - 1.0;
     return;
   }
   const Points again = next_pass(block);
   double done = 1.0;
-  for (; done < passes && !(last && done == 2.0); done += 1.0) append_pass(pwl.points, again, base + done * length);
+  for (; done < passes && !(last && done == 2.0); done += 1.0) append_pass(track.points, again, base + done * length);
   if (last && passes > 2.0) {
-    pwl.repeat_from = base + length;
-    pwl.repeats = passes - 2.0;
+    track.repeat_from = base + length;
+    track.repeats = passes - 2.0;
   }
-  base += done * length;
+  base = base + done * length;
 }
 
-bool apply_repeat(const PwlCard& card, model::Pwl& pwl, Diagnostics& diagnostics) {
+bool apply_repeat(const PwlCard& card, int parameter, Track& track, Diagnostics& diagnostics) {
   if (!card.repeat_from || *card.repeat_from < 0.0) return true;
-  if (*card.repeat_from >= pwl.points.back().time || pwl.repeats != 0.0) {
+  if (*card.repeat_from >= track.points.back().time.value || track.repeats != 0.0) {
     diagnostics.error("E-pwl", card.repeat_span,
-                      pwl.repeats != 0.0 ? "r= and REPEAT exclude each other" : "r= must lie before the last time of the PWL");
+                      track.repeats != 0.0 ? "r= and REPEAT exclude each other" : "r= must lie before the last time of the PWL");
     return false;
   }
-  pwl.repeat_from = *card.repeat_from;
-  pwl.repeats = model::forever;
+  track.repeat_from = {*card.repeat_from, entry(card.repeat_gradient, parameter)};
+  track.repeats = model::forever;
   return true;
 }
 
-void delay(model::Pwl& pwl, double by) {
-  for (auto& point : pwl.points) point.time += by;
-  pwl.repeat_from += by;
+std::optional<Track> track_of(const PwlCard& card, int parameter, Diagnostics& diagnostics) {
+  Track track;
+  Dual base;
+  for (std::size_t k = 0; k < card.parts.size(); ++k) {
+    const bool last = k + 1 == card.parts.size();
+    const std::optional<Points> block = read_part(card.parts[k], parameter, diagnostics);
+    if (!block || !check_part(card.parts[k], *block, last, diagnostics)) return std::nullopt;
+    append_part(track, *block, card.parts[k].passes, last, base);
+  }
+  if (track.points.empty()) {
+    diagnostics.error("E-missing-value", card.span, fmt::format("a PWL needs at least one time and value; usage: {}", pwl_usage));
+    return std::nullopt;
+  }
+  if (!apply_repeat(card, parameter, track, diagnostics)) return std::nullopt;
+  const Dual delay{card.delay, entry(card.delay_gradient, parameter)};
+  for (Point& point : track.points) point.time = delay + point.time;
+  track.repeat_from = delay + track.repeat_from;
+  return track;
+}
+
+model::Pwl pwl_of(const Track& track, double Dual::*part) {
+  model::Pwl pwl;
+  for (const Point& point : track.points) pwl.points.push_back({point.time.*part, point.value.*part});
+  pwl.repeat_from = track.repeat_from.*part;
+  pwl.repeats = track.repeats;
+  return pwl;
 }
 
 }  // namespace
 
 std::optional<model::SourceFunction> make_pwl(const PwlCard& card, Diagnostics& diagnostics) {
-  model::Pwl pwl;
-  double base = 0.0;
-  for (std::size_t k = 0; k < card.parts.size(); ++k) {
-    const bool last = k + 1 == card.parts.size();
-    const std::optional<Points> block = read_part(card.parts[k], diagnostics);
-    if (!block || !check_part(card.parts[k], *block, last, diagnostics)) return std::nullopt;
-    append_part(pwl, *block, card.parts[k].passes, last, base);
-  }
-  if (pwl.points.empty()) {
-    diagnostics.error("E-missing-value", card.span, fmt::format("a PWL needs at least one time and value; usage: {}", pwl_usage));
-    return std::nullopt;
-  }
-  if (!apply_repeat(card, pwl, diagnostics)) return std::nullopt;
-  delay(pwl, card.delay);
-  return pwl;
+  const std::optional<Track> track = track_of(card, -1, diagnostics);
+  if (!track) return std::nullopt;
+  return pwl_of(*track, &Dual::value);
+}
+
+std::vector<std::optional<model::SourceFunction>> pwl_derivatives(const PwlCard& card) {
+  std::vector<char> moves;
+  const auto look = [&](const std::vector<double>& gradient) {
+    if (moves.size() < gradient.size()) moves.resize(gradient.size(), 0);
+    for (std::size_t k = 0; k < gradient.size(); ++k)
+      if (gradient[k] != 0.0) moves[k] = 1;
+  };
+  for (const PwlPart& part : card.parts)
+    for (const PwlPoint& point : part.points) {
+      look(point.time_gradient);
+      look(point.value_gradient);
+    }
+  look(card.repeat_gradient);
+  look(card.delay_gradient);
+  std::vector<std::optional<model::SourceFunction>> derivatives(moves.size());
+  Diagnostics told;
+  for (std::size_t k = 0; k < moves.size(); ++k)
+    if (moves[k] != 0)
+      if (const auto track = track_of(card, static_cast<int>(k), told)) derivatives[k] = pwl_of(*track, &Dual::moved);
+  return derivatives;
 }
 
 }  // namespace pwlsim::elements

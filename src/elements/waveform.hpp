@@ -33,6 +33,7 @@ struct PwlPoint {
   double time = 0.0, value = 0.0;
   bool relative = false;
   SourceSpan span;
+  std::vector<double> time_gradient{}, value_gradient{};  ///< to the parameters of .sens
 };
 /// Points passed through `passes` times (infinite: for ever). Times count from the end of the part before.
 struct PwlPart {
@@ -46,9 +47,12 @@ struct PwlCard {
   SourceSpan repeat_span;
   double delay = 0.0;  ///< `td=`
   SourceSpan span;
+  std::vector<double> repeat_gradient{}, delay_gradient{};
 };
 
 /// Errors: no point, times that are negative or decrease, a part for ever that is not the last, a repetition without length.
 [[nodiscard]] std::optional<model::SourceFunction> make_pwl(const PwlCard& card, Diagnostics& diagnostics);
+/// The derivatives of what make_pwl has made of the card to each parameter; empty to those that do not move it.
+[[nodiscard]] std::vector<std::optional<model::SourceFunction>> pwl_derivatives(const PwlCard& card);
 
 }  // namespace pwlsim::elements

@@ -182,9 +182,12 @@ void multiply(const Matrix& m, const double* x, double* y) {
   const Eigen::Index rows = m.rows();
   std::fill(y, y + rows, 0.0);
   Eigen::Index j = 0;
-  for (; j + 4 <= columns; j += 4, a += 4 * rows) add_four_columns(a, rows, x + j, y);
+  // Sources at rest, and the inputs of derivatives, are zero throughout.
+  for (; j + 4 <= columns; j += 4, a += 4 * rows)
+    if (x[j] != 0.0 || x[j + 1] != 0.0 || x[j + 2] != 0.0 || x[j + 3] != 0.0) add_four_columns(a, rows, x + j, y);
   for (; j < columns; ++j, a += rows)
-    for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
+    if (x[j] != 0.0)
+      for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
 void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z) {

@@ -95,6 +95,24 @@ Exponential::Exponential(Matrix a, double rate) : a_(std::move(a)), rate_(rate) 
   base_ = rate > 0.0 ? static_cast<int>(std::floor(std::log2(0.5 * radius / rate))) : 1023;
 }
 
+const Exponential* Exponential::lead(const double* y) const {
+  const Eigen::Index n = a_.rows();
+  if (n <= largest_small) return nullptr;
+  Eigen::Index used = n;
+  while (used > 0 && y[used - 1] == 0.0) --used;
+  if (used <= lead_size_) return lead_.get();
+  if (2 * used > n) return nullptr;
+  // The least block that holds what is not zero, and that nothing leaves.
+  Eigen::Index size = std::max<Eigen::Index>(used, 1), column = 0;
+  for (; column < size && size < n; ++column)
+    for (Eigen::Index row = n - 1; row >= size; --row)
+      if (a_(row, column) != 0.0) size = row + 1;
+  lead_size_ = size;
+  lead_.reset();
+  if (2 * size <= n) lead_ = std::make_shared<const Exponential>(Matrix(a_.topLeftCorner(size, size)), rate_);
+  return lead_.get();
+}
+
 void Exponential::taylor(double tau, double* y, double* work) const {
   const Eigen::Index n = a_.rows();
   if (with_length(n, [&]<int length>(Length<length>) { sum_small_series<length>(a_.data(), tau, y); })) return;
@@ -149,12 +167,14 @@ bool Exponential::apply_recurring(double tau, double* y, double* work) const {
 }
 
 void Exponential::apply(double tau, double* y, double* work) const {
-  if (a_.rows() == 0 || tau == 0.0 || apply_recurring(tau, y, work)) return;
-  apply_once(tau, y, work);
+  if (a_.rows() == 0 || tau == 0.0) return;
+  if (const Exponential* own = lead(y)) return own->apply(tau, y, work);
+  if (!apply_recurring(tau, y, work)) apply_once(tau, y, work);
 }
 
 void Exponential::apply_once(double tau, double* y, double* work) const {
   const Eigen::Index n = a_.rows();
+  if (const Exponential* own = lead(y)) return own->apply_once(tau, y, work);
   if (rate_ * tau > radius) {
     int p = std::ilogb(tau);
     for (; p > base_ && rate_ * tau > radius; --p) {
@@ -170,7 +190,10 @@ void Exponential::apply_once(double tau, double* y, double* work) const {
 
 bool Exponential::shift(double tau, double* y, double* work) const {
   if (rate_ * std::abs(tau) > radius) return false;
-  if (a_.rows() > 0) taylor(tau, y, work);
+  if (const Exponential* own = lead(y))
+    own->taylor(tau, y, work);
+  else if (a_.rows() > 0)
+    taylor(tau, y, work);
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 
 #include "linalg/dense.hpp"
 
@@ -35,6 +36,9 @@ class Exponential {
   [[nodiscard]] double rate() const { return rate_; }
 
  private:
+  /// The leading block, which moves by itself while all behind it is zero, as sources at rest and the inputs of derivatives are. Null where it is not much
+  /// smaller.
+  [[nodiscard]] const Exponential* lead(const double* y) const;
   void taylor(double tau, double* y, double* work) const;
   [[nodiscard]] Matrix taylor_minus_identity(double tau) const;
   [[nodiscard]] const Matrix& power(int p) const;
@@ -54,6 +58,8 @@ class Exponential {
   mutable std::array<Recurring, 4> recurring_;
   mutable std::size_t victim_ = 0;
   mutable std::uint32_t misses_ = 0;  ///< times the golden ratio
+  mutable std::shared_ptr<const Exponential> lead_;
+  mutable Eigen::Index lead_size_ = 0;
 };
 
 /// A norm bound that is cheap and not too pessimistic: the least of the 1-, ∞- and Frobenius norms.

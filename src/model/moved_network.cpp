@@ -43,6 +43,10 @@ double* number_of(Network& network, const NetworkMove& move) {
       return &network.capacitors[at].initial_voltage;
     case Item::initial_current:
       return &network.inductors[at].initial_current;
+    case Item::node_condition:
+      return &network.node_conditions[at].voltage;
+    case Item::current_condition:
+      return &network.current_conditions[at].current;
     case Item::source:
       break;
   }
@@ -75,6 +79,9 @@ void move(Network& network, const NetworkMoves& moves, double by) {
       add(network.sources[static_cast<std::size_t>(each.index)].function, *each.function, by);
     else
       add(*number_of(network, each), each.derivative, by);
+    if (each.item != Item::current_condition) continue;
+    const CurrentCondition& condition = network.current_conditions[static_cast<std::size_t>(each.index)];
+    network.inductors[static_cast<std::size_t>(condition.inductor)].initial_current = condition.current;
   }
 }
 

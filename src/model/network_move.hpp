@@ -20,11 +20,13 @@ struct NetworkMove {
     switch_resistance,
     on_level,  ///< of switches[index], in units of its control
     off_level,
-    source,           ///< sources[index]: `function` holds the derivatives of the function's own numbers
-    branch_term,      ///< coefficient of branches[index].voltage[term]
-    injection_term,   ///< coefficient of injections[index].current[term]
-    initial_voltage,  ///< of capacitors[index], V; counts with uic
-    initial_current   ///< of inductors[index], A; counts with uic
+    source,            ///< sources[index]: `function` holds the derivatives of the function's own numbers
+    branch_term,       ///< coefficient of branches[index].voltage[term]
+    injection_term,    ///< coefficient of injections[index].current[term]
+    initial_voltage,   ///< of capacitors[index], V; counts with uic
+    initial_current,   ///< of inductors[index], A; counts with uic
+    node_condition,    ///< voltage of node_conditions[index], V
+    current_condition  ///< current of current_conditions[index], A
   };
   Item item = Item::resistance;
   int index = 0, term = 0;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "linalg/legendre.hpp"
 
@@ -13,15 +15,51 @@ namespace {
 using engine::Change;
 using model::Mode;
 
-constexpr double same_length = 1e-12;     ///< of a length: intervals whose products are added up
-constexpr std::size_t most_lengths = 48;  ///< of one mode, before their sums are settled
+constexpr double same_length = 1e-12;                    ///< of a length: intervals whose products are added up
+constexpr std::size_t least_kept = 48, most_kept = 512;  ///< lengths of one mode, before their sums are settled
+constexpr std::size_t entries_kept = 200'000;            ///< of the matrices of these
+constexpr int nodes = 12;                                ///< of an interpolation in the length
+constexpr double node_range = 1.0;  ///< lengths times the rate of the motion, over which it is one: its error is 2·(1/4)¹²/12! there
 
-/// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}.
-Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h) {
+std::size_t most_lengths(Eigen::Index rows, Eigen::Index columns) {
+  const auto entries = static_cast<std::size_t>(std::max<Eigen::Index>(1, rows * columns));
+  return std::clamp(entries_kept / entries, least_kept, most_kept);
+}
+
+/// Lagrange's polynomials on Chebyshev's points of an interval.
+class Interpolation {
+ public:
+  Interpolation(double begin, double end) : middle_(0.5 * (begin + end)), half_(0.5 * (end - begin)) {}
+  [[nodiscard]] double node(int j) const { return middle_ + half_ * place(j); }
+  /// Of a value at `length`: the weight of each node.
+  [[nodiscard]] std::array<double, nodes> weights(double length) const {
+    std::array<double, nodes> weight{};
+    const double x = (length - middle_) / half_;
+    double sum = 0.0;
+    for (int j = 0; j < nodes; ++j) {
+      const double apart = x - place(j);
+      if (apart == 0.0) {
+        weight = {};
+        weight[static_cast<std::size_t>(j)] = 1.0;
+        return weight;
+      }
+      sum += weight[static_cast<std::size_t>(j)] = (j % 2 == 0 ? 1.0 : -1.0) * std::sin(angle(j)) / apart;
+    }
+    for (double& each : weight) each /= sum;
+    return weight;
+  }
+
+ private:
+  static double angle(int j) { return (j + 0.5) * std::numbers::pi / nodes; }
+  static double place(int j) { return std::cos(angle(j)); }
+  double middle_, half_;
+};
+
+/// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}. `rate`: of both, as linalg::Exponential has it.
+Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h, double rate) {
   constexpr double reach = 0.5;
-  constexpr int terms = 18;
-  const double norm = std::max(linalg::norm_bound(a), linalg::norm_bound(y)) * h;
-  const int doublings = norm > reach ? static_cast<int>(std::ceil(std::log2(norm / reach))) : 0;
+  constexpr int terms = 24;  // the rate leaves out what is nilpotent: 2²⁴/24! is below rounding still
+  const int doublings = rate * h > reach ? static_cast<int>(std::ceil(std::log2(rate * h / reach))) : 0;
   const double step = std::ldexp(h, -doublings);
   const Matrix at = a.transpose(), yt = y.transpose();
   // Powers of the block matrix (A′ K; 0 Y′).
@@ -186,7 +224,7 @@ void Adjoint::travel(const Sensitivity::Segment& segment, double length, const V
     };
     auto known = std::find_if(sums.lengths.begin(), sums.lengths.end(), same);
     if (known == sums.lengths.end()) {
-      if (sums.lengths.size() == most_lengths) settle(segment.island, mode, sums, pass);
+      if (sums.lengths.size() == most_lengths(n + 1, yz.size())) settle(segment.island, mode, sums, pass);
       sums.lengths.push_back({length, density, Matrix::Zero(has_density ? n + 1 : n, yz.size())});
       known = sums.lengths.end() - 1;
     }
@@ -221,21 +259,59 @@ Adjoint::Spread* Adjoint::spread_of(const Sensitivity::Segment& segment, double 
     known = sums.spreads.end() - 1;
   }
   if (++known->uses < worth) return nullptr;
-  if (known->sum.size() > 0) return &*known;
+  if (known->sum.size() == 0) fill(segment, *known);
+  return &*known;
+}
+
+void Adjoint::fill(const Sensitivity::Segment& segment, Spread& spread) const {
   const Mode& mode = *segment.mode;
   const auto& outputs = shares_[segment.island];
   const auto& rule = linalg::gauss_legendre();
   const auto count = static_cast<Eigen::Index>(outputs.size());
-  known->sum = Matrix::Zero(static_cast<Eigen::Index>(linalg::legendre_points) * count, flow(segment.island, mode).source.rows());
-  known->injection = Matrix::Zero(mode.n1, known->sum.rows());
+  spread.sum = Matrix::Zero(static_cast<Eigen::Index>(linalg::legendre_points) * count, flow(segment.island, mode).source.rows());
+  spread.injection = Matrix::Zero(mode.n1, spread.sum.rows());
   Vector work(2 * mode.n1);
   for (std::size_t i = 0; i < linalg::legendre_points && mode.n1 > 0; ++i)
     for (Eigen::Index k = 0; k < count; ++k) {
-      auto column = known->injection.col(static_cast<Eigen::Index>(i) * count + k);
+      auto column = spread.injection.col(static_cast<Eigen::Index>(i) * count + k);
       column = mode.outputs.row(outputs[static_cast<std::size_t>(k)].first).head(mode.n1).transpose();
-      backward_of(mode).apply_once(0.5 * (rule.point[i] + 1.0) * length, column.data(), work.data());
+      backward_of(mode).apply_once(0.5 * (rule.point[i] + 1.0) * spread.length, column.data(), work.data());
     }
-  return &*known;
+}
+
+/// Null where intervals of about that length are still few.
+Adjoint::Range* Adjoint::range_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
+  constexpr int worth = 3 * nodes;         // so many intervals
+  constexpr std::size_t most_ranges = 16;  // of a mode
+  const Mode& mode = *segment.mode;
+  if (sums.width < 0.0) {
+    const double rate = std::max(mode.flow.rate(), flow(segment.island, mode).signals->rate());
+    sums.width = rate > 0.0 ? node_range / rate : 0.0;
+  }
+  if (sums.width == 0.0) return nullptr;
+  const auto number = static_cast<std::int64_t>(std::min(1e18, std::floor(length / sums.width)));
+  const auto known = sums.ranges.find(number);
+  if (known == sums.ranges.end() && sums.ranges.size() == most_ranges) return nullptr;
+  Range& range = sums.ranges[number];
+  range.number = number;
+  if (++range.uses < worth) return nullptr;
+  if (!range.nodes.empty()) return &range;
+  const auto begin = static_cast<double>(number) * sums.width;
+  const Interpolation between(begin, begin + sums.width);
+  for (int j = 0; j < nodes; ++j) {
+    range.nodes.push_back({between.node(j), 0, {}, {}});
+    fill(segment, range.nodes.back());
+  }
+  return &range;
+}
+
+Vector Adjoint::weights_of(std::size_t island, const Functional::Interval& interval) const {
+  const auto& outputs = shares_[island];
+  Vector weights(static_cast<Eigen::Index>(linalg::legendre_points * outputs.size()));
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < linalg::legendre_points; ++i)
+    for (const auto& output : outputs) weights[at++] = interval.weights[i * signals_.size() + output.second];
+  return weights;
 }
 
 void Adjoint::settle(std::size_t island, const Mode& mode, const Spread& spread, Sums& sums) const {
@@ -262,25 +338,52 @@ void Adjoint::settle(std::size_t island, const Mode& mode, const Spread& spread,
     const double before = i > 0 ? time_of(i - 1) : 0.0, length = time_of(i) - before;
     at = to_time(before);
     if (mode.n1 == 0) continue;
-    sums.moment += moment_of(a, own.source, lambda * at.transpose(), length);
+    sums.moment += moment_of(a, own.source, lambda * at.transpose(), length, std::max(mode.flow.rate(), own.signals->rate()));
     Vector work(2 * mode.n1);
     for (Eigen::Index k = 0; k < lambda.cols(); ++k) backward_of(mode).apply(length, lambda.col(k).data(), work.data());
   }
 }
 
 void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums, Pass& pass) const {
-  const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
-  for (const Lengths& each : sums.lengths) {
-    if (each.density < 0) {
-      sums.moment += moment_of(a, flow(island, mode).source, each.sum, each.length);
-      continue;
+  const Matrix own = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
+  const Matrix& source = flow(island, mode).source;
+  const double rate = std::max(mode.flow.rate(), flow(island, mode).signals->rate());
+  const auto add = [&](const Matrix& sum, double length, int density) {
+    if (density < 0) {
+      sums.moment += moment_of(own, source, sum, length, rate);
+      return;
     }
-    const Even& even = pass.even.at({&mode, each.density});
-    const Matrix moment = moment_of(even.a, flow(island, mode).source, each.sum, each.length);
+    const Even& even = pass.even.at({&mode, density});
+    const Matrix moment = moment_of(even.a, source, sum, length, std::max(rate, even.backward.rate()));
     sums.moment += moment.topRows(mode.n1);
     for (const auto& [row, weight] : even.outputs) sums.outputs.row(row) += weight / even.scale * moment.row(mode.n1);
+  };
+  std::vector<Lengths>& list = sums.lengths;
+  std::sort(list.begin(), list.end(),
+            [](const Lengths& a, const Lengths& b) { return std::pair(a.density, a.length) < std::pair(b.density, b.length); });
+  for (std::size_t first = 0, last = 0; first < list.size(); first = last) {
+    const int density = list[first].density;
+    const auto is_near = [&](const Lengths& each) {
+      return each.density == density && (each.length - list[first].length) * rate <= node_range;
+    };
+    for (last = first + 1; last < list.size() && is_near(list[last]);) ++last;
+    if (last - first <= nodes) {
+      for (std::size_t k = first; k < last; ++k) add(list[k].sum, list[k].length, density);
+      continue;
+    }
+    const Interpolation between(list[first].length, list[last - 1].length);
+    std::array<Matrix, nodes> sum;
+    for (std::size_t k = first; k < last; ++k) {
+      const auto shares = between.weights(list[k].length);
+      for (std::size_t j = 0; j < shares.size(); ++j)
+        if (k == first)
+          sum[j] = shares[j] * list[k].sum;
+        else
+          sum[j] += shares[j] * list[k].sum;
+    }
+    for (int j = 0; j < nodes; ++j) add(sum[static_cast<std::size_t>(j)], between.node(j), density);
   }
-  sums.lengths.clear();
+  list.clear();
 }
 
 void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& injections) const {
@@ -319,14 +422,22 @@ void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, In
     Injection& injection = injections[static_cast<std::size_t>(segment - along_.segments_.data())].emplace_back();
     injection.since = since;
     if (Spread* const spread = spread_of(*segment, interval.length, sums)) {
-      const auto count = static_cast<Eigen::Index>(outputs.size());
-      Vector weights(spread->sum.rows());
-      for (std::size_t i = 0; i < points; ++i)
-        for (Eigen::Index k = 0; k < count; ++k)
-          weights[static_cast<Eigen::Index>(i) * count + k] =
-              interval.weights[i * signals_.size() + outputs[static_cast<std::size_t>(k)].second];
+      const Vector weights = weights_of(island, interval);
       if (pass.collects) spread->sum.noalias() += weights * later(*segment, begin_of(*segment), since).transpose();
       injection.weight = spread->injection * weights;
+      continue;
+    }
+    if (Range* const range = range_of(*segment, interval.length, sums)) {
+      const Vector weights = weights_of(island, interval), yz = later(*segment, begin_of(*segment), since);
+      const auto begin = static_cast<double>(range->number) * sums.width;
+      const auto shares = Interpolation(begin, begin + sums.width).weights(interval.length);
+      injection.weight = Vector::Zero(mode.n1);
+      for (std::size_t j = 0; j < shares.size(); ++j) {
+        Spread& node = range->nodes[j];
+        const Vector own = shares[j] * weights;
+        if (pass.collects) node.sum.noalias() += own * yz.transpose();
+        injection.weight.noalias() += node.injection * own;
+      }
       continue;
     }
     std::vector<Vector> yz{later(*segment, begin_of(*segment), since)};  // at the begin, then at each point
@@ -461,6 +572,8 @@ Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) con
     settle(key.first, *key.second, sums, pass);
     for (const Spread& spread : sums.spreads)
       if (spread.sum.size() > 0) settle(key.first, *key.second, spread, sums);
+    for (const auto& [number, range] : sums.ranges)
+      for (const Spread& node : range.nodes) settle(key.first, *key.second, node, sums);
   }
   Read read{{}, pass.lambda};
   for (std::size_t p = 0; p < failures_.size(); ++p)

@@ -10,6 +10,7 @@
 /// Cao, Li, Petzold & Serban, Adjoint sensitivity analysis for differential-algebraic equations, SIAM J. Sci. Comput. 24 (2003), for the method; the
 /// instants are the transpose of steady/sensitivity.hpp.
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -54,6 +55,12 @@ class Adjoint {
     int uses = 0;
     Matrix sum, injection;  ///< injection: λ at the begin for a unit of each weight
   };
+  /// The same for intervals of about one length: what they bring is an analytic function of the length, which is interpolated between a few.
+  struct Range {
+    std::int64_t number = 0;  ///< its lengths are those from number·width on
+    int uses = 0;
+    std::vector<Spread> nodes;
+  };
   /// Of one density in one mode.
   struct Even {
     std::vector<std::pair<Eigen::Index, double>> outputs;  ///< row and weight
@@ -69,6 +76,8 @@ class Adjoint {
     Matrix value, slope;  ///< of w and w′ themselves, where they move an instant: a row an input
     std::vector<Lengths> lengths;
     std::vector<Spread> spreads;
+    std::map<std::int64_t, Range> ranges;
+    double width = -1.0;  ///< of the ranges, s; negative: not known yet
   };
   struct Pass {
     Vector lambda;
@@ -102,6 +111,9 @@ class Adjoint {
   void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
   void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
   [[nodiscard]] Spread* spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
+  [[nodiscard]] Range* range_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
+  void fill(const Sensitivity::Segment& segment, Spread& spread) const;
+  [[nodiscard]] Vector weights_of(std::size_t island, const Functional::Interval& interval) const;
   void settle(std::size_t island, const model::Mode& mode, const Spread& spread, Sums& sums) const;
   [[nodiscard]] const linalg::Exponential& backward_of(const model::Mode& mode) const;
   void pass_segment(std::size_t number, Injections& injections, Pass& pass) const;

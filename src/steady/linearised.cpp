@@ -11,7 +11,11 @@ using engine::Change;
 using model::Mode;
 using model::System;
 
-Vector outputs_of(const Mode& mode, const std::vector<double>& y) { return mode.outputs * Eigen::Map<const Vector>(y.data(), mode.ny); }
+Vector outputs_of(const Mode& mode, const std::vector<double>& y) {
+  Vector outputs(mode.outputs.rows());
+  linalg::multiply(mode.outputs, y.data(), outputs.data());
+  return outputs;
+}
 
 /// How a control that sources alone decide stands just before an instant.
 struct ClockValue {
@@ -134,7 +138,9 @@ void LinearisedOrbit::take_beside(const Change& change, LinearInstant& instant) 
 void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& instant) const {
   const Mode& mode = *change.before;
   const auto row = mode.guards.row(number);
-  const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+  Vector rate(mode.ny);
+  linalg::multiply(mode.flow.a(), change.y_before.data(), rate.data());
+  const double fall = row.dot(rate);
   if (fall == 0.0) return;
   instant.island = static_cast<int>(change.island);
   instant.row = number;

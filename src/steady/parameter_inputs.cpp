@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "linalg/dense.hpp"
+#include "model/conditions.hpp"
 #include "model/moved_network.hpp"
 #include "steady/linearised.hpp"
 
@@ -21,7 +22,35 @@ using model::LinearForm;
 struct Pair {
   int input = 0, signal = -1;
   std::string store{};
+  std::optional<Drive::Held> held{};
 };
+
+/// The voltage of a node that a branch of sources alone ties to ground; empty where it is none, or where a name stands for several sources.
+std::optional<Drive::Held> held_by_sources(const model::Network& network, const model::Term& read) {
+  if (read.kind != Kind::node_voltage) return std::nullopt;
+  const auto name_of = [&](int source) { return network.sources[static_cast<std::size_t>(source)].label.name; };
+  const auto is_alone = [&](const model::Term& term) {
+    const auto same = [&](const model::Source& other) { return other.label.name == name_of(term.index); };
+    return term.kind == Kind::one || std::count_if(network.sources.begin(), network.sources.end(), same) == 1;
+  };
+  for (const model::Branch& branch : network.branches) {
+    const bool is_upright = branch.p == read.index && branch.n == model::ground;
+    if (!is_upright && !(branch.n == read.index && branch.p == model::ground)) continue;
+    const auto is_source = [](const model::Term& term) { return term.kind == Kind::one || term.kind == Kind::source; };
+    if (!std::all_of(branch.voltage.begin(), branch.voltage.end(), is_source)) continue;
+    if (!std::all_of(branch.voltage.begin(), branch.voltage.end(), is_alone)) return std::nullopt;
+    Drive::Held held;
+    for (const model::Term& term : branch.voltage) {
+      const double coefficient = (is_upright ? read.coefficient : -read.coefficient) * term.coefficient;
+      if (term.kind == Kind::one)
+        held.constant += coefficient;
+      else
+        held.sources.emplace_back(name_of(term.index), coefficient);
+    }
+    return held;
+  }
+  return std::nullopt;
+}
 
 double inductance_between(const model::Network& network, const model::Coupling& coupling) {
   return coupling.coefficient * std::sqrt(network.inductors[static_cast<std::size_t>(coupling.inductor_a)].inductance *
@@ -30,7 +59,7 @@ double inductance_between(const model::Network& network, const model::Coupling& 
 
 class Adder {
  public:
-  explicit Adder(model::Network& network) : network_(network), original_(network) {}
+  explicit Adder(model::Network& network) : network_(network), original_(network), started_(model::with_initial_values(network)) {}
 
   ParameterInputs add(const model::NetworkMoves& moves) {
     ParameterInputs result;
@@ -135,12 +164,13 @@ class Adder {
       model::Term read = terms[static_cast<std::size_t>(move.term)];
       read.coefficient = 1.0;
       terms.push_back(source_of(input).front());
+      if (auto held = held_by_sources(original_, read)) return Pair{input, -1, {}, std::move(held)};
       return Pair{input, new_signal({read})};
     });
   }
 
   static void drive(ParameterInputs& result, const Pair& pair, double weight) {
-    result.drives.push_back({pair.input, pair.signal, weight, pair.store});
+    result.drives.push_back({pair.input, pair.signal, weight, pair.store, pair.held});
   }
 
   void take(const model::NetworkMove& move, ParameterInputs& result) {
@@ -158,9 +188,9 @@ class Adder {
       case Item::switch_drop:
         return add_drop(in_series(Item::switch_resistance, move.index, network_.switches, Kind::switch_current), p, result);
       case Item::capacitance: {
-        const model::Capacitor& item = original_.capacitors[at];
+        const model::Capacitor& item = started_.capacitors[at];
         drive(result, capacitor(move.index), -p / item.capacitance);
-        result.starts.push_back({true, item.label.name, item.has_initial ? item.initial_voltage * p / item.capacitance : 0.0});
+        result.starts.push_back({true, item.label.name, item.initial_voltage * p / item.capacitance});
         return;
       }
       case Item::on_level:
@@ -181,6 +211,12 @@ class Adder {
         return;
       case Item::initial_current:
         result.starts.push_back({false, original_.inductors[at].label.name, p});
+        return;
+      case Item::node_condition:
+        result.conditions.push_back({false, original_.node_conditions[at].label.name, p});
+        return;
+      case Item::current_condition:
+        result.conditions.push_back({true, original_.current_conditions[at].label.name, p});
         return;
       case Item::inductance:
       case Item::coupling:
@@ -256,8 +292,7 @@ class Adder {
     const linalg::Matrix weights = -(lu.solve(right).array().colwise() / size).matrix();
     linalg::Vector currents(m.rows());
     for (Eigen::Index i = 0; i < m.rows(); ++i) {
-      const model::Inductor& item = original_.inductors[static_cast<std::size_t>(i)];
-      currents[i] = item.has_initial ? item.initial_current : 0.0;
+      currents[i] = started_.inductors[static_cast<std::size_t>(i)].initial_current;
     }
     const linalg::Vector starts = -(weights * currents);
     for (Eigen::Index a = 0; a < m.rows(); ++a) {
@@ -270,7 +305,7 @@ class Adder {
   }
 
   model::Network& network_;
-  const model::Network original_;
+  const model::Network original_, started_;  ///< started_: what `.ic` says are initial values there
   SensitivityInputs all_;
   std::vector<int> sources_;  ///< of the inputs
   std::map<std::tuple<Item, int, int>, Pair> pairs_;

@@ -8,7 +8,9 @@
 ///
 /// Thresholds of switches move no equation, but the time at which they are passed.
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/network.hpp"
@@ -21,6 +23,12 @@ struct Drive {
   int input = 0, signal = -1;
   double weight = 0.0;
   std::string store{};  ///< "v(C1)", in place of a signal
+  /// In place of both: a voltage that sources hold, whatever part of the circuit it is read in.
+  struct Held {
+    std::vector<std::pair<std::string, double>> sources;  ///< name and coefficient
+    double constant = 0.0;
+  };
+  std::optional<Held> held{};
 };
 
 /// w of `input` += derivative of a function of time, whose numbers move by `derivative`.
@@ -44,11 +52,19 @@ struct StartMove {
   double value = 0.0;
 };
 
+/// What `.ic` says moves: the voltage of a node, or the current of an inductor.
+struct ConditionMove {
+  bool is_current = false;
+  std::string name;
+  double value = 0.0;
+};
+
 struct ParameterInputs {
   std::vector<Drive> drives;
   std::vector<Wave> waves;
   std::vector<LevelMove> levels;
   std::vector<StartMove> starts;
+  std::vector<ConditionMove> conditions;
   std::string failure;  ///< why the parameter cannot be followed; "" where it can
   double value = 0.0;   ///< of the parameter, for what counts as rounding; 0: not known
 };

@@ -139,6 +139,7 @@ std::string Sensitivity::check(std::size_t parameter) const {
     for (std::size_t island = 0; island < model_.islands.size(); ++island) {
       const System& system = orbit_.stacking().system(island);
       const bool reads = orbit_.columns(island, static_cast<std::size_t>(drive.input)).value >= 0;
+      if (drive.held) continue;
       if (reads && drive.signal < 0 && stores_[island].count(drive.store) == 0) return "what it drives lies in another part of the circuit";
       const bool gives = drive.signal >= 0 &&
                          std::find(system.output_signal.begin(), system.output_signal.end(), drive.signal) != system.output_signal.end();
@@ -149,6 +150,17 @@ std::string Sensitivity::check(std::size_t parameter) const {
 
 Eigen::RowVectorXd Sensitivity::drive_row(const Drive& drive, std::size_t island, const Mode& mode) const {
   const System& system = orbit_.stacking().system(island);
+  if (drive.held) {
+    const model::Exosystem& sources = *system.exosystem;
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(mode.ny);
+    const auto& local = model_.islands[island].island.network.sources;
+    for (const auto& [name, coefficient] : drive.held->sources)
+      for (std::size_t k = 0; k < local.size(); ++k)
+        if (local[k].label.name == name)
+          row.tail(system.n_zeta) += drive.weight * coefficient * sources.rows().row(static_cast<Eigen::Index>(k));
+    if (drive.held->constant != 0.0 && sources.constant() >= 0) row[mode.n1 + sources.constant()] += drive.weight * drive.held->constant;
+    return seen_row(island, mode, row);
+  }
   if (drive.signal < 0) return seen_row(island, mode, drive.weight * in_mode(mode, system.n, stores_[island].at(drive.store)));
   Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(mode.ny);
   for (std::size_t k = 0; k < system.output_signal.size(); ++k)

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/exact/static_solution.hpp"
+#include "model/conditions.hpp"
 #include "model/store_values.hpp"
 
 namespace pwlsim::steady {
@@ -26,6 +27,18 @@ Vector initial_values(const engine::IslandModel& island, const ParameterInputs& 
   model::Island moved = island.island;
   for (auto& item : moved.network.capacitors) item.initial_voltage = 0.0;
   for (auto& item : moved.network.inductors) item.initial_current = 0.0;
+  const auto condition_of = [&](bool is_current, const std::string& name) {
+    double sum = 0.0;
+    for (const ConditionMove& condition : parameter.conditions)
+      if (condition.is_current == is_current && condition.name == name) sum += condition.value;
+    return sum;
+  };
+  for (auto& item : moved.network.node_conditions) item.voltage = condition_of(false, item.label.name);
+  for (auto& item : moved.network.current_conditions) {
+    item.current = condition_of(true, item.label.name);
+    moved.network.inductors[static_cast<std::size_t>(item.inductor)].initial_current = item.current;
+  }
+  moved.network = model::with_initial_values(std::move(moved.network));
   const auto add = [](auto& list, const std::string& name, auto member, double value) {
     for (auto& item : list)
       if (item.label.name == name) {
@@ -122,6 +135,7 @@ class Rest {
   }
 
   [[nodiscard]] double value_of(const Drive& drive) const {
+    if (drive.held) return held_value(*drive.held);
     if (drive.signal < 0) {
       const model::StoreValues values(island_.island, island_.extraction);
       const auto at = std::find(values.names().begin(), values.names().end(), drive.store);
@@ -130,6 +144,17 @@ class Rest {
     double value = 0.0;
     for (std::size_t k = 0; k < system_.outputs.size(); ++k)
       if (system_.output_signal[k] == drive.signal) value += system_.outputs[k].state.dot(x_) + system_.outputs[k].input.dot(u_);
+    return value;
+  }
+
+  [[nodiscard]] double held_value(const Drive::Held& held) const {
+    Vector zeta = Vector::Zero(system_.n_zeta);
+    system_.exosystem->evaluate(system_.exosystem->start(), 0.0, zeta.data());
+    double value = held.constant;
+    const auto& local = island_.island.network.sources;
+    for (const auto& [name, coefficient] : held.sources)
+      for (std::size_t k = 0; k < local.size(); ++k)
+        if (local[k].label.name == name) value += coefficient * system_.exosystem->rows().row(static_cast<Eigen::Index>(k)).dot(zeta);
     return value;
   }
 

@@ -31,13 +31,26 @@ class Propagators {
  public:
   const Matrix& of(const Mode& mode, double length) {
     Matrix& known = known_[{&mode, length}];
-    if (known.size() == 0) known = mode.flow.minus_identity(length).topLeftCorner(mode.n1, mode.n1);
-    return known;
+    if (known.size() > 0) return known;
+    constexpr int many = 4;  // sources a state: a block of its own pays
+    if (mode.ny <= many * mode.n1) return known = mode.flow.minus_identity(length).topLeftCorner(mode.n1, mode.n1);
+    auto own = blocks_.find(&mode);
+    if (own == blocks_.end())
+      own = blocks_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1), mode.flow.rate())).first;
+    return known = own->second.minus_identity(length);
   }
 
  private:
+  std::map<const Mode*, linalg::Exponential> blocks_;
   std::map<std::pair<const Mode*, double>, Matrix> known_;
 };
+
+/// y′.
+Vector rate_of(const Mode& mode, const std::vector<double>& y) {
+  Vector rate(mode.ny);
+  linalg::multiply(mode.flow.a(), y.data(), rate.data());
+  return rate;
+}
 
 class Walk {
  public:
@@ -113,7 +126,7 @@ class Walk {
   Eigen::RowVectorXd shift_of(const engine::Change& change, double time) {
     const Mode& mode = *change.before;
     const auto row = mode.guards.row(change.guard);
-    const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny);
+    const Vector rate = rate_of(mode, change.y_before);
     const double fall = row.dot(rate);
     if (mode.n1 == 0) return Eigen::RowVectorXd::Zero(stacking_.size());
     if (std::abs(fall) <= touching * mode.guard_norm[change.guard] * rate.norm()) {
@@ -125,7 +138,7 @@ class Walk {
 
   Eigen::RowVectorXd shift_of(const Mode& mode, int guard, const engine::Change& change) {
     const auto row = mode.guards.row(guard);
-    const double fall = row.dot(mode.flow.a() * Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+    const double fall = row.dot(rate_of(mode, change.y_before));
     const auto block = result_.x.middleRows(stacking_.first(change.island), stacking_.count(change.island));
     return row.head(mode.n1) * to_coordinates(mode, block) * (-1.0 / fall);
   }
@@ -186,7 +199,7 @@ bool passes_guard(const System& system, const engine::Change& change, const std:
 }
 
 Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
-  const Vector rate = mode.flow.a() * Eigen::Map<const Vector>(y.data(), mode.ny);
+  const Vector rate = rate_of(mode, y);
   Vector x(system.size());
   model::from_mode(system, mode, rate.data(), x.data());
   return x;
@@ -194,21 +207,23 @@ Vector state_speed(const model::System& system, const model::Mode& mode, const s
 
 Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
   if (mode.constrained) return state_speed(system, mode, y).head(system.n);
-  return mode.flow.a().topRows(mode.n1) * Eigen::Map<const Vector>(y.data(), mode.ny);
+  return rate_of(mode, y).head(mode.n1);
 }
 
 std::vector<int> guards_beside(const engine::Change& change, double near) {
   std::vector<int> rows;
   if (change.before == nullptr || change.y_before.empty()) return rows;
   const Mode& mode = *change.before;
-  const Eigen::Map<const Vector> y(change.y_before.data(), mode.ny);
   if (mode.n1 == 0) return rows;
-  const Vector rate = mode.flow.a() * y;
+  const Vector rate = rate_of(mode, change.y_before);
+  const double size = rate.norm();
+  Vector fall(mode.guards.rows()), value(mode.guards.rows());
+  linalg::multiply(mode.guards, rate.data(), fall.data());
+  linalg::multiply(mode.guards, change.y_before.data(), value.data());
   for (int row = 0; row < mode.guards.rows(); ++row) {
     if (mode.guard_constant[static_cast<std::size_t>(row)] != 0 || mode.guard_norm[row] == 0.0) continue;
-    const double fall = mode.guards.row(row).dot(rate);
-    if (!(fall < -touching * mode.guard_norm[row] * rate.norm())) continue;
-    if (std::abs(mode.guards.row(row).dot(y)) <= -fall * near) rows.push_back(row);
+    if (!(fall[row] < -touching * mode.guard_norm[row] * size)) continue;
+    if (std::abs(value[row]) <= -fall[row] * near) rows.push_back(row);
   }
   return rows;
 }

@@ -78,9 +78,10 @@ double pwl_length_p(const model::Pwl& d) { return d.points.back().time - d.repea
 Line line_of(const model::Pwl& f, const model::Pwl& d, double inside, bool is_settled) {
   if (f.points.empty()) return {};
   const double length = f.points.back().time - f.repeat_from;
-  if (is_settled && length > 0.0 && f.repeats == forever && inside < f.points.back().time) inside += length;
+  const bool is_first = is_settled && length > 0.0 && f.repeats == forever && inside < f.points.back().time;
   double cycle = 0.0;
-  const auto [at, time] = pwl_place(f, inside, cycle);
+  const auto [at, time] = pwl_place(f, is_first ? inside + length : inside, cycle);
+  if (is_first) cycle -= 1.0;
   if (at < 0) return {inside, d.points.front().value, 0.0};
   const auto k = static_cast<std::size_t>(at);
   if (k + 1 >= f.points.size()) return {inside, d.points.back().value, 0.0};
@@ -135,16 +136,44 @@ std::optional<double> corner_shift(const model::Pulse& f, const model::Pulse& d,
   return shift;
 }
 
-std::optional<double> edge_shift(const model::Pwl& f, const model::Pwl& d, double time, double near, bool is_settled) {
+/// A point within `near` of the time, in a certain cycle.
+struct PwlPoint {
+  std::size_t index = 0;
+  double cycle = 0.0;
+  bool wraps = false;  ///< the last point of the cycle before lies there, too
+};
+
+std::optional<PwlPoint> pwl_point_at(const model::Pwl& f, double time, double near, bool is_settled) {
   if (f.points.empty()) return std::nullopt;
   const double length = f.points.back().time - f.repeat_from;
-  if (is_settled && length > 0.0 && f.repeats == forever && time < f.points.back().time) time += length;
+  const bool is_first = is_settled && length > 0.0 && f.repeats == forever && time < f.points.back().time;
   double cycle = 0.0;
-  const auto [at, own] = pwl_place(f, time + near, cycle);
+  const auto [at, own] = pwl_place(f, (is_first ? time + length : time) + near, cycle);
   if (at < 0 || std::abs(f.points[static_cast<std::size_t>(at)].time - own + near) > near) return std::nullopt;
   const auto k = static_cast<std::size_t>(at);
+  return PwlPoint{k, is_first ? cycle - 1.0 : cycle, cycle > 0.0 && f.points[k].time == f.repeat_from};
+}
+
+std::optional<double> corner_shift(const model::Pwl& f, const model::Pwl& d, double time, double near, bool is_settled) {
+  const auto point = pwl_point_at(f, time, near, is_settled);
+  if (!point) return std::nullopt;
+  const auto [k, cycle, wraps] = *point;
+  const auto slope_behind = [&](std::size_t first) {
+    const model::Pwl::Point &a = f.points[first], &b = f.points[first + 1];
+    return b.time > a.time ? (b.value - a.value) / (b.time - a.time) : 0.0;
+  };
+  const std::size_t last = f.points.size() - 1;
+  const double left = wraps ? slope_behind(last - 1) : k > 0 ? slope_behind(k - 1) : 0.0;
+  const double right = k < last ? slope_behind(k) : 0.0;
+  if (left == right) return std::nullopt;
+  return d.points[k].time + cycle * pwl_length_p(d);
+}
+
+std::optional<double> edge_shift(const model::Pwl& f, const model::Pwl& d, double time, double near, bool is_settled) {
+  const auto point = pwl_point_at(f, time, near, is_settled);
+  if (!point) return std::nullopt;
+  const auto [k, cycle, wraps] = *point;
   const double left = k > 0 ? f.points[k - 1].time == f.points[k].time ? f.points[k - 1].value : f.points[k].value : f.points[k].value;
-  const bool wraps = cycle > 0.0 && f.points[k].time == f.repeat_from;
   if (left == f.points[k].value && !(wraps && f.points.back().value != f.points[k].value)) return std::nullopt;
   return d.points[k].time + cycle * pwl_length_p(d);
 }
@@ -212,8 +241,11 @@ std::optional<double> edge_shift(const Wave& wave, double time, double near, boo
 }
 
 std::optional<double> corner_shift(const Wave& wave, double time, double near, bool is_settled) {
-  const auto* d = std::get_if<model::Pulse>(&wave.derivative);
-  return d == nullptr ? std::nullopt : corner_shift(std::get<model::Pulse>(wave.function), *d, time, near, is_settled);
+  if (const auto* d = std::get_if<model::Pulse>(&wave.derivative))
+    return corner_shift(std::get<model::Pulse>(wave.function), *d, time, near, is_settled);
+  if (const auto* d = std::get_if<model::Pwl>(&wave.derivative))
+    return corner_shift(std::get<model::Pwl>(wave.function), *d, time, near, is_settled);
+  return std::nullopt;
 }
 
 double period_share(const Wave& wave) {

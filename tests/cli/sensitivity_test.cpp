@@ -73,6 +73,82 @@ TEST_CASE("derivatives of an RC circuit from an initial value are those of its e
   CHECK(normalised == Approx(R / v * to_tau * C).epsilon(wanted));
 }
 
+TEST_CASE("what .ic says moves, and keeps its charge where a capacitance moves", "[unit]") {
+  // v = v0 e^{−t/RC}; i = i0 e^{−t R2/L}.
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "ic\n.param v0=3 i0=2\nR1 b 0 1k\nC1 b 0 1u\nL1 c 0 1m\nR2 c 0 1\n.ic v(b)={v0} i(L1)={i0*i0}\n"
+                                       ".tran 1u 2m uic\n.meas tran v FIND v(b) AT=1m\n.meas tran i FIND i(L1) AT=1m\n"
+                                       ".sens param=v0,i0,C1,R1,L1\n.end\n");
+  const double fall = std::exp(-1.0);
+  CHECK(derivative(result, "v", "v0") == Approx(fall).epsilon(wanted));
+  CHECK(derivative(result, "v", "i0") == 0.0);
+  CHECK(derivative(result, "v", "R1") == Approx(3.0 * fall / 1e3).epsilon(wanted));
+  CHECK(derivative(result, "v", "C1") == Approx(3.0 * fall / 1e-6).epsilon(wanted));
+  CHECK(derivative(result, "i", "i0") == Approx(4.0 * fall).epsilon(wanted));
+  CHECK(derivative(result, "i", "L1") == Approx(4.0 * fall / 1e-3).epsilon(wanted));
+}
+
+TEST_CASE("points of PWL move: values, times, the delay", "[unit]") {
+  // A triangle of height v from 0 to b through an RC circuit of τ = 1 ms, read at T behind it:
+  // y = v e^{−T/τ} [τ/a ((a/τ − 1) e^{a/τ} + 1) + τ/(b − a) (e^{b/τ} − e^{a/τ} (1 + (b − a)/τ))].
+  const Scratch scratch;
+  const Json result =
+      sensitivities_of(scratch,
+                       "pwl\n.param a=1m b=3m v=5 d=0\nV1 in 0 PWL(0 0 {a} {v} {b} 0) \nR1 in out 1k\nC1 out 0 1u\n"
+                       "V2 q 0 PWL(0 0 {a} 0 {a} {v}) td={d}\nR2 q p 1k\nC2 p 0 1u\n.tran 1u 5m uic\n.meas tran y FIND v(out) AT=4m\n"
+                       ".meas tran area INTEG v(in)\n.meas tran late INTEG v(q)\n.meas tran step FIND v(p) AT=4m\n"
+                       ".sens param=a,b,v,d\n.end\n");
+  const double a = 1e-3, b = 3e-3, v = 5.0, tau = 1e-3, T = 4e-3;
+  const double fall = std::exp(-T / tau), ea = std::exp(a / tau), eb = std::exp(b / tau), w = b - a;
+  const double rise = tau / a * ((a / tau - 1.0) * ea + 1.0), drop = tau / w * (eb - ea * (1.0 + w / tau));
+  // Both by hand: ∂(rise)/∂a and ∂(drop)/∂a, ∂(drop)/∂b.
+  const double rise_a = -rise / a + tau / a * (a / tau * ea / tau);
+  const double drop_b = -drop / w + tau / w * (eb / tau - ea / tau);
+  const double drop_a = drop / w + tau / w * (-ea / tau * (1.0 + w / tau) + ea / tau);
+  CHECK(derivative(result, "y", "v") == Approx(fall * (rise + drop)).epsilon(wanted));
+  CHECK(derivative(result, "y", "a") == Approx(v * fall * (rise_a + drop_a)).epsilon(wanted));
+  CHECK(derivative(result, "y", "b") == Approx(v * fall * drop_b).epsilon(wanted));
+  CHECK(derivative(result, "area", "v") == Approx(0.5 * b).epsilon(wanted));
+  CHECK(derivative(result, "area", "b") == Approx(0.5 * v).epsilon(wanted));
+  CHECK(std::abs(derivative(result, "area", "a")) <= 1e-9 * v);
+  // The step lies at a + d: area v (5 ms − a − d), response v (1 − e^{−(T − a − d)/τ}).
+  const double after = std::exp(-(T - a) / tau);
+  CHECK(derivative(result, "late", "v") == Approx(5e-3 - a).epsilon(wanted));
+  CHECK(derivative(result, "late", "a") == Approx(-v).epsilon(wanted));
+  CHECK(derivative(result, "late", "d") == Approx(-v).epsilon(wanted));
+  CHECK(derivative(result, "step", "a") == Approx(-v * after / tau).epsilon(wanted));
+  CHECK(derivative(result, "step", "d") == Approx(-v * after / tau).epsilon(wanted));
+}
+
+TEST_CASE("points of a PWL that repeats move in steady state", "[unit]") {
+  // A sawtooth of height v and period p: mean v/2; through an RC circuit the mean is the same, and at its end
+  // y = v [1 − τ/p] + v e^{−p/τ}/(1 − e^{−p/τ})·(−1)·… : y(p) = v − v τ/p + (y₀ + v τ/p) e^{−p/τ}, y₀ = y(p).
+  const Scratch scratch;
+  const Json result = sensitivities_of(scratch,
+                                       "saw\n.param p=2m v=4\nV1 in 0 PWL(0 0 {p} {v} {p} 0) r=0\nR1 in out 1k\nC1 out 0 1u\n.pss\n"
+                                       ".meas pss mean AVG v(out)\n.meas pss t PERIOD\n.meas pss top MAX v(out)\n.sens param=p,v\n.end\n");
+  const double p = 2e-3, v = 4.0, tau = 1e-3, e = std::exp(-p / tau);
+  // (1 − e) y = v − v τ/p (1 − e)
+  const double y_p = v * (tau / (p * p)) - v * e / tau / ((1.0 - e) * (1.0 - e));
+  CHECK(derivative(result, "mean", "v") == Approx(0.5).epsilon(wanted));
+  CHECK(std::abs(derivative(result, "mean", "p")) <= 1e-9 * v / p);
+  CHECK(derivative(result, "t", "p") == Approx(1.0).epsilon(wanted));
+  CHECK(derivative(result, "top", "v") == Approx(1.0 / (1.0 - e) - tau / p).epsilon(wanted));
+  CHECK(derivative(result, "top", "p") == Approx(y_p).epsilon(wanted));
+}
+
+TEST_CASE("the gain of an amplifier whose reference is a source of its own", "[unit]") {
+  // e = A (r − e/2): e = A r/(1 + A/2).
+  const Scratch scratch;
+  const Json result =
+      sensitivities_of(scratch,
+                       "loop\nVr r 0 2\nE1 e 0 r f 10\nR1 e f 1k\nR2 f 0 1k\nC1 f 0 1n\n.tran 1u 1m\n.meas tran e AVG v(e)\n"
+                       ".sens param=E1,Vr\n.end\n");
+  CHECK(derivative(result, "e", "E1") == Approx(2.0 / 36.0).epsilon(wanted));
+  CHECK(derivative(result, "e", "Vr") == Approx(10.0 / 6.0).epsilon(wanted));
+}
+
 TEST_CASE("a chopper in steady state: duty cycle, frequency and inductance move its ripple", "[unit]") {
   // i rises towards V/R for DT and falls towards 0: top = V/R (1 − e^{−DT/τ})/(1 − e^{−T/τ}), mean = D V/R.
   const Scratch scratch;
@@ -504,6 +580,12 @@ const std::string both_ways[] = {
     ".meas tran vx MAX i(L1)\n"
     ".sens param=D,L1,C1,R1,V1\n"
     ".end\n",
+    // A closed loop on its way, whose segments have lengths of their own each: what they bring is interpolated between lengths.
+    "peak current control\nV1 in 0 12\nS1 in a u 0 SL\nD1 0 a DI\nL1 a s 10u\nRs s o 0.1\nRe o c 20m\nC1 c 0 100u\nR1 o 0 1\n"
+    "Ra o f 10k\nRb f 0 10k\nVr r 0 2.5\nE0 e 0 r f 100\nR2 f z 20k\nC2 z e 2.2n\nVk k 0 PULSE(0 9 0 0 0 0.2u 10u)\n"
+    "Vm m 0 PULSE(0 1 0 9.99u 0.01u 0 10u)\nE1 n1 m s o 10\nE2 n2 e n1 0 -1\nE3 u n2 k 0 1\n.model SL SW(Ron=10m Vt=2 Vh=2)\n"
+    ".model DI D(Ron=10m Vfwd=0.4)\n.tran 10u 4m uic\n.meas tran v AVG v(o)\n.meas tran w RMS v(o)\n"
+    ".meas tran p AVG v(o)*i(L1) FROM=0.5m\n.sens param=V1,L1,Rs,R1,Vr,R2,E0,E1\n.end\n",
 };
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST_CASE("voltage and current injected: a loop gain where both sides have the s
   CHECK_THAT(finished.err, Contains("error[E-ac-no-input]") && Contains("Iinj is not a current source at a node of Vinj"));
 }
 
-TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is left out with a warning", "[unit]") {
+TEST_CASE("an .ac that cannot be is refused by name, beside a .tran too; nothing is written then", "[unit]") {
   const Scratch scratch;
   const std::string rectifier = "rectifier\nV1 a 0 SIN(0 1 50) AC 1\nD1 a b DX\nR1 b 0 1k\n.model DX D\n.ac dec 1 1 10\n";
   scratch.write("switches.net", rectifier + ".end\n");
@@ -194,12 +194,18 @@ TEST_CASE("an .ac that cannot be is refused by name; beside a .tran alone it is 
   CHECK_THAT(needs.err, Contains("error[E-ac-needs-pss]: D1 switches"));
   scratch.write("tran.net", rectifier + ".tran 1m 20m\n.end\n");
   const Finished beside = run_in(scratch, {"tran.net"});
-  CHECK(beside.status == 0);
-  CHECK_THAT(beside.err, Contains("warning[W-ignored-card]: .ac is ignored: D1 switches"));
+  CHECK(beside.status == 2);
+  CHECK_THAT(beside.err, Contains("tran.net:6:1: error[E-ac-needs-pss]: D1 switches"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "tran.csv"));
   scratch.write("still.net", "still\nV1 a 0 1\nR1 a b 1k\nC1 b 0 1u\n.ac dec 1 1 10\n.end\n");
   const Finished still = run_in(scratch, {"still.net"});
   CHECK(still.status == 2);
   CHECK_THAT(still.err, Contains("error[E-ac-no-input]"));
+  scratch.write("both.net", "both\nV1 a 0 1\nR1 a b 1k\nC1 b 0 1u\n.tran 1m 2m\n.ac dec 1 1 10\n.end\n");
+  const Finished both = run_in(scratch, {"both.net"});
+  CHECK(both.status == 2);
+  CHECK_THAT(both.err, Contains("error[E-ac-no-input]"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "both.csv"));
 }
 
 TEST_CASE(".print ac chooses columns", "[unit]") {
@@ -266,7 +272,7 @@ TEST_CASE("runs of .step have their responses in one table", "[unit]") {
   }
 }
 
-TEST_CASE("runs of .step that have no response are refused, or left out beside a .tran", "[unit]") {
+TEST_CASE("runs of .step that have no response are refused, beside a .tran too", "[unit]") {
   const Scratch scratch;
   const std::string rectifier =
       "rectifier\n.param r=1k\nV1 a 0 SIN(0 1 50) AC 1\nD1 a b DX\nR1 b 0 {r}\n.model DX D\n.step param r list 1k 2k\n.ac dec 1 1 10\n";
@@ -276,9 +282,9 @@ TEST_CASE("runs of .step that have no response are refused, or left out beside a
   CHECK_THAT(needs.err, Contains("error[E-ac-needs-pss]"));
   scratch.write("tran.net", rectifier + ".tran 1m 20m\n.end\n");
   const Finished beside = run_in(scratch, {"tran.net"});
-  CHECK(beside.status == 0);
-  CHECK_THAT(beside.err, Contains("warning[W-ignored-card]: .ac is ignored"));
-  CHECK(read_file(scratch / "tran.csv").starts_with("r,time"));
+  CHECK(beside.status == 2);
+  CHECK_THAT(beside.err, Contains("error[E-ac-needs-pss]"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "tran.csv"));
 }
 
 TEST_CASE("an input that is not there is shown on its card, before an orbit is written; one within a subcircuit has a dot or a colon",

@@ -426,3 +426,34 @@ TEST_CASE("parts beside a self-timed one settle, with multipliers of their own",
     is_there |= !m["trivial"].truth && std::abs(m["re"].number - std::exp(-relay_period * 1e3 / 0.2)) < 1e-12;
   CHECK(is_there);
 }
+
+TEST_CASE("a self-timed orbit that begins with a jump of charge: its impulse counts once, whatever rounding makes of its time", "[unit]") {
+  // S1 dumps C1 into C2 when v(a) rises to 5 V. Over a period C2 takes no charge: the mean current of S1 is that of R2.
+  const Scratch scratch;
+  for (int k = 0; k < 12; ++k) {
+    const double r = 1000.0 + 170.0 * k, r2 = 20.0 + 2.3 * k;
+    INFO("R1 = " << r << ", R2 = " << r2);
+    scratch.write("dump.net", "dump\nV1 in 0 10\nR1 in a " + std::to_string(r) + "\nC1 a 0 1u\nS1 a b a 0 SX\nC2 b 0 1u\nR2 b 0 " +
+                                  std::to_string(r2) + "\n.model SX SW(Ron=0 Vt=3 Vh=2)\n.pss on=S1 uic\n.meas pss s AVG i(S1)\n" +
+                                  ".meas pss r AVG i(R2)\n.meas pss t PERIOD\n.meas pss three INTEG i(S1) FROM=0 TO='3*t'\n.end\n");
+    const Finished finished = run_in(scratch, {"dump.net", "--json", "--no-rows"});
+    REQUIRE(finished.status == 0);
+    const Json result = read_json(finished.out);
+    const auto value = [&](std::size_t m) { return result["measurements"][m]["value"].number; };
+    CHECK(value(0) == Approx(value(1)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("sources without a common period: period= must hold whole numbers of their periods", "[unit]") {
+  // 0.6 s hold 42.43 periods of 50·√2 Hz, 1.4 s 98.995.
+  const Scratch scratch;
+  const std::string deck = "two\nV1 a 0 SIN(0 1 50)\nV2 b a SIN(0 1 {50*sqrt(2)})\nR1 b c 1k\nC1 c 0 1u\n";
+  scratch.write("none.net", deck + ".pss period=0.6\n.end\n");
+  const Finished none = run_in(scratch, {"none.net"});
+  CHECK(none.status == 2);
+  CHECK_THAT(none.err, Contains("error[E-pss-not-a-multiple]") && Contains("periods of V2"));
+  scratch.write("near.net", deck + ".pss period=1.4\n.end\n");
+  const Finished near = run_in(scratch, {"near.net", "--no-rows"});
+  CHECK(near.status == 0);
+  CHECK_THAT(near.err, Contains("warning[W-pss-cut-source]") && Contains("periods of V2"));
+}
