@@ -184,6 +184,7 @@ void KrylovSpace::reserve(int columns) {
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
+  passed_on_.conservativeResize(cols, cols);
   zetas_.conservativeResize(zetas, cols);
   zeta_changes_.conservativeResize(zetas, cols);
   measured_.conservativeResize(static_cast<Eigen::Index>(state_weight_.size()) + zetas, cols);
@@ -216,7 +217,8 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   if (!(zeta_weight_ > 0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
-  lost_[0] = 1.0;
+  passed_on_.row(0).setZero();
+  lost_[0] = passed_on_(0, 0) = 1.0;
   vectors_.col(0) = Eigen::Map<const Vector>(right_.data(), vectors_.rows()) / norm_;
   zetas_.col(0) = zeta / norm_;
   measured_.col(0) = x / norm_;
@@ -263,10 +265,20 @@ void KrylovSpace::add_vector() {
   const double nothing = std::max(rounding_of_change * size, least_change);
   full_ = !(h > nothing) || !(h > rounding_of(right_, h));
   if (full_) return;
-  lost_[j + 1] = (size + lost_.head(j + 1).dot(c.cwiseAbs())) / h;
+  note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;
+}
+
+/// A vector that breaks algebraic rows by e is not moved there, as T z is solved for with zeros in them. So the rounding of solutions, ε_i = passed_on_(i, i), goes
+/// through  h e_{j+1} = ε_j − Σ c_i e_i: with signs, as magnitudes alone would grow like 3^j where the spectrum is that of diffusion.
+void KrylovSpace::note_lost(const Vector& c, double size, double h) {
+  const auto j = c.size();
+  passed_on_.row(j).setZero();
+  passed_on_.row(j).head(j) = -(c.transpose() * passed_on_.topLeftCorner(j, j)) / h;
+  passed_on_(j, j) = size / h;
+  lost_[j] = passed_on_.row(j).head(j + 1).cwiseAbs().sum();
 }
 
 void KrylovSpace::grow(int m) {
@@ -355,6 +367,12 @@ double KrylovSpace::largest_terms(int first, int count) const {
     return columns.block(first, 0, count, dimension_).cwiseAbs().colwise().maxCoeff().transpose().array().eval();
   };
   return (largest(vectors_) * lost_.head(dimension_).array() + largest(changes_)).matrix().dot(k_.cwiseAbs() * reach_);
+}
+
+double KrylovSpace::loss() const {
+  const Vector shares = k_.cwiseAbs() * reach_;
+  const double sum = shares.sum();
+  return sum > 0.0 ? shares.dot(lost_.head(dimension_)) / sum : 1.0;
 }
 
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {

@@ -77,6 +77,8 @@ class KrylovSpace {
   [[nodiscard]] double row_terms(const Form& form) const;
   /// The same of the largest of several unknowns, with what their vectors have lost in orthogonalisation.
   [[nodiscard]] double largest_terms(int first, int count) const;
+  /// How many times its own rounding a vector has, on average over what the motion takes of them in that length.
+  [[nodiscard]] double loss() const;
   /// Of the states in the unknowns at y(0), in the norm of the space: vectors may hold impulses of voltage that cancel.
   [[nodiscard]] double rounding_at_start();
   /// z and E z' at y.
@@ -99,6 +101,7 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
   void add_vector();
+  void note_lost(const linalg::Vector& c, double size, double h);
   void reduce();
 
   const Descriptor& descriptor_;
@@ -112,8 +115,9 @@ class KrylovSpace {
   Position on_;
   int dimension_ = 0;
   bool full_ = false, sound_ = true;
-  linalg::Matrix vectors_, changes_;         ///< Z and T Z (unknowns × columns)
-  linalg::Vector lost_;                      ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
+  linalg::Matrix vectors_, changes_;  ///< Z and T Z (unknowns × columns)
+  linalg::Matrix passed_on_;          ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
+  linalg::Vector lost_;               ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
   linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
   linalg::Matrix measured_;                  ///< what the norm measures of Z
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
