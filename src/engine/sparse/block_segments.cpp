@@ -22,6 +22,12 @@ namespace {
 constexpr double least_jump = 1e-8;
 constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
 constexpr double impulse_share = 1e-6;
+constexpr double rounding_of_impulses = 1e-9;  ///< of the largest in a voltage, and in a port's current
+constexpr double rounding_of_others = 1e-12;   ///< of all voltages and currents of it, in volts: what one kind makes of the other
+constexpr double same_jump = 1e-9;             ///< of the largest √energy
+constexpr double most_relaxed = 30.0;          ///< of that, where signs agree in no position
+constexpr double visible_impulse = 1e-6;       ///< the same: that is none of rounding
+constexpr double rounding_of_step = 1e-11;     ///< the same, of the step that they are a part of
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
@@ -82,7 +88,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
-  if (take_jump(instant)) return take_step_of_jump(step, h);
+  if (take_jump(instant)) return is_jump_of(on) ? take_step_of_jump(step, h) : Sought::not_found;
   if (segment_->negative().empty()) return Sought::found;
   const std::vector<double> z = first_.z;
   first_ = step;
@@ -99,7 +105,12 @@ Block::Sought Block::jump_by_step(const Point& step, double h) {
   const std::vector<double> none;
   if (segment_->open(factors_, {point_.time, step.on, first_.z, none, longest, length}) != ExactSegment::Opened::yes)
     return Sought::not_found;
-  if (!segment_->take_back(length, first_.z)) return Sought::not_found;
+  const std::vector<double> whole = first_.z;
+  std::vector<double> impulses;
+  segment_->unknowns(segment_->at(0.0), impulses);
+  for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = whole[i] - impulses[i];
+  if (!backward_impulses(impulses, whole, step.on, visible_impulse).empty() || !segment_->take_back(length, first_.z))
+    return Sought::not_found;
   return take_step_of_jump(step, h);
 }
 
@@ -118,6 +129,46 @@ Block::Sought Block::take_step_of_jump(const Point& step, double h) {
   first_ = step;
   if (request_.jumps || request_.probes.sink != nullptr) trial_.solved = stepper_.euler(first_, h, second_);
   return trial_.solved == Solved::yes ? Sought::jumped : Sought::not_found;
+}
+
+/// Ports of which a jump in that position asks what they do not do: conduct an impulse backwards, or block one forwards, by so much of the largest in a current, or
+/// in a voltage. `whole`: the end of the step that the impulses are a part of.
+std::vector<std::size_t> Block::backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on,
+                                                  double share) const {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double other = rounding_of_others * largest(whole);
+  const auto rounding = [&](auto largest_of) {
+    return std::max({share * largest_of(impulses), rounding_of_step * largest_of(whole), other});
+  };
+  const double voltage = rounding([&](const std::vector<double>& z) { return largest(std::span(z).first(nodes)); });
+  const double input = rounding([&](const std::vector<double>& z) {
+    double most = 0.0;
+    for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(z[static_cast<std::size_t>(port.row)]));
+    return most;
+  });
+  std::vector<std::size_t> ports;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    if (!port.blocks(on) && port.response(on[i] != 0, impulses.data()) < -(on[i] != 0 ? input : voltage)) ports.push_back(i);
+  }
+  return ports;
+}
+
+/// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
+/// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
+bool Block::is_jump_of(const Position& on) {
+  const double same = same_jump * std::min(segment_->relaxation(), most_relaxed);
+  if (segment_->distance(point_.z, first_.z) <= same) return true;
+  const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
+  const std::vector<std::size_t> backward = backward_impulses(impulses, whole, on, rounding_of_impulses);
+  if (backward.empty()) return true;
+  Position other = on;
+  for (const std::size_t i : backward) other[i] ^= 1;
+  descriptor_.hold_blocked(other);
+  if (open_segment(other) != ExactSegment::Opened::yes) return backward_impulses(impulses, whole, on, visible_impulse).empty();
+  std::vector<double> z;
+  segment_->unknowns(segment_->at(0.0), z);
+  return segment_->distance(first_.z, z) <= same;
 }
 
 /// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.

@@ -118,7 +118,7 @@ bool ExactSegment::resolve() {
     last = m;
     if (m == dimensions.back()) return is_cut_within(error);
   }
-  if (!(before <= rounding_tolerance * size_)) return false;
+  if (last == 0 || !(before <= rounding_tolerance * size_)) return false;
   space_.shrink(last);
   estimate_ = before;
   if (space_.is_sound()) (void)space_.estimate(length_);
@@ -158,6 +158,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
     if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return Opened::contradicted;
+    if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
     if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss) {
@@ -258,7 +259,7 @@ void ExactSegment::drop_empty_guards() {
   node_terms_ = space_.largest_terms(0, descriptor_.nodes());
   input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
   const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
-  double input = 0.0;
+  double input = least_voltage_;
   for (const int row : segment_.rows)
     if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
   const double voltage = std::max(voltage_, least_voltage_);

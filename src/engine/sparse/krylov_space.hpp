@@ -52,10 +52,14 @@ class KrylovSpace {
   [[nodiscard]] bool is_sound() const { return sound_; }
   /// √energy at the start, in the norm of the space and without sources.
   [[nodiscard]] double start_size() const { return size_; }
+  /// √energy of the difference of two points' states, in the norm of the space.
+  [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const;
   /// The rounding of the states that it begins with, of a jump's impulses.
   [[nodiscard]] double start_rounding() const { return rounding_; }
   /// S z₀
   [[nodiscard]] std::vector<double> first_unknowns() const;
+  /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).
+  [[nodiscard]] std::vector<double> impulses() const;
   /// y(0).
   [[nodiscard]] const linalg::Vector& first() const { return first_; }
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
@@ -110,6 +114,7 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
+  double weight_of_rates_ = 0.0;                                ///< the same of what a volt across an inductor moves in a second
   const Factor* factor_ = nullptr;
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
@@ -123,7 +128,7 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, estimate_, values_;
+  std::vector<double> right_, product_, sizes_, estimate_, values_, magnitudes_;
   std::vector<double> given_;  ///< right-hand side of the last solution
 };
 
