@@ -76,6 +76,17 @@ Run simulate_segments(const model::Network& network, const Setup& setup) {
   return run;
 }
 
+/// What instants deliver of the probes.
+struct Deliveries : engine::PieceSink {
+  void before_start(std::span<const double>) override {}
+  void take(const engine::Piece&) override {}
+  void impulse(double time, std::span<const double> values) override {
+    times.push_back(time);
+    of_first.push_back(values.front());
+  }
+  std::vector<double> times, of_first;
+};
+
 /// The largest difference of two runs' rows, of each signal's largest value.
 double distance(const Run& a, const Run& b) {
   REQUIRE(a.rows.size() == b.rows.size());
@@ -294,4 +305,30 @@ TEST_CASE("parallel ideal diodes share their current by exact segments, whatever
     CHECK(largest > 0.05);
     CHECK(apart <= sharing * largest);
   }
+}
+
+// A source's edge of 6 V at 1 ms charges C1 and C2 in series through a diode: q = 6 V·C1 C2/(C1 + C2). A current source of 0.5 A flows beside it, whose charge in a step of
+// any length is no part of the impulse.
+TEST_CASE("charges of jumps by exact segments are those of their capacitors", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Pulse{1.0, 7.0, 1e-3, 0.0, 0.0, 1.0, 2.0});
+  c.d("s", "a");
+  c.c("a", "b", 2e-6, 1.0);
+  c.c("b", "0", 3e-6, 0.0);
+  c.i("0", "b", model::Dc{0.5e-3});
+  c.r("b", "0", 1e3);
+  c.save_i_d(0);
+  Diagnostics diagnostics;
+  const auto model = engine::sparse::prepare(c.network(), diagnostics);
+  REQUIRE(model);
+  Deliveries deliveries;
+  engine::Request request = request_of({.stop = 2e-3, .steps = 10, .uic = true});
+  request.probes = {{0}, 0.0, 2e-3, &deliveries};
+  Run run;
+  run.answer = engine::sparse::run_segments(*model, request, segment_tolerance, run);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  REQUIRE(deliveries.times.size() == 1);
+  CHECK(deliveries.times.front() == Approx(1e-3));
+  const double before = 0.5 * (1.0 - std::exp(-1e-3 / 3e-3));  // v(b): R with C2 alone, as the diode blocks while v(b) rises
+  CHECK(deliveries.of_first.front() == Approx((6.0 - before) * 1.2e-6).epsilon(engine_error));
 }

@@ -49,6 +49,8 @@ class ExactSegment {
 
   /// After `open`, where states jump: what impulses make of the unknowns in a step of the segment's own.
   [[nodiscard]] std::vector<double> impulses() const { return space_.impulses(); }
+  /// Its length, s.
+  [[nodiscard]] double step_length() const { return 1.0 / space_.shift(); }
   /// √energy of the difference of two points' states, of the largest √energy.
   [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const { return space_.distance(a, b) / size_; }
   /// The end of that step.

@@ -46,6 +46,7 @@ class KrylovSpace {
   void shrink(int m);
 
   [[nodiscard]] int dimension() const { return dimension_; }
+  [[nodiscard]] double shift() const { return shift_; }
   /// All that the motion takes part in.
   [[nodiscard]] bool is_full() const { return full_; }
   /// False: K is nothing but rounding.
