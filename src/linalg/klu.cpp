@@ -31,6 +31,7 @@ double norm(const SparsePattern& pattern, const std::vector<double>& values) {
 struct KluOrdering::Handle {
   klu_common common{};
   klu_symbolic* symbolic = nullptr;
+  bool by_columns_tried = false;
 };
 
 KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), handle_(std::make_unique<Handle>()) {
@@ -90,16 +91,44 @@ FixedPivotFactor factor_of(klu_numeric* numeric, klu_symbolic* symbolic, klu_com
   return {std::move(pivots), std::move(values)};
 }
 
+double fill(const klu_numeric& numeric) { return static_cast<double>(numeric.lnz) + static_cast<double>(numeric.unz); }
+
+/// Of the minimum degree ordering, with all pivots on its diagonal.
+double expected_fill(const klu_symbolic& symbolic) { return symbolic.lnz + symbolic.unz; }
+
+/// Minimum degree counts on pivots on the diagonal. Where many are zero there, as in the rows of ports that may be on either side, an ordering of columns (COLAMD) that
+/// expects any pivot fills less. Symbolic and numeric become its own if it does.
+void order_by_columns(const SparsePattern& p, const std::vector<double>& values, klu_common& common, klu_symbolic*& symbolic,
+                      klu_numeric*& numeric) {
+  constexpr int colamd = 1;
+  const int minimum_degree = std::exchange(common.ordering, colamd);
+  klu_symbolic* other = klu_analyze(p.size, writable(p.start), writable(p.row), &common);
+  common.ordering = minimum_degree;
+  klu_numeric* factored = other ? klu_factor(writable(p.start), writable(p.row), writable(values), other, &common) : nullptr;
+  if (factored != nullptr && common.status == KLU_OK && fill(*factored) < fill(*numeric)) {
+    std::swap(symbolic, other);
+    std::swap(numeric, factored);
+  }
+  klu_free_numeric(&factored, &common);
+  klu_free_symbolic(&other, &common);
+  common.status = KLU_OK;  // of the numeric that stays
+}
+
 }  // namespace
 
 Factored KluFactor::factor(const std::vector<double>& values) {
   singular_column_ = -1;
   const SparsePattern& p = ordering_->pattern_;
   if (p.size == 0) return Factored::good;
-  auto& [common, symbolic] = *ordering_->handle_;
+  auto& [common, symbolic, by_columns_tried] = *ordering_->handle_;
   if (!ordering_->structurally_regular()) return Factored::singular;
   klu_numeric* numeric = klu_factor(writable(p.start), writable(p.row), writable(values), symbolic, &common);
   ++ordering_->counts.factorizations;
+  if (numeric != nullptr && common.status == KLU_OK && !by_columns_tried &&
+      fill(*numeric) > tolerance::most_fill * expected_fill(*symbolic)) {
+    by_columns_tried = true;
+    order_by_columns(p, values, common, symbolic, numeric);
+  }
   const auto status = common.status;
   const bool regular = numeric != nullptr && status == KLU_OK;
   if (regular) numeric_ = factor_of(numeric, symbolic, &common);

@@ -33,6 +33,9 @@ inline constexpr double least_growth = 1e-4;
 /// Of: the pivot ratio that pivoting reached.
 /// Why: below it the condition of kept pivots is estimated before they are used.
 inline constexpr double suspicious_ratio = 1e-3;
+/// Of: the entries of L and U that an ordering expects with pivots on its diagonal.
+/// Why: above it pivots off the diagonal fill the factors, and an ordering that expects them is tried.
+inline constexpr double most_fill = 1.5;
 /// Of: one, as a condition number.
 /// Why: beyond it four digits are left, and the matrix is factored with new pivots.
 inline constexpr double largest_condition = 1e12;

@@ -16,9 +16,31 @@ namespace {
 constexpr double agreement = 1e-7;  ///< of the largest √energy
 constexpr int networks = 300;       ///< of a family
 constexpr int others = 1000;        ///< after the first thousand
-constexpr LeastStates least{.voltage = 1e-6, .current = 1e-9};
+/// Of the largest voltage that sources can drive through all resistors, and of the largest current: states that are smaller all the time are their rounding, as the
+/// voltage of a capacitor in a loop that carries nothing, between nodes at 2 kV.
+constexpr double rounding_share = 1e-6;
 
 enum class Kind { agrees, named, silent };
+
+struct Sizes {
+  double voltage = 0.0, current = 0.0;
+};
+
+Sizes sizes_of(const RandomNetwork& network) {
+  Part capacitor, inductor;
+  capacitor.kind = Part::Kind::capacitor;
+  inductor.kind = Part::Kind::inductor;
+  const double voltage = typical_state(capacitor), current = typical_state(inductor);
+  double all = 0.0, least = 1.0;
+  bool drives = false;
+  for (const Part& part : network.parts) {
+    drives |= part.kind == Part::Kind::current || part.kind == Part::Kind::inductor;
+    if ((part.kind != Part::Kind::resistor && part.kind != Part::Kind::voltage) || part.value == 0.0) continue;
+    all += part.value;
+    least = std::min(least, part.value);
+  }
+  return {voltage + (drives ? current * all : 0.0), current + voltage / least};
+}
 
 struct Outcome {
   Kind kind = Kind::agrees;
@@ -32,7 +54,9 @@ Outcome run_both(const RandomNetwork& network) {
   if (exact.finding.kind != Finding::Kind::fine) return {};
   const ProgramRun segments = run_program_segments(to_model(network), times);
   if (segments.finding.kind != Finding::Kind::fine) return {Kind::named, segments.finding.what + " " + segments.finding.detail};
-  const double apart = energy_distance(network, exact, segments, least);
+  const Sizes sizes = sizes_of(network);
+  const double apart =
+      energy_distance(network, exact, segments, {.voltage = rounding_share * sizes.voltage, .current = rounding_share * sizes.current});
   return {apart <= agreement ? Kind::agrees : Kind::silent, "differs by " + Catch::StringMaker<double>::convert(apart)};
 }
 
@@ -58,15 +82,30 @@ void check_networks(const std::string& name, int first, int count, int allowed) 
 
 TEST_CASE("random networks by Krylov segments agree with the exact engine, or end in an error", "[property]") {
   // So many end in an error today (docs/developer/open-ends.md); no more may.
-  static const std::map<std::string, int> most_named{{"all parts", 1},   {"no sources", 0}, {"little resistance", 2},
-                                                     {"many diodes", 1}, {"floating", 3},   {"up to twelve ports", 2}};
+  static const std::map<std::string, int> most_named{{"all parts", 1},   {"no sources", 0}, {"little resistance", 3},
+                                                     {"many diodes", 1}, {"floating", 2},   {"up to twelve ports", 3}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, 0, networks, allowed);
 }
 
+// Wrong by up to 6e-5 without an error, before the sign of a jump's impulses was looked at: a capacitor that a current discharges within nanoseconds does not jump, and
+// a diode must not conduct backwards to make it.
+TEST_CASE("networks in which a short motion is no jump agree by Krylov segments", "[property]") {
+  const auto [seed, name] = GENERATE(table<std::uint64_t, std::string>({{2576, "all parts"},
+                                                                        {3363, "all parts"},
+                                                                        {12367, "no sources"},
+                                                                        {20380, "little resistance"},
+                                                                        {24360, "little resistance"},
+                                                                        {42721, "floating"},
+                                                                        {74080, "up to twelve ports"}}));
+  const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
+  INFO(seed << ": " << outcome.what);
+  CHECK(outcome.kind == Kind::agrees);
+}
+
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 14},  {"no sources", 17}, {"little resistance", 16},
-                                                     {"many diodes", 8}, {"floating", 15},   {"up to twelve ports", 19}};
+  static const std::map<std::string, int> most_named{{"all parts", 15},  {"no sources", 17}, {"little resistance", 17},
+                                                     {"many diodes", 8}, {"floating", 16},   {"up to twelve ports", 19}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }

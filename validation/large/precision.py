@@ -66,7 +66,7 @@ def line(name, sizes, options):
             _, coarse = run("sparse", "--reltol", "1e-7", repeats=1)
             _, reference = run("sparse", "--reltol", "1e-8", repeats=1)
             if isinstance(reference, str) or isinstance(coarse, str):
-                return f"| {name} {' '.join(map(str, sizes))} | no reference: {reference} |"
+                return f"| {name} {' '.join(map(str, sizes))} | no reference: {reference if isinstance(reference, str) else coarse} |"
             beside = f"sparse, 1e-8 (its error: {measure.worst_error(coarse, reference):.0e})"
         cells = [beside, f"{exact:.3g}" if exact is not None else exact_rows, cell(*run("krylov"), reference)]
         cells += [cell(*run("sparse", "--reltol", reltol), reference) for reltol in RELTOL]

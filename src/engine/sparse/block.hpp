@@ -167,6 +167,9 @@ class Block {
   [[nodiscard]] bool take_jump(Instant& instant);
   [[nodiscard]] Sought jump_by_step(const Point& step, double h);
   [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
+  [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
+                                                           const Position& on, double share) const;
+  [[nodiscard]] bool is_jump_of(const Position& on);
   [[nodiscard]] bool is_continuous();
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
@@ -179,7 +182,8 @@ class Block {
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);
-  void note_segment_impulses(double h);
+  void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
+  void note_segment_impulses();
   void finish_instant(const Instant& instant);
 
   const Part& part_;
@@ -215,7 +219,9 @@ class Block {
   std::unordered_set<std::string>
       unshared_;  ///< positions, with what carries nothing in them, in which ports that are free to conduct would not either
   Trial trial_, free_;
-  Point first_, second_, third_;  ///< of the Euler steps of an instant
+  Point first_, second_, third_;                    ///< of the Euler steps of an instant
+  std::pair<Point, Point> jump_steps_;              ///< of segments, the Euler steps that begin with the instant's jump
+  std::vector<double> jump_impulses_, jump_terms_;  ///< ∫ dt of the unknowns over its jumps, and what they were parts of
   std::vector<double> w_, signals_before_, impulses_;
   std::vector<double> states_;        ///< of point_, or those given, at an instant
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_

@@ -22,6 +22,12 @@ namespace {
 constexpr double least_jump = 1e-8;
 constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
 constexpr double impulse_share = 1e-6;
+constexpr double rounding_of_impulses = 1e-9;  ///< of the largest in a voltage, and in a port's current
+constexpr double rounding_of_others = 1e-12;   ///< of all voltages and currents of it, in volts: what one kind makes of the other
+constexpr double same_jump = 1e-9;             ///< of the largest √energy
+constexpr double most_relaxed = 30.0;          ///< of that, where signs agree in no position
+constexpr double visible_impulse = 1e-6;       ///< the same: that is none of rounding
+constexpr double rounding_of_step = 1e-11;     ///< the same, of the step that they are a part of
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
@@ -39,8 +45,6 @@ constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
 constexpr double signal_rounding = 1e-12;
 constexpr double shortest_piece = 1e-12;  ///< of the segment
 constexpr std::size_t last_coefficients = 3;
-/// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
-constexpr double least_impulse = 100.0;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
 
@@ -82,7 +86,13 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
-  if (take_jump(instant)) return take_step_of_jump(step, h);
+  if (take_jump(instant)) {
+    const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
+    const double length = segment_->step_length();
+    const Sought sought = is_jump_of(on) ? take_step_of_jump(step, h) : Sought::not_found;
+    if (sought == Sought::jumped) add_impulses(impulses, whole, length);
+    return sought;
+  }
   if (segment_->negative().empty()) return Sought::found;
   const std::vector<double> z = first_.z;
   first_ = step;
@@ -99,8 +109,26 @@ Block::Sought Block::jump_by_step(const Point& step, double h) {
   const std::vector<double> none;
   if (segment_->open(factors_, {point_.time, step.on, first_.z, none, longest, length}) != ExactSegment::Opened::yes)
     return Sought::not_found;
-  if (!segment_->take_back(length, first_.z)) return Sought::not_found;
-  return take_step_of_jump(step, h);
+  const std::vector<double> whole = first_.z;
+  std::vector<double> impulses;
+  segment_->unknowns(segment_->at(0.0), impulses);
+  for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = whole[i] - impulses[i];
+  if (!backward_impulses(impulses, whole, step.on, visible_impulse).empty() || !segment_->take_back(length, first_.z))
+    return Sought::not_found;
+  const Sought sought = take_step_of_jump(step, h);
+  if (sought == Sought::jumped) add_impulses(impulses, whole, length);
+  return sought;
+}
+
+/// Of a jump with which an Euler step begins: what it delivers is the step's length times what impulses make of its end.
+void Block::add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length) {
+  if (request_.probes.sink == nullptr) return;
+  jump_impulses_.resize(impulses.size(), 0.0);
+  jump_terms_.resize(impulses.size(), 0.0);
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    jump_impulses_[i] += length * impulses[i];
+    jump_terms_[i] += length * whole[i];
+  }
 }
 
 /// The run stands after a jump, in the position of it; what flows there is to be found.
@@ -116,8 +144,51 @@ Block::Sought Block::take_step_of_jump(const Point& step, double h) {
   descriptor_.measure_states(point_.z.data(), states_);
   descriptor_.forget_currents(point_.z);
   first_ = step;
-  if (request_.jumps || request_.probes.sink != nullptr) trial_.solved = stepper_.euler(first_, h, second_);
+  if (request_.jumps) {
+    trial_.solved = stepper_.euler(first_, h, second_);
+    jump_steps_ = {first_, second_};
+  }
   return trial_.solved == Solved::yes ? Sought::jumped : Sought::not_found;
+}
+
+/// Ports of which a jump in that position asks what they do not do: conduct an impulse backwards, or block one forwards, by so much of the largest in a current, or
+/// in a voltage. `whole`: the end of the step that the impulses are a part of.
+std::vector<std::size_t> Block::backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on,
+                                                  double share) const {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double other = rounding_of_others * largest(whole);
+  const auto rounding = [&](auto largest_of) {
+    return std::max({share * largest_of(impulses), rounding_of_step * largest_of(whole), other});
+  };
+  const double voltage = rounding([&](const std::vector<double>& z) { return largest(std::span(z).first(nodes)); });
+  const double input = rounding([&](const std::vector<double>& z) {
+    double most = 0.0;
+    for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(z[static_cast<std::size_t>(port.row)]));
+    return most;
+  });
+  std::vector<std::size_t> ports;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    if (!port.blocks(on) && port.response(on[i] != 0, impulses.data()) < -(on[i] != 0 ? input : voltage)) ports.push_back(i);
+  }
+  return ports;
+}
+
+/// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
+/// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
+bool Block::is_jump_of(const Position& on) {
+  const double same = same_jump * std::min(segment_->relaxation(), most_relaxed);
+  if (segment_->distance(point_.z, first_.z) <= same) return true;
+  const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
+  const std::vector<std::size_t> backward = backward_impulses(impulses, whole, on, rounding_of_impulses);
+  if (backward.empty()) return true;
+  Position other = on;
+  for (const std::size_t i : backward) other[i] ^= 1;
+  descriptor_.hold_blocked(other);
+  if (open_segment(other) != ExactSegment::Opened::yes) return backward_impulses(impulses, whole, on, visible_impulse).empty();
+  std::vector<double> z;
+  segment_->unknowns(segment_->at(0.0), z);
+  return segment_->distance(first_.z, z) <= same;
 }
 
 /// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.
@@ -204,6 +275,9 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
     point_.z = z;
     start_memory_ = memory;
     states_ = states;
+    jump_steps_ = {};
+    jump_impulses_.clear();
+    jump_terms_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
     found = follows_directly(candidate) || follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
     if (found || !failure_.id.empty()) break;
@@ -279,13 +353,13 @@ bool Block::begin_segment() {
   Point next = point_of_segment(0.0, time);
   instant.jump |= difference(states, next.z) > least_jump;
   instant.mode_change |= next.on != position_before_;
-  if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !first_.z.empty()) {
+  if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
     descriptor_.measure_states(next.z.data(), after);
-    const double h = first_.time - time;
-    jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, first_, second_}, impulse_share));
+    const double h = jump_steps_.first.time - time;
+    jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, impulse_share));
   }
-  if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses(first_.time - time);
+  if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
   certificate_.add_point(next, ports_, 1.0 / segment_->length());
   certificate_.add_estimate(segment_->worst_estimate());
   settle_in(next);
@@ -306,14 +380,12 @@ void Block::finish_instant(const Instant& instant) {
   starting_ = false;
 }
 
-/// What the first Euler step delivers beyond what flows in the second.
-void Block::note_segment_impulses(double h) {
-  impulses_.resize(signals_.size());
+void Block::note_segment_impulses() {
+  impulses_.assign(signals_.size(), 0.0);
+  if (jump_impulses_.empty()) return;
   for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const double first = signals_[i].value(first_.z.data(), first_.w.data());
-    const double second = signals_[i].value(second_.z.data(), second_.w.data());
-    const double largest = std::max({std::abs(second), std::abs(signals_before_[i])});
-    impulses_[i] = std::abs(first - second) > least_impulse * largest ? h * (first - second) : 0.0;
+    const double impulse = Form::sum(signals_[i].z, jump_impulses_.data()), terms = Form::size_of(signals_[i].z, jump_terms_.data());
+    if (std::abs(impulse) > rounding_of_step * terms) impulses_[i] = impulse;
   }
 }
 

@@ -33,6 +33,8 @@ constexpr double rounding_of_inputs = 1e-12, share_of_norm = 0.1;
 constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
 constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
+constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
+constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
@@ -116,7 +118,7 @@ bool ExactSegment::resolve() {
     last = m;
     if (m == dimensions.back()) return is_cut_within(error);
   }
-  if (!(before <= rounding_tolerance * size_)) return false;
+  if (last == 0 || !(before <= rounding_tolerance * size_)) return false;
   space_.shrink(last);
   estimate_ = before;
   if (space_.is_sound()) (void)space_.estimate(length_);
@@ -156,9 +158,10 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
     if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return Opened::contradicted;
+    if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
-    if (space_.start_rounding() <= start_tolerance * size_ && resolve()) {
+    if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
         habits_[key_].turning = turning;
@@ -255,11 +258,17 @@ void ExactSegment::drop_empty_guards() {
   if (segment_.rows.empty()) return;
   node_terms_ = space_.largest_terms(0, descriptor_.nodes());
   input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
+  const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
+  double input = least_voltage_;
+  for (const int row : segment_.rows)
+    if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
+  const double voltage = std::max(voltage_, least_voltage_);
   free_.clear();
   idle_.clear();
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
-    const bool is_empty = is_short || mode_->guards.row(row).cwiseAbs().dot(space_.reach()) <= empty_row * terms_of(row);
+    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
+    const bool is_empty = is_short || reach(row) <= std::min(empty_row * terms_of(row), most_empty * size);
     if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
     if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
     return is_empty;

@@ -24,6 +24,7 @@ class ExactSegment {
     relaxation_ = factor;
     takes_positive_ = takes_positive;
   }
+  [[nodiscard]] double relaxation() const { return relaxation_; }
 
   /// States come from a jump at which voltages were as large as this: their rounding is of it. 0: no longer.
   void note_jump(double voltage) { jump_voltage_ = voltage; }
@@ -45,6 +46,15 @@ class ExactSegment {
   /// what decays in the segment.
   [[nodiscard]] double step(Factors& factors, const Start& start, std::vector<double>& z);
   [[nodiscard]] bool take_back(double h, std::vector<double>& z);
+
+  /// After `open`, where states jump: what impulses make of the unknowns in a step of the segment's own.
+  [[nodiscard]] std::vector<double> impulses() const { return space_.impulses(); }
+  /// Its length, s.
+  [[nodiscard]] double step_length() const { return 1.0 / space_.shift(); }
+  /// √energy of the difference of two points' states, of the largest √energy.
+  [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const { return space_.distance(a, b) / size_; }
+  /// The end of that step.
+  [[nodiscard]] std::vector<double> first_unknowns() const { return space_.first_unknowns(); }
 
   [[nodiscard]] double start() const { return start_; }
   /// How far its error is within the tolerance, s.

@@ -17,6 +17,7 @@ using linalg::Vector;
 constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
 constexpr double least_change = 1e-15;          ///< of z itself: the same
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
+constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
 constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
 constexpr double worst_condition = 1e12;
 constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
@@ -33,6 +34,7 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
     double& sum = state.is_current ? weight_of_currents_ : weight_of_voltages_;
     sum = std::hypot(sum, state_weight_.back());
+    if (state.is_current && state.storage != 0.0) weight_of_rates_ = std::hypot(weight_of_rates_, std::sqrt(r0 / std::abs(state.storage)));
   }
 }
 
@@ -140,11 +142,21 @@ void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, doub
   for (const double value : zeta) *x++ = zeta_weight_ * value;
 }
 
-/// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, all of which
-/// may be far larger.
+double KrylovSpace::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) {
+    const State& state = descriptor_.states()[i];
+    square += std::pow(state_weight_[i] * (state.value(a.data()) - state.value(b.data())), 2);
+  }
+  return std::sqrt(square);
+}
+
+/// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
+/// difference of their voltages in 1/shift, all of which may be far larger.
 double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  double rounding = largest(std::span(z).first(nodes)) * weight_of_voltages_;
+  const double voltage = largest(std::span(z).first(nodes));
+  double rounding = voltage * (weight_of_voltages_ + weight_of_rates_ / shift_);
   if (weight_of_currents_ > 0.0) {
     sizes_.resize(z.size());
     descriptor_.conduct_sizes(z.data(), sizes_.data());
@@ -153,7 +165,8 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   return rounding_of_solution * rounding;
 }
 
-/// The same of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d makes of them. The
+/// The same of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d makes of them, which is
+/// the rounding of a row's terms at least, as chance may make it zero. The
 /// bound may be far too large: an inductor whose current is cut off has impulses of voltage, of which none reaches a capacitor.
 double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
   const double bound = rounding_of_states(d);
@@ -161,7 +174,15 @@ double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
   descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   product_.resize(d.size());
   linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
-  for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
+  for (double& value : values_) value = std::abs(value);
+  sizes_.resize(d.size());
+  magnitudes_.resize(d.size());
+  std::transform(d.begin(), d.end(), magnitudes_.begin(), [](double value) { return std::abs(value); });
+  linalg::multiply(descriptor_.pattern(), values_, magnitudes_.data(), sizes_.data());
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const double residual = given_[i] - product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
+    product_[i] = std::copysign(std::max(std::abs(residual), rounding_of_sum * sizes_[i]), sign);
+  }
   factor_->solve(product_);
   double square = 0.0;
   for (std::size_t i = 0; i < state_weight_.size(); ++i)
@@ -184,6 +205,7 @@ void KrylovSpace::reserve(int columns) {
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
+  passed_on_.conservativeResizeLike(Matrix::Zero(cols, cols));
   zetas_.conservativeResize(zetas, cols);
   zeta_changes_.conservativeResize(zetas, cols);
   measured_.conservativeResize(static_cast<Eigen::Index>(state_weight_.size()) + zetas, cols);
@@ -216,7 +238,8 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   if (!(zeta_weight_ > 0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
-  lost_[0] = 1.0;
+  passed_on_.row(0).setZero();
+  lost_[0] = passed_on_(0, 0) = 1.0;
   vectors_.col(0) = Eigen::Map<const Vector>(right_.data(), vectors_.rows()) / norm_;
   zetas_.col(0) = zeta / norm_;
   measured_.col(0) = x / norm_;
@@ -226,6 +249,14 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
 std::vector<double> KrylovSpace::first_unknowns() const {
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
   Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * vectors_.col(0);
+  return z;
+}
+
+std::vector<double> KrylovSpace::impulses() const {
+  const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
+  std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
+  Eigen::Map<Vector>(z.data(), vectors_.rows()) =
+      norm_ * vectors_.col(0) - vectors_.leftCols(dimension_) * c - changes_.leftCols(dimension_) * c;
   return z;
 }
 
@@ -263,10 +294,20 @@ void KrylovSpace::add_vector() {
   const double nothing = std::max(rounding_of_change * size, least_change);
   full_ = !(h > nothing) || !(h > rounding_of(right_, h));
   if (full_) return;
-  lost_[j + 1] = (size + lost_.head(j + 1).dot(c.cwiseAbs())) / h;
+  note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;
+}
+
+/// A vector that breaks algebraic rows by e is not moved there, as T z is solved for with zeros in them. So the rounding of solutions, ε_i = passed_on_(i, i), goes
+/// through  h e_{j+1} = ε_j − Σ c_i e_i: with signs, as magnitudes alone would grow like 3^j where the spectrum is that of diffusion.
+void KrylovSpace::note_lost(const Vector& c, double size, double h) {
+  const auto j = c.size();
+  passed_on_.row(j).setZero();
+  passed_on_.row(j).head(j) = -(c.transpose() * passed_on_.topLeftCorner(j, j)) / h;
+  passed_on_(j, j) = size / h;
+  lost_[j] = passed_on_.row(j).head(j + 1).cwiseAbs().sum();
 }
 
 void KrylovSpace::grow(int m) {
@@ -355,6 +396,12 @@ double KrylovSpace::largest_terms(int first, int count) const {
     return columns.block(first, 0, count, dimension_).cwiseAbs().colwise().maxCoeff().transpose().array().eval();
   };
   return (largest(vectors_) * lost_.head(dimension_).array() + largest(changes_)).matrix().dot(k_.cwiseAbs() * reach_);
+}
+
+double KrylovSpace::loss() const {
+  const Vector shares = k_.cwiseAbs() * reach_;
+  const double sum = shares.sum();
+  return sum > 0.0 ? shares.dot(lost_.head(dimension_)) / sum : 1.0;
 }
 
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {

@@ -46,16 +46,21 @@ class KrylovSpace {
   void shrink(int m);
 
   [[nodiscard]] int dimension() const { return dimension_; }
+  [[nodiscard]] double shift() const { return shift_; }
   /// All that the motion takes part in.
   [[nodiscard]] bool is_full() const { return full_; }
   /// False: K is nothing but rounding.
   [[nodiscard]] bool is_sound() const { return sound_; }
   /// √energy at the start, in the norm of the space and without sources.
   [[nodiscard]] double start_size() const { return size_; }
+  /// √energy of the difference of two points' states, in the norm of the space.
+  [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const;
   /// The rounding of the states that it begins with, of a jump's impulses.
   [[nodiscard]] double start_rounding() const { return rounding_; }
   /// S z₀
   [[nodiscard]] std::vector<double> first_unknowns() const;
+  /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).
+  [[nodiscard]] std::vector<double> impulses() const;
   /// y(0).
   [[nodiscard]] const linalg::Vector& first() const { return first_; }
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
@@ -77,6 +82,8 @@ class KrylovSpace {
   [[nodiscard]] double row_terms(const Form& form) const;
   /// The same of the largest of several unknowns, with what their vectors have lost in orthogonalisation.
   [[nodiscard]] double largest_terms(int first, int count) const;
+  /// How many times its own rounding a vector has, on average over what the motion takes of them in that length.
+  [[nodiscard]] double loss() const;
   /// Of the states in the unknowns at y(0), in the norm of the space: vectors may hold impulses of voltage that cancel.
   [[nodiscard]] double rounding_at_start();
   /// z and E z' at y.
@@ -99,6 +106,7 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
   void add_vector();
+  void note_lost(const linalg::Vector& c, double size, double h);
   void reduce();
 
   const Descriptor& descriptor_;
@@ -107,19 +115,21 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
+  double weight_of_rates_ = 0.0;                                ///< the same of what a volt across an inductor moves in a second
   const Factor* factor_ = nullptr;
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
   bool full_ = false, sound_ = true;
-  linalg::Matrix vectors_, changes_;         ///< Z and T Z (unknowns × columns)
-  linalg::Vector lost_;                      ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
+  linalg::Matrix vectors_, changes_;  ///< Z and T Z (unknowns × columns)
+  linalg::Matrix passed_on_;          ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
+  linalg::Vector lost_;               ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
   linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
   linalg::Matrix measured_;                  ///< what the norm measures of Z
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, estimate_, values_;
+  std::vector<double> right_, product_, sizes_, estimate_, values_, magnitudes_;
   std::vector<double> given_;  ///< right-hand side of the last solution
 };
 
