@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "property/independent.hpp"
 #include "property/program_run.hpp"
 #include "property/survey.hpp"
 
