@@ -267,12 +267,18 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
   const Mode* jump = nullptr;
   bool jump_repeats = false;
   Impulse impulse;
+  // Most candidates come at several s; what was found of one holds for all of them.
+  std::vector<IndexSet> rejected;
+  std::vector<const Mode*> jumps_again;
+  const auto is_in = [](const auto& list, const auto& what) { return std::find(list.begin(), list.end(), what) != list.end(); };
   for (const double factor : s_factors) {
     const Mode* first_jump = nullptr;
     for (const IndexSet& set : rational_.candidates(x, rational_.rate() * factor, wanted)) {
+      if (is_in(rejected, set)) continue;
       if (const Mode* held = holding(x, set); held) {
         if (!accepts(*held, projected_.data())) {
           if (const Mode* other = beside(x, *held); other) return other;
+          rejected.push_back(set);
           continue;
         }
         linalg::copy(projected_.data(), system_.size(), x);
@@ -282,8 +288,9 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       if (!m.regular) continue;
       if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
       const bool repeats = &m == previous || factor >= trusted_s_factor;
-      jumped = system_.passive ? settled(m, x) != nullptr : repeats;
+      jumped = system_.passive ? !is_in(jumps_again, &m) && settled(m, x) != nullptr : repeats;
       if (jumped) return jump_into(m, x);
+      if (system_.passive && !is_in(jumps_again, &m)) jumps_again.push_back(&m);
       if (!first_jump) first_jump = &m;
       if (impulse_.order > 0 && (!jump || (repeats && !jump_repeats))) {
         jump = &m;
