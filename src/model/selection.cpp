@@ -202,6 +202,10 @@ const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
 
 const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
   for (const Mode* m : known(wanted).successors) {
+    if (m->slow || m->decays) {  // now the slow motion, now the mode with its decays
+      if (const Mode* found = try_without_jump(x, m->active); found) return found;
+      continue;
+    }
     if (!lies_in(*m, x) || !accepts(*m, projected_.data())) continue;
     linalg::copy(projected_.data(), system_.size(), x);
     return m;
@@ -210,9 +214,8 @@ const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
 }
 
 void Selector::remember(const IndexSet& wanted, const Mode& mode) {
-  if (mode.slow) return;  // decays are followed only as long as they last
   auto& list = known(wanted).successors;
-  std::erase(list, &mode);
+  std::erase_if(list, [&](const Mode* m) { return m == &mode || m->active == mode.active; });
   list.insert(list.begin(), &mode);
   if (list.size() > most_remembered) list.pop_back();
 }

@@ -25,6 +25,8 @@ constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
+constexpr double share_beside_decays =
+    0.25;  ///< of an interval that is not decided: time constants are decades apart, and halves take a third more intervals
 
 bool has_to_sample(const Segment& s, double end) {
   if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
@@ -401,7 +403,7 @@ bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& 
       if (sample_interval(s, h, end, located)) return true;
       break;
     }
-    h *= 0.5;
+    h *= s.decays.empty() ? 0.5 : share_beside_decays;
     if (h >= shortest) continue;
     // Cannot be decided: let the selection look at the state a hair further on.
     state_at(s, h, event_.data());
