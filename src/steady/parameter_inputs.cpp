@@ -104,6 +104,9 @@ class Adder {
     const auto node = static_cast<model::NodeIndex>(network_.nodes.size());
     network_.nodes.push_back({all_.names.back(), element.label.span});
     network_.branches.push_back({{all_.names.back(), element.label.span}, node, element.n, source_of(input)});
+    // What `.ic` says of its node says it of the new one.
+    for (const model::NodeCondition& condition : original_.node_conditions)
+      if (condition.node == element.n) network_.node_conditions.push_back({condition.label, node, condition.voltage});
     element.n = node;
     return input;
   }
@@ -283,7 +286,7 @@ class Adder {
     const Eigen::ArrayXd size = m.diagonal().array().abs().sqrt().max(1e-300);
     const linalg::Matrix scaled = (m.array().colwise() / size).rowwise() / size.transpose();
     const Eigen::FullPivLU<linalg::Matrix> lu(scaled);
-    if (lu.rcond() < least_pivot) {
+    if (!lu.isInvertible() || lu.rcond() < least_pivot) {  // the estimate leaves out pivots that are zero
       result.failure = "it moves inductors that are perfectly coupled";
       return;
     }

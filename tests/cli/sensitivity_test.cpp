@@ -675,3 +675,31 @@ TEST_CASE("backwards from the measurement and forward along the parameter the de
     }
   }
 }
+
+// v(b) = √(L2/L1)·V1: the derivatives −1000 and 250 are not followed, as with |k| = 1 the currents are no states of their own; 0 was printed.
+TEST_CASE("inductances of perfect couplings are refused by name", "[unit]") {
+  const Scratch scratch;
+  const Json told =
+      sensitivities_of(scratch,
+                       "t\nV1 a 0 1\nL1 a 0 1m\nL2 b 0 4m\nK1 L1 L2 1\nR3 b 0 50\n.tran 1u 1m uic\n.meas tran f FIND v(b) AT=0.5m\n"
+                       ".sens param=L1,L2\n.end\n");
+  REQUIRE(told["sensitivities"].array.size() == 2);
+  for (const Json& entry : told["sensitivities"].array) CHECK(entry["failure"].string == "it moves inductors that are perfectly coupled");
+}
+
+// By hand: v(a,b) at the start is 3 V − 1 V whatever C3 is. With C1 and C2 across one resistor, v(out) = 10 V − 8 V·e^{−t/(R(C1+C2))}: to each capacitance −8 V·e^{−1/2}·t/(R(C1+C2)²) at 1 ms.
+TEST_CASE("what .ic says of both nodes of a capacitor does not move with it", "[unit]") {
+  const Scratch scratch;
+  const Json still =
+      sensitivities_of(scratch,
+                       "t\nC3 a b 2u\nR1 a 0 1k\nR2 b 0 1k\n.ic v(a)=3 v(b)=1\n.tran 1u 3m uic\n.meas tran f FIND v(a,b) AT=0\n"
+                       ".sens param=C3\n.end\n");
+  REQUIRE(still["sensitivities"].array.size() == 1);
+  CHECK(std::abs(still["sensitivities"].array[0]["derivative"].number) < 1e-6);
+  const Json moves = sensitivities_of(scratch,
+                                      "t\nV1 in 0 10\nR1 in out 1k\nC1 out 0 1u\nC2 out in 1u\n.ic v(out)=2 v(in)=10\n.tran 1u 3m uic\n"
+                                      ".meas tran f FIND v(out) AT=1m\n.sens param=C1,C2\n.end\n");
+  REQUIRE(moves["sensitivities"].array.size() == 2);
+  const double expected = -8.0 * std::exp(-0.5) * 1e-3 / (1e3 * 2e-6 * 2e-6);
+  for (const Json& entry : moves["sensitivities"].array) CHECK(entry["derivative"].number == Approx(expected).epsilon(1e-9));
+}
