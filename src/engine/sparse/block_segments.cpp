@@ -457,7 +457,8 @@ bool Block::is_resolved(double from, double to) {
   for (std::size_t k = 0; k < signals_.size(); ++k) {
     const linalg::LegendreSeries series(&values[k * linalg::legendre_points]);
     const double start = segment_->signal(k, y);
-    double size = std::max(signal_scale_[k], std::abs(start)), last = 0.0;
+    // A signal that begins far from what drives it is a small difference of large terms at first.
+    double size = std::max(signal_scale_[k], segment_->signal_terms(k, y)), last = 0.0;
     for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
     for (std::size_t c = 0; c < last_coefficients; ++c)
       last = std::max(last, std::abs(series.coefficients()[linalg::legendre_points - 1 - c]));

@@ -417,6 +417,10 @@ double ExactSegment::signal(std::size_t i, const std::vector<double>& y) const {
   return signal_constants_[i] + linalg::row_times(signal_rows_, static_cast<Eigen::Index>(i), y.data());
 }
 
+double ExactSegment::signal_terms(std::size_t i, const std::vector<double>& y) const {
+  return std::abs(signal_constants_[i]) + linalg::absolute_row_times(signal_rows_, static_cast<Eigen::Index>(i), y.data());
+}
+
 void ExactSegment::accept() {
   peak_ = size_;
   worst_ = std::max(worst_, estimate_ / peak_);

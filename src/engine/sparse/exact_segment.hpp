@@ -85,6 +85,8 @@ class ExactSegment {
   /// The rows of signals, without their sources, in `values`.
   void set_signals(const std::vector<Form>& signals);
   [[nodiscard]] double signal(std::size_t i, const std::vector<double>& y) const;
+  /// The sum of the magnitudes of its terms, which its rounding is relative to.
+  [[nodiscard]] double signal_terms(std::size_t i, const std::vector<double>& y) const;
 
   /// States of that size, in volts, are not small.
   void note_least_voltage(double least);
