@@ -341,6 +341,7 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
 
 /// Whether the mode of the set is out of the question, before its slow motion is split off: some guard is below zero by more than rounding, or decays, can hide.
 bool Selector::is_out_of_question(const IndexSet& set, const double* x) {
+  if (known(set).slow_is_known) return false;
   const Mode& whole = mode(set);
   if (!whole.regular) return true;
   if (whole.constrained || has_settled(whole)) return false;

@@ -25,6 +25,8 @@ constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
+constexpr double growth_beside_decays =
+    4.0;  ///< of the next interval: over decades of decays it is soon long, and where the slow motion sets its length it is found at once
 constexpr double share_beside_decays =
     0.25;  ///< of an interval that is not decided: time constants are decades apart, and halves take a third more intervals
 
@@ -391,7 +393,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
 bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& located) {
   const double rest = end - s.tau;
   // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
-  double h = s.step > 0.0 && s.decays.empty() ? std::min(2.0 * s.step, rest) : rest;
+  double h = s.step > 0.0 ? std::min((s.decays.empty() ? 2.0 : growth_beside_decays) * s.step, rest) : rest;
   const bool sampled = has_to_sample(s, end);
   if (sampled) h = std::max(h, rest / sampled_intervals);
   if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
