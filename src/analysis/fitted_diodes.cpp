@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/quantity.hpp"
+#include "analysis/short_list.hpp"
 #include "analysis/tangent_points.hpp"
 #include "measure/diode_currents.hpp"
 #include "model/builder.hpp"
@@ -200,13 +201,11 @@ class Fit {
  private:
   /// Of the channels that have another resistance than before; none: nothing.
   [[nodiscard]] std::optional<Diagnostic> note_of_channels() const {
-    std::string list;
-    std::size_t moved = 0;
+    ShortList list(most_named);
     SourceSpan first;
     const auto name = [&](const model::Label& label, double gate, double resistance) {
-      if (moved == 0) first = label.span;
-      if (++moved <= most_named)
-        list += fmt::format("{}{} at {} (Ron = {:.6g} ohm)", moved > 1 ? ", " : "", label.name, quantity(gate, "V", 2), resistance);
+      if (list.empty()) first = label.span;
+      list.add(fmt::format("{} at {} (Ron = {:.6g} ohm)", label.name, quantity(gate, "V", 2), resistance));
     };
     for (const FittedChannel& each : channels_) {
       if (each.overdrive <= 0.0) continue;
@@ -219,27 +218,26 @@ class Fit {
       const model::Complementarity& part = network_.complementarities[each.half];
       name(part.label, part.half->level + (part.half->is_p_type ? -each.overdrive : each.overdrive), each.resistance);
     }
-    if (moved == 0) return std::nullopt;
-    if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
-    return Diagnostic{Severity::note, "N-gate-drive", first,
-                      fmt::format("a preliminary run finds the gate voltages of MOSFETs; their resistances are taken there: {}", list)};
+    if (list.empty()) return std::nullopt;
+    return Diagnostic{
+        Severity::note, "N-gate-drive", first,
+        fmt::format("a preliminary run finds the gate voltages of MOSFETs; their resistances are taken there: {}", list.str())};
   }
 
   /// Of the diodes whose tangent is another than before; none: nothing.
   [[nodiscard]] std::optional<Diagnostic> note_of_diodes() const {
-    std::string list;
-    std::size_t moved = 0;
+    ShortList list(most_named);
     SourceSpan first;
     for (const Fitted& each : fitted_) {
       if (each.lines.lines.empty()) continue;
       const model::Label& label = network_.diodes[each.diode].label;
-      if (moved == 0) first = label.span;
-      if (++moved <= most_named) list += (moved > 1 ? ", " : "") + label.name + " at " + words_of(each.lines);
+      if (list.empty()) first = label.span;
+      list.add(label.name + " at " + words_of(each.lines));
     }
-    if (moved == 0) return std::nullopt;
-    if (moved > most_named) list += fmt::format(" and {} more", moved - most_named);
-    return Diagnostic{Severity::note, "N-diode-current", first,
-                      fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list)};
+    if (list.empty()) return std::nullopt;
+    return Diagnostic{
+        Severity::note, "N-diode-current", first,
+        fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list.str())};
   }
 
   static std::string words_of(const DiodeLines& lines) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/quantity.hpp"
+#include "analysis/short_list.hpp"
 #include "base/names.hpp"
 
 namespace pwlsim::analysis {
@@ -41,20 +42,16 @@ void RatedParts::count(double until, std::span<const char> on) {
 
 std::optional<engine::Remark> RatedParts::remark(double end) {
   count(end, {});
-  std::string list;
-  std::size_t number = 0;
+  ShortList list(most_parts);
   for (const Part& part : parts_) {
-    if (!(part.seconds > worth_a_word * end)) continue;
-    if (++number <= most_parts)
-      list += fmt::format("{}{} for {:.2g} % of the run", number > 1 ? ", " : "", part.name, 100.0 * part.seconds / end);
+    if (part.seconds > worth_a_word * end) list.add(fmt::format("{} for {:.2g} % of the run", part.name, 100.0 * part.seconds / end));
   }
-  if (number == 0) return std::nullopt;
-  if (number > most_parts) list += fmt::format(" and {} more", number - most_parts);
+  if (list.empty()) return std::nullopt;
   return engine::Remark{
       "W-rated-voltage",
       fmt::format("parts of the models at hand break down at their rated voltage: {}; LTspice's models of such parts block any voltage; "
                   "try parts for a higher voltage, or .model cards of their own",
-                  list)};
+                  list.str())};
 }
 
 RatedCurrents::RatedCurrents(const std::vector<circuit::RatedCurrent>& rated, const std::vector<std::string>& columns) {
@@ -71,22 +68,19 @@ void RatedCurrents::add(std::span<const double> rows, std::size_t columns) {
 }
 
 std::optional<engine::Remark> RatedCurrents::remark() const {
-  std::string list;
-  std::size_t number = 0;
+  ShortList list(most_parts);
   for (const Column& column : columns_) {
     const double mean = column.sum / rows_;
-    if (!(mean > far_beyond * column.rated->amperes)) continue;
-    if (++number <= most_parts)
-      list += fmt::format("{}{} with {}, rated for {}", number > 1 ? ", " : "", column.rated->element, quantity(mean, "A", 2),
-                          quantity(column.rated->amperes, "A", 2));
+    if (mean > far_beyond * column.rated->amperes)
+      list.add(
+          fmt::format("{} with {}, rated for {}", column.rated->element, quantity(mean, "A", 2), quantity(column.rated->amperes, "A", 2)));
   }
-  if (number == 0) return std::nullopt;
-  if (number > most_parts) list += fmt::format(" and {} more", number - most_parts);
+  if (list.empty()) return std::nullopt;
   return engine::Remark{
       "W-rated-current",
       fmt::format("parts of the models at hand carry, on average over the rows, far more than they are rated for: {}; their "
                   "straight lines hold near the rating; try larger parts, or .model cards of their own",
-                  list)};
+                  list.str())};
 }
 
 }  // namespace pwlsim::analysis

@@ -272,7 +272,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
   Impulse impulse;
   // Most candidates come at several s; what was found of one holds for all of them.
   std::vector<IndexSet> rejected;
-  std::vector<const Mode*> jumps_again;
+  std::vector<const Mode*> unsettled;
   const auto is_in = [](const auto& list, const auto& what) { return std::find(list.begin(), list.end(), what) != list.end(); };
   for (const double factor : s_factors) {
     const Mode* first_jump = nullptr;
@@ -291,9 +291,13 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       if (!m.regular) continue;
       if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
       const bool repeats = &m == previous || factor >= trusted_s_factor;
-      jumped = system_.passive ? !is_in(jumps_again, &m) && settled(m, x) != nullptr : repeats;
+      if (!system_.passive) {
+        jumped = repeats;
+      } else if (!is_in(unsettled, &m)) {
+        jumped = settled(m, x) != nullptr;
+        unsettled.push_back(&m);
+      }
       if (jumped) return jump_into(m, x);
-      if (system_.passive && !is_in(jumps_again, &m)) jumps_again.push_back(&m);
       if (!first_jump) first_jump = &m;
       if (impulse_.order > 0 && (!jump || (repeats && !jump_repeats))) {
         jump = &m;

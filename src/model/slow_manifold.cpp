@@ -332,13 +332,11 @@ void Splitter::align_with_jump() {
 bool Splitter::separate_decays() {
   const bool jumps = whole_.constrained;
   if (jumps) align_with_jump();
-  WideMatrix coordinates(fast_, n_ + nz_);
   const WideElimination across(product(off_, f_), 0);
   if (across.rank() < fast_) return false;
-  coordinates = across.solve(result_.constraints);
   result_.slowest = 1.0 / cut_.fast_rate;
   result_.fast = f_.cast<double>();
-  result_.coordinates = coordinates.cast<double>();
+  result_.coordinates = across.solve(result_.constraints).cast<double>();
   result_.time_constants = Vector::Zero(fast_);
   const Index count = cut_.fast;
   const Matrix lambda = result_.coordinates.bottomLeftCorner(count, n_) * (rate_of_whole() * result_.fast.rightCols(count));

@@ -25,10 +25,8 @@ constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
-constexpr double growth_beside_decays =
-    4.0;  ///< of the next interval: over decades of decays it is soon long, and where the slow motion sets its length it is found at once
-constexpr double share_beside_decays =
-    0.25;  ///< of an interval that is not decided: time constants are decades apart, and halves take a third more intervals
+/// Beside decays, whose time constants are decades apart: the next interval, and what remains of one that is not decided. Halves take a third more intervals.
+constexpr double growth_beside_decays = 4.0, share_beside_decays = 0.25;
 
 bool has_to_sample(const Segment& s, double end) {
   if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
@@ -45,6 +43,12 @@ double norm_of(int n, std::uint64_t bits, Entry entry) {
     sum += value * value;
   }
   return std::sqrt(sum);
+}
+
+/// They do not describe the segment's guards.
+void leave_decays(Segment& s) {
+  s.decays.clear();
+  s.decays_fail = true;
 }
 
 double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::min(rate * h, 500.0)) : 1.0; }
@@ -127,11 +131,6 @@ double Locator::bound_in_at(const Mode& m, Bound& b, int row) const {
 double Locator::bound_at(const Segment& s, Bound& b, int row) {
   const double value = bound_in_at(*s.mode, b, row);
   if (s.decays.empty()) return value;
-  return std::min(value, bound_by_decays(s, row));
-}
-
-/// The same from the slow motion and each decay.
-double Locator::bound_by_decays(const Segment& s, int row) {
   double by_decays = bound_in_at(*s.mode->slow, slow_bound_, row);
   const model::Matrix& weights = s.mode->slow->decays->guards;
   const model::Matrix& doubt = s.mode->slow->decays->guard_doubt;
@@ -139,7 +138,7 @@ double Locator::bound_by_decays(const Segment& s, int row) {
     const auto column = static_cast<Eigen::Index>(k);
     by_decays += (std::abs(weights(row, column)) + doubt(row, column)) * decay_bound_[k];
   }
-  return by_decays;
+  return std::min(value, by_decays);
 }
 
 /// First and second derivatives at the interval's start.
@@ -357,8 +356,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
   end_values(s, h);
   decided = true;
   if (!s.decays.empty() && !decays_hold(s, h)) {
-    s.decays.clear();
-    s.decays_fail = true;
+    leave_decays(s);
     derive(s);
     decided = false;
     return false;
@@ -491,8 +489,7 @@ void Locator::march(Segment& s, double end, Located& located) {
   while (s.certified < end) {
     derive(s);
     if (!s.decays.empty() && !decays_agree_) {
-      s.decays.clear();
-      s.decays_fail = true;
+      leave_decays(s);
       continue;
     }
     if (!s.decays.empty()) {

@@ -88,7 +88,6 @@ class Locator {
   void take_slow_state(const Segment& segment, const double* y);
   bool decays_hold(const Segment& segment, double h);
   void bound_decays(const Segment& segment, int order, double h);
-  double bound_by_decays(const Segment& segment, int row);
   [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, double h) const;
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);
@@ -151,8 +150,8 @@ class Locator {
   std::vector<double> block_bound_;
   Bound slow_bound_;                 ///< of the slow motion beside decays
   std::vector<double> slope_doubt_;  ///< what rounding of the decays' weights may add to the guards' slopes
-  std::vector<double> slow_g_, slow_gd_, slow_doubt_,
-      slow_k2_;  ///< of the slow motion at the interval's start: guards, slopes, their rounding, bounds of the second derivative
+  /// Of the slow motion at the interval's start: guards, slopes, their rounding, bounds of the second derivative.
+  std::vector<double> slow_g_, slow_gd_, slow_doubt_, slow_k2_;
   bool decays_agree_ = true;         ///< guards and slopes at the interval's start are those sums
   std::vector<double> decay_bound_;  ///< of the derivative of each decay; empty: the mode has none
   std::vector<double> decay_left_;   ///< e^{−τ/T_k}
