@@ -16,7 +16,7 @@ using linalg::WideMatrix;
 using Places = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index largest_form = 24;  ///< states; beyond, the search would cost more than it saves
-constexpr Wide largest_condition = 1e7L;   ///< ‖V‖‖V⁻¹‖: what extended precision has to spare goes into it
+constexpr Wide largest_condition = 1e7L;   ///< of eigenvectors: what extended precision has to spare goes into it
 
 /// Of y, what moves by a rate of its own, and levels and ramps.
 void sort_places(const System& system, const Mode& mode, Places& moved, Places& given) {
@@ -36,6 +36,15 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
   for (Eigen::Index i = 0; i < lambda.rows(); ++i)
     if (!(rest.row(i).norm() <= tolerance::rate_error * std::max(lambda.row(i).norm(), slowest))) return false;
   return true;
+}
+
+/// ‖V‖‖V⁻¹‖ with sources in the unit that moves the states as fast as they move themselves, and eigenvectors of length 1: what cancels in the modes' coordinates,
+/// whatever the units. `states`: the first rows.
+Wide condition(const WideMatrix& m, WideMatrix v, Eigen::Index states) {
+  const Wide rate = m.topLeftCorner(states, states).norm(), push = m.topRightCorner(states, m.cols() - states).norm();
+  if (rate > 0.0L && push > 0.0L) v.bottomRows(v.rows() - states) *= push / rate;
+  v = v.colwise().normalized().eval();
+  return v.norm() * Eigen::PartialPivLU<WideMatrix>(v).inverse().norm();
 }
 
 /// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
@@ -70,7 +79,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   // Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ).
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
-  if (!(w.norm() * v.norm() < largest_condition)) return nullptr;
+  if (!(condition(m, v, mode.n1) < largest_condition)) return nullptr;
   if (!knows_every_rate(w * (m * v - v * lambda), lambda, tolerance::slowest_rate * m.norm())) return nullptr;
 
   auto form = std::make_unique<ModalForm>();

@@ -220,6 +220,20 @@ void Selector::remember(const IndexSet& wanted, const Mode& mode) {
   if (list.size() > most_remembered) list.pop_back();
 }
 
+/// What followed by way of another mode in which x lies.
+const Mode* Selector::by_way(double* x, const IndexSet& wanted) {
+  for (const Way& way : known(wanted).ways)
+    if (const Mode* held = holding(x, way.through->active); held && !accepts(*held, projected_.data()))
+      if (const Mode* found = beside(x, *held, way.after); found) return found;
+  return nullptr;
+}
+
+void Selector::remember_way(const IndexSet& wanted, const Way& way) {
+  auto& list = known(wanted).ways;
+  list.insert(list.begin(), way);
+  if (list.size() > most_remembered) list.pop_back();
+}
+
 /// Impulses must push the way complementarity allows, the highest order first; a port without impulse must go on with the right sign in the
 /// same mode. A passive system has one state after the jump, and what goes on there is decided anew.
 bool Selector::impulse_allowed(const Mode& m, const double* x, const double* after) {
@@ -237,10 +251,11 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
 
 /// What follows where x lies in m to rounding and m is not accepted. Ports that m leaves open may have the wrong sign in the least norm: then the
 /// mode that holds those at zero goes on. Or what x is moved by into m was in the guards: then a mode goes on from there.
-const Mode* Selector::beside(double* x, const Mode& m) {
+/// `after`: the only one to look at; null: any.
+const Mode* Selector::beside(double* x, const Mode& m, const Mode* after) {
   if (const Mode* found = try_without_jump(x, with_falling_flipped(m.active)); found) return found;
   if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
-  const Mode* found = settled(m, x);
+  const Mode* found = settled(m, x, after);
   if (!found) return nullptr;
   std::copy(settled_.begin(), settled_.end(), x);
   selected_.settles |= m.decays != nullptr;
@@ -249,15 +264,15 @@ const Mode* Selector::beside(double* x, const Mode& m) {
 
 /// The mode that goes on without another jump from where the jump into m leads, if there is one. A passive system jumps once: to the state nearest
 /// in energy of those from which no impulse is due (Heemels, Çamlıbel, Schumacher 2003), and allowed impulses that end in such a state lead to that
-/// one.
-const Mode* Selector::settled(const Mode& m, const double* x) {
+/// one. `after`: the only mode to look at; null: any.
+const Mode* Selector::settled(const Mode& m, const double* x, const Mode* after) {
   const int trigger = std::exchange(trigger_, -1);
   const Impulse impulse = impulse_;
   settled_.assign(x, x + system_.size());
   jump_into(m, settled_.data());
   may_jump_ = false;
   bool ignored = false;
-  const Mode* found = search(settled_.data(), m.active, -1, ignored, ignored);
+  const Mode* found = after ? try_without_jump(settled_.data(), after->active) : search(settled_.data(), m.active, -1, ignored, ignored);
   may_jump_ = true;
   trigger_ = trigger;
   impulse_ = impulse;
@@ -280,7 +295,10 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       if (is_in(rejected, set)) continue;
       if (const Mode* held = holding(x, set); held) {
         if (!accepts(*held, projected_.data())) {
-          if (const Mode* other = beside(x, *held); other) return other;
+          if (const Mode* other = beside(x, *held, nullptr); other) {
+            remember_way(wanted, {held, other});
+            return other;
+          }
           rejected.push_back(set);
           continue;
         }
@@ -294,7 +312,7 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       if (!system_.passive) {
         jumped = repeats;
       } else if (!is_in(unsettled, &m)) {
-        jumped = settled(m, x) != nullptr;
+        jumped = settled(m, x, nullptr) != nullptr;
         unsettled.push_back(&m);
       }
       if (jumped) return jump_into(m, x);
@@ -444,11 +462,10 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     const IndexSet guess = by_rule(x, current);
     if (guess != current) found = try_without_jump(x, guess);
   }
+  if (!found && may_jump_) found = by_way(x, current);
   // Of one diode there is only one other mode.
   if (!found && system_.passive && system_.diodes == 1) found = from_neighbourhood(x, current, 1);
-  if (!found) found = from_rcp(x, current, jumped);
-  if (!found) found = from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2);
-  return found;
+  return found ? found : from_rcp(x, current, jumped);
 }
 
 /// A passive system does; of others the rational problem tells, once for each position of the switches.
@@ -493,16 +510,19 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
   trigger_ = trigger < system_.diodes ? trigger : -1;
   trigger_side_ = trigger_ >= 0 && wanted.contains(trigger_);
   while (result.jumps <= most_jumps) {
-    const Mode* found = nullptr;
     bool warm = false;
     bool jumped = false;
     // Two guards that reach zero within rounding of each other can each, by the other's rounding, look as if it had gone first.
     // Then no mode passes; a coarser level calls them one event, at an error of the state of that level.
-    for (const double level : relaxations) {
-      verifier_.relax(level, largest_);
-      found = search(x, *current, result.jumps == 0 ? trigger : -1, warm, jumped);
-      if (found) break;
-    }
+    const auto at_some_level = [&](const auto& way) -> const Mode* {
+      for (const double level : relaxations) {
+        verifier_.relax(level, largest_);
+        if (const Mode* found = way()) return found;
+      }
+      return nullptr;
+    };
+    const Mode* found = at_some_level([&] { return search(x, *current, result.jumps == 0 ? trigger : -1, warm, jumped); });
+    if (!found && !rational_only_) found = at_some_level([&] { return from_neighbourhood(x, *current, system_.diodes <= 12 ? 3 : 2); });
     result.relaxation = std::max(result.relaxation, verifier_.relaxation());
     if (!found) {
       result.choice = Choice::none;

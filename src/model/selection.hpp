@@ -116,8 +116,13 @@ class Selector {
   const Mode* try_without_jump(double* x, const IndexSet& set);
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port);
   const Mode* remembered(double* x, const IndexSet& wanted);
-  const Mode* beside(double* x, const Mode& mode);
-  const Mode* settled(const Mode& mode, const double* x);
+  struct Way {
+    const Mode *through, *after;
+  };
+  const Mode* by_way(double* x, const IndexSet& wanted);
+  void remember_way(const IndexSet& wanted, const Way& way);
+  const Mode* beside(double* x, const Mode& mode, const Mode* after);
+  const Mode* settled(const Mode& mode, const double* x, const Mode* after);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
@@ -143,6 +148,7 @@ class Selector {
     std::unique_ptr<Mode> slow;  ///< its slow motion; empty: not built yet, or there is none
     bool slow_is_known = false;
     std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
+    std::vector<Way> ways;                ///< what followed by way of another mode
     const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
     bool richer_is_known = false;
     std::unique_ptr<Mode>

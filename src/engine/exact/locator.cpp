@@ -25,8 +25,8 @@ constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
-/// Beside decays, whose time constants are decades apart: the next interval, and what remains of one that is not decided. Halves take a third more intervals.
-constexpr double growth_beside_decays = 4.0, share_beside_decays = 0.25;
+/// What remains of an interval that is not decided beside decays, whose time constants are decades apart.
+constexpr double share_beside_decays = 0.25;
 
 bool has_to_sample(const Segment& s, double end) {
   if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
@@ -79,8 +79,8 @@ void Locator::prepare(Segment& s) {
     derivatives_.resize((series_order + 2) * ny);
   }
   if (rows <= g_.size()) return;
-  for (auto* v :
-       {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_, &slow_k2_})
+  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_,
+                  &slow_k2_, &guard_noise_})
     v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
 }
@@ -186,8 +186,7 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
     if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
     return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
-  if (!s.decays.empty())
-    if (const Verdict verdict = enclose(s, i, h); verdict != Verdict::undecided) return {verdict, h};
+  if (!s.decays.empty() && enclosed_[i].until > 0.0) return {verdict_at_end(i, h), h};
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
     const Mode& m = *s.mode;
@@ -391,12 +390,15 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
 bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& located) {
   const double rest = end - s.tau;
   // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
-  double h = s.step > 0.0 ? std::min((s.decays.empty() ? 2.0 : growth_beside_decays) * s.step, rest) : rest;
+  double h = s.step > 0.0 && s.decays.empty() ? std::min(2.0 * s.step, rest) : rest;
   const bool sampled = has_to_sample(s, end);
   if (sampled) h = std::max(h, rest / sampled_intervals);
   if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
   for (bool decided = false; !decided;) {
-    bound_second(s, h);
+    if (s.decays.empty())
+      bound_second(s, h);
+    else
+      h = enclose_guards(s, h);
     if (try_interval(s, h, end, located, decided)) return true;
     if (decided) break;
     if (sampled) {

@@ -88,7 +88,15 @@ class Locator {
   void take_slow_state(const Segment& segment, const double* y);
   bool decays_hold(const Segment& segment, double h);
   void bound_decays(const Segment& segment, int order, double h);
-  [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, double h) const;
+  struct Enclosed {
+    double until = 0.0;  ///< s from the interval's start: decided so far
+    bool falls = false;  ///< it has one root before, and is negative there
+  };
+  void split_at_decays(const Segment& segment, double h);
+  [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last) const;
+  [[nodiscard]] Enclosed enclose_in_parts(const Segment& segment, std::size_t i) const;
+  double enclose_guards(const Segment& segment, double h);
+  [[nodiscard]] Verdict verdict_at_end(std::size_t i, double h) const;
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);
   void narrow_bends(const Segment& segment, double h);
@@ -155,6 +163,11 @@ class Locator {
   bool decays_agree_ = true;         ///< guards and slopes at the interval's start are those sums
   std::vector<double> decay_bound_;  ///< of the derivative of each decay; empty: the mode has none
   std::vector<double> decay_left_;   ///< e^{−τ/T_k}
+  std::vector<double> end_left_;     ///< the same at the interval's end
+  std::vector<double> parts_;        ///< ends of the interval's parts, s from its start
+  std::vector<double> part_left_;    ///< e^{−τ/T_k} at each of them
+  std::vector<Enclosed> enclosed_;   ///< each guard
+  std::vector<double> guard_noise_;  ///< rounding of each guard
   std::vector<double> whole_state_, slow_state_;
   std::vector<double> slow_slope_, slow_bend_;  ///< of the slow motion at the interval's start
   ModalSearch modal_search_;

@@ -18,7 +18,8 @@ using model::Mode;
 
 namespace {
 
-constexpr int most_values = 200;  ///< of a guard in the search for its root
+constexpr int most_values = 200;   ///< of a guard in the search for its root
+constexpr int most_halvings = 40;  ///< of an interval, to the length of its fastest decay
 
 /// e^{−τ/T}; what has no time constant is over at once.
 double left_of(double constant, double tau) { return constant > 0.0 ? std::exp(-tau / constant) : 0.0; }
@@ -67,6 +68,7 @@ void Locator::derive_with_decays(const Segment& s) {
   decays_agree_ = true;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int row = s.rows[i];
+    guard_noise_[i] = noise_of(s, row);
     slow_g_[i] = linalg::row_times(slow.guards, row, slow_state_.data());
     slow_gd_[i] = linalg::row_times(slow.guards, row, slow_slope_.data());
     const double slow_size = linalg::absolute_row_times(slow.guards, row, slow_slope_.data());
@@ -91,7 +93,7 @@ void Locator::derive_with_decays(const Segment& s) {
       doubt_of_slope += of_term / constant;
     }
     decays_agree_ =
-        decays_agree_ && std::abs(value - g_[i]) <= tolerance::decay_mismatch * size + noise_of(s, row) + doubt &&
+        decays_agree_ && std::abs(value - g_[i]) <= tolerance::decay_mismatch * size + guard_noise_[i] + doubt &&
         std::abs(slope - gd_[i]) <= tolerance::decay_mismatch * slope_size + rate_noise * s.mode->guard_norm[row] + doubt_of_slope;
     gd_[i] = slope;
   }
@@ -102,16 +104,18 @@ bool Locator::decays_hold(const Segment& s, double h) {
   const Mode& slow = *s.mode->slow;
   const model::Decays& decays = *slow.decays;
   take_slow_state(s, ye_.data());
+  end_left_.resize(decay_left_.size());
+  for (std::size_t k = 0; k < end_left_.size(); ++k) end_left_[k] = left_of(decays.time_constants[static_cast<Eigen::Index>(k)], s.tau + h);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int row = s.rows[i];
     double sum = linalg::row_times(slow.guards, row, slow_state_.data());
     double size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(ge_[i]);
-    for (Eigen::Index k = 0; k < decays.time_constants.size(); ++k) {
-      const double term = decays.guards(row, k) * s.decays[static_cast<std::size_t>(k)];
-      sum += term * left_of(decays.time_constants[k], s.tau + h);
+    for (std::size_t k = 0; k < end_left_.size(); ++k) {
+      const double term = decays.guards(row, static_cast<Eigen::Index>(k)) * s.decays[k];
+      sum += term * end_left_[k];
       size += std::abs(term);
     }
-    if (std::abs(sum - ge_[i]) > tolerance::decay_mismatch * size + noise_of(s, row)) return false;
+    if (std::abs(sum - ge_[i]) > tolerance::decay_mismatch * size + guard_noise_[i]) return false;
   }
   return true;
 }
@@ -145,28 +149,89 @@ void Locator::bound_decays(const Segment& s, int order, double h) {
   }
 }
 
-/// A guard on the whole interval: itself, or its slope, from the slow motion's bounds and each decay between its values at both ends. A decay that only adds to a
-/// guard, or only to its slope, needs no interval shorter than the slow motion's.
-Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, double h) const {
+/// What is left of each decay at the ends of the interval's parts: [0, h/2^n], …, [h/4, h/2], [h/2, h], the first as short as the fastest decay that is not over.
+void Locator::split_at_decays(const Segment& s, double h) {
+  const model::Vector& constants = s.mode->slow->decays->time_constants;
+  double shortest = h;
+  for (std::size_t k = 0; k < decay_left_.size(); ++k)
+    if (const double constant = constants[static_cast<Eigen::Index>(k)]; constant > 0.0 && decay_left_[k] > tolerance::unit_rounding)
+      shortest = std::min(shortest, constant);
+  const int halvings = std::min(1 + std::max(0, std::ilogb(h / shortest)), most_halvings);
+  parts_.assign(1, 0.0);
+  for (int j = halvings; j >= 0; --j) parts_.push_back(std::ldexp(h, -j));
+  part_left_.resize(parts_.size() * decay_left_.size());
+  for (std::size_t j = 0; j < parts_.size(); ++j)
+    for (std::size_t k = 0; k < decay_left_.size(); ++k)
+      part_left_[j * decay_left_.size() + k] = left_of(constants[static_cast<Eigen::Index>(k)], s.tau + parts_[j]);
+}
+
+/// Guard i, above zero at the part's start, on parts `first` … `last` − 1 of the interval: itself, or its slope, from the slow motion's bounds and each decay
+/// between its values at both ends.
+Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, std::size_t first, std::size_t last) const {
   const model::Decays& decays = *s.mode->slow->decays;
-  double least = slow_g_[i] + std::min(slow_gd_[i], 0.0) * h - 0.5 * slow_k2_[i] * h * h;
-  double lowest_slope = slow_gd_[i] - slow_doubt_[i] - slow_k2_[i] * h, highest_slope = slow_gd_[i] + slow_doubt_[i] + slow_k2_[i] * h;
-  for (std::size_t k = 0; k < decay_left_.size(); ++k) {
+  const double begin = parts_[first], end = parts_[last];
+  const double bend = 0.5 * slow_k2_[i] * end * end, slope_bend = slow_doubt_[i] + slow_k2_[i] * end;
+  double least = slow_g_[i] + std::min(slow_gd_[i] * begin, slow_gd_[i] * end) - bend;
+  double most_at_end = slow_g_[i] + slow_gd_[i] * end + bend;
+  double lowest_slope = slow_gd_[i] - slope_bend, highest_slope = slow_gd_[i] + slope_bend;
+  const std::size_t count = decay_left_.size();
+  for (std::size_t k = 0; k < count; ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const double constant = decays.time_constants[column];
     if (constant == 0.0) continue;
-    const double weight = decays.guards(s.rows[i], column);
-    const double now = weight * s.decays[k] * decay_left_[k], then = now * std::exp(-h / constant);
-    const double doubt = doubt_of(decays, s.rows[i], k, s.decays) * decay_left_[k];
+    const double weight = decays.guards(s.rows[i], column) * s.decays[k];
+    const double now = weight * part_left_[first * count + k], then = weight * part_left_[last * count + k];
+    const double doubt = doubt_of(decays, s.rows[i], k, s.decays) * part_left_[first * count + k];
     least += std::min(now, then) - doubt;
+    most_at_end += then + doubt;
     lowest_slope += (std::min(-now, -then) - doubt) / constant;
     highest_slope += (std::max(-now, -then) + doubt) / constant;
   }
-  const bool starts_above = g_[i] > 0.0 || (s.tau == 0.0 && s.departures[i].order > 0 && s.departures[i].value > 0.0);
-  if (starts_above && lowest_slope > 0.0) return Verdict::excluded;
-  if (g_[i] > 0.0 && least > noise_of(s, s.rows[i])) return Verdict::excluded;
-  if (g_[i] > 0.0 && ge_[i] < 0.0 && highest_slope < 0.0) return Verdict::one_root;
+  if (lowest_slope > 0.0) return Verdict::excluded;
+  if ((first > 0 || g_[i] > 0.0) && least > guard_noise_[i]) return Verdict::excluded;
+  if ((first > 0 || g_[i] > 0.0) && highest_slope < 0.0 && most_at_end < -guard_noise_[i]) return Verdict::one_root;
   return Verdict::undecided;
+}
+
+/// The same part by part, from the interval's start as far as it can be decided.
+Locator::Enclosed Locator::enclose_in_parts(const Segment& s, std::size_t i) const {
+  const std::size_t last = parts_.size() - 1;
+  const bool starts_above = g_[i] > 0.0 || (s.tau == 0.0 && s.departures[i].order > 0 && s.departures[i].value > 0.0);
+  if (!starts_above) return {};
+  if (const Verdict whole = enclose(s, i, 0, last); whole != Verdict::undecided) return {parts_[last], whole == Verdict::one_root};
+  for (std::size_t j = 0; j < last; ++j) {
+    const Verdict verdict = enclose(s, i, j, j + 1);
+    if (verdict == Verdict::undecided) return {parts_[j], false};
+    if (verdict == Verdict::one_root) return {parts_[j + 1], true};
+  }
+  return {parts_[last], false};
+}
+
+/// Each guard in `enclosed_`, as far as the interval of length h, and then no farther than the result. Guards at rest, and those of which nothing is known from
+/// their sums, count for nothing.
+double Locator::enclose_guards(const Segment& s, double h) {
+  bound_decays(s, 2, h);
+  split_at_decays(s, h);
+  enclosed_.resize(s.rows.size());
+  double length = h;
+  bool all = true;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
+    enclosed_[i] = enclose_in_parts(s, i);
+    if (enclosed_[i].until > 0.0)
+      length = std::min(length, enclosed_[i].until);
+    else
+      all = false;
+  }
+  if (!all) bound_second(s, length);
+  return length;
+}
+
+/// Of a guard that is enclosed, on the whole interval of length h.
+Locator::Verdict Locator::verdict_at_end(std::size_t i, double h) const {
+  if (!enclosed_[i].falls) return Verdict::excluded;
+  if (ge_[i] < 0.0) return Verdict::one_root;
+  return enclosed_[i].until > h ? Verdict::excluded : Verdict::undecided;
 }
 
 }  // namespace pwlsim::engine
