@@ -38,13 +38,14 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
   return true;
 }
 
-/// ‖V‖‖V⁻¹‖ with sources in the unit that moves the states as fast as they move themselves, and eigenvectors of length 1: what cancels in the modes' coordinates,
-/// whatever the units. `states`: the first rows.
-Wide condition(const WideMatrix& m, WideMatrix v, Eigen::Index states) {
+/// ‖V‖‖V⁻¹‖: what cancels in the modes' coordinates.
+Wide condition(const WideMatrix& v) { return v.norm() * Eigen::PartialPivLU<WideMatrix>(v).inverse().norm(); }
+
+/// The same with sources in the unit in which they move the states as fast as these move themselves, and eigenvectors of length 1. `states`: the first rows.
+Wide condition_in_own_units(const WideMatrix& m, WideMatrix v, Eigen::Index states) {
   const Wide rate = m.topLeftCorner(states, states).norm(), push = m.topRightCorner(states, m.cols() - states).norm();
   if (rate > 0.0L && push > 0.0L) v.bottomRows(v.rows() - states) *= push / rate;
-  v = v.colwise().normalized().eval();
-  return v.norm() * Eigen::PartialPivLU<WideMatrix>(v).inverse().norm();
+  return condition(v.colwise().normalized());
 }
 
 /// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
@@ -79,7 +80,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   // Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ).
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
-  if (!(condition(m, v, mode.n1) < largest_condition)) return nullptr;
+  if (!(condition(v) < largest_condition) && !(condition_in_own_units(m, v, mode.n1) < largest_condition)) return nullptr;
   if (!knows_every_rate(w * (m * v - v * lambda), lambda, tolerance::slowest_rate * m.norm())) return nullptr;
 
   auto form = std::make_unique<ModalForm>();

@@ -259,6 +259,20 @@ TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
   CHECK_FALSE(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
 }
 
+// x' = −x + unit·sin ωt: in whatever unit the sine is written, its eigenvectors are as far from the state's own.
+TEST_CASE("the unit of a source does not decide whether there is a modal form", "[unit]") {
+  constexpr double frequency = 50.0, omega = 2 * std::numbers::pi * frequency;
+  for (const double unit : {1e-12, 1.0, 1e12}) {
+    Matrix a = Matrix::Zero(3, 3), c = Matrix::Zero(1, 3);
+    a << -1.0, unit, 0.0, 0.0, 0.0, omega, 0.0, -omega, 0.0;
+    c(0, 0) = 1.0;
+    const std::vector<model::SourceFunction> sources{model::Sin{.amplitude = 1.0, .frequency = frequency}};
+    const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1), sources);
+    REQUIRE(system.n == 1);
+    CHECK(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
+  }
+}
+
 // v(a) = t + cos ωt from a lossless tank that rides on a ramp, behind a diode to 5 V: the first t at which it gets there, beside 600,000 periods before.
 TEST_CASE("a fast ring beside a diode that blocks is not followed period by period", "[unit]") {
   constexpr long double omega = 0x1p20L, level = 5.0L;

@@ -165,7 +165,9 @@ TEST_CASE("small steps that violate the laws altogether are given up", "[regress
 // steps of 10⁻¹⁶ s after the start followed that.
 TEST_CASE("a ring that is made of rounding does not hold up the steps", "[regression]") {
   const DeckRun run = run_text_sparse(
-      "hangs\nV1 a 3 PWL(0 9.19 1u 9.19 2u 20)\nL2 a x 24m\nR2 x 0 135k\nC5 a in 7.4p\nR6 a n1 13.5k\nC7 n1 3 77.8p\n.save v(a,n1)\n.tran 1u 4u\n", 1e-6);
+      "hangs\nV1 a 3 PWL(0 9.19 1u 9.19 2u 20)\nL2 a x 24m\nR2 x 0 135k\nC5 a in 7.4p\nR6 a n1 13.5k\nC7 n1 3 77.8p\n.save v(a,n1)\n.tran "
+      "1u 4u\n",
+      1e-6);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   REQUIRE(run.rows.size() == 5);
   // R6 and C7 behind the ramp: slope·τ·(1 − e^(−t/τ)), and its decay.
@@ -225,6 +227,67 @@ X1009 a sub4
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   constexpr std::uint64_t many_intervals = 100'000;  // there were 10⁸
   CHECK(run.answer.statistics.steps < many_intervals);
+}
+
+// While the charge of the stages evens out in 10⁻¹⁰ s, a guard leaves zero by its slow motion, whose second derivative a norm bounds 10⁷ times too high.
+TEST_CASE("a guard that leaves zero beside decays is enclosed by few intervals", "[regression]") {
+  const DeckRun run = run_text(R"(multiplier
+V1 s 0 SIN(0 309 10700 0 0 0)
+R1 s a0 38
+C1 a0 a1 2.18e-07 ic=0
+D1 0 a1 DX0
+C2 0 b1 1.29e-07 ic=0
+D2 a1 b1 DX0
+C3 a1 a2 1.29e-07 ic=0
+D3 b1 a2 DX0
+C4 b1 b2 1.29e-07 ic=0
+D4 a2 b2 DX0
+C5 a2 a3 1.29e-07 ic=0
+D5 b2 a3 DX0
+C6 b2 b3 1.29e-07 ic=0
+D6 a3 b3 DX0
+R2 b3 0 360000
+.model DX0 D(Ron=0.00131 Vfwd=1)
+.model SX1 SW(Ron=0.00125 Vt=0.5)
+.tran 2.328e-05 0.0009312 uic
+.save v(a0,a1) v(0,b1) v(a1,a2) v(b1,b2) v(a2,a3) v(b2,b3)
+.end
+)");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.remarks.empty());
+  constexpr std::uint64_t many_intervals = 1000;  // there were 5,788
+  CHECK(run.answer.statistics.steps < many_intervals);
+}
+
+// Whenever a bridge begins its dead time, the rectifier's next diode conducts by way of a mode in which both block: what followed so is remembered.
+TEST_CASE("what follows by way of another mode is not searched for again", "[regression]") {
+  const DeckRun run = run_text(R"(llc
+Vg0 g0 0 PULSE(0 1 1.398e-05 4.9e-09 4.9e-09 2.2815e-05 4.9e-05)
+Vg1 g1 0 PULSE(0 1 3.848e-05 4.9e-09 4.9e-09 2.2815e-05 4.9e-05)
+V1 in 0 325
+S1 in sw g0 0 SX1
+D1 sw in DX0
+S2 sw 0 g1 0 SX1
+D2 0 sw DX0
+C1 sw r 2.1e-07 ic=0
+L1 r p 0.00026 ic=0
+L2 p 0 0.00202 ic=0
+L3 sa 0 2.39996e-05 ic=0
+L4 0 sb 2.39996e-05 ic=0
+D3 sa out DX0
+D4 sb out DX0
+C2 out 0 0.000174 ic=0
+R1 out 0 2.14
+K1 L2 L3 L4 0.995
+.model DX0 D(Ron=0.00754 Roff=1000000000000 Vfwd=0.85)
+.model SX1 SW(Ron=0.00754 Vt=0.5)
+.tran 2.3912e-05 0.00095648 uic
+.save v(sw,r) i(L1) i(L2) i(L3) i(L4) v(out,0)
+.end
+)");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  constexpr std::uint64_t many_pivots = 250;  // there were 820
+  CHECK(run.answer.statistics.lcp_pivots < many_pivots);
 }
 
 // At the start longer Euler steps find no position, and in shorter ones S14 finds no rest: those were taken for made, and the process ended.

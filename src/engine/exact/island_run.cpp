@@ -427,7 +427,7 @@ void IslandRun::begin_segment(double time, double late) {
   segment_.intervals = 0;
   segment_.is_brief = time_to_settle_ < model::forever;
   segment_.decays.clear();
-  segment_.decays_fail = false;
+  segment_.decays_fail = segment_.is_enclosed = false;
   segment_.turns = segment_.turns_without_modal_form = 0;
   segment_.sampled = false;
 }

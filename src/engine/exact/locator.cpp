@@ -25,8 +25,8 @@ constexpr double most_intervals = 1e8;
 constexpr std::uint64_t intervals_of_patience = 30'000'000;  ///< then that is done in any case: some seconds
 constexpr std::uint64_t patience_while_brief = 20'000;       ///< the same of a segment that is as long as fast decays last
 constexpr double sampled_intervals = 1024.0;
-/// What remains of an interval that is not decided beside decays, whose time constants are decades apart.
-constexpr double share_beside_decays = 0.25;
+/// Beside decays, whose time constants are decades apart: the next interval, and what remains of one that is not decided.
+constexpr double growth_beside_decays = 4.0, share_beside_decays = 0.25;
 
 bool has_to_sample(const Segment& s, double end) {
   if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
@@ -49,6 +49,7 @@ double norm_of(int n, std::uint64_t bits, Entry entry) {
 void leave_decays(Segment& s) {
   s.decays.clear();
   s.decays_fail = true;
+  s.is_enclosed = false;
 }
 
 double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::min(rate * h, 500.0)) : 1.0; }
@@ -390,7 +391,7 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
 bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& located) {
   const double rest = end - s.tau;
   // Beyond the radius of the series only powers of two have their exponential at hand; they may reach past the end.
-  double h = s.step > 0.0 && s.decays.empty() ? std::min(2.0 * s.step, rest) : rest;
+  double h = s.step > 0.0 && !s.is_enclosed ? std::min((s.decays.empty() ? 2.0 : growth_beside_decays) * s.step, rest) : rest;
   const bool sampled = has_to_sample(s, end);
   if (sampled) h = std::max(h, rest / sampled_intervals);
   if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));

@@ -32,6 +32,7 @@ struct Segment {
   /// Of such a one, ψ_k at the anchor (model::Decays), then what rounding may add to each; empty: not known yet, or there are none.
   std::vector<double> decays;
   bool decays_fail = false;  ///< they do not describe the guards
+  bool is_enclosed = false;  ///< all guards were, by them, on the last interval
   double tau = 0.0;          ///< marched so far; y is the state there
   std::vector<double> y;
   double certified = 0.0;            ///< no guard falls below zero before
@@ -84,6 +85,10 @@ class Locator {
   [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row);
   void take_decays(Segment& segment);
   void derive_with_decays(const Segment& segment);
+  struct Line {
+    double value = 0.0, slope = 0.0;
+  };
+  [[nodiscard]] Line sum_at(const Segment& segment, std::size_t i, double at) const;
   double root_by_values(const Segment& segment, std::size_t i, double lower, double upper, double below);
   void take_slow_state(const Segment& segment, const double* y);
   bool decays_hold(const Segment& segment, double h);
@@ -95,7 +100,8 @@ class Locator {
   void split_at_decays(const Segment& segment, double h);
   [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last) const;
   [[nodiscard]] Enclosed enclose_in_parts(const Segment& segment, std::size_t i) const;
-  double enclose_guards(const Segment& segment, double h);
+  void bound_slow_by_series(const Segment& segment, double h);
+  double enclose_guards(Segment& segment, double h);
   [[nodiscard]] Verdict verdict_at_end(std::size_t i, double h) const;
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);
@@ -164,6 +170,7 @@ class Locator {
   std::vector<double> decay_bound_;  ///< of the derivative of each decay; empty: the mode has none
   std::vector<double> decay_left_;   ///< e^{−τ/T_k}
   std::vector<double> end_left_;     ///< the same at the interval's end
+  std::vector<double> slow_series_;  ///< derivatives of the slow motion at the interval's start, from the second on
   std::vector<double> parts_;        ///< ends of the interval's parts, s from its start
   std::vector<double> part_left_;    ///< e^{−τ/T_k} at each of them
   std::vector<Enclosed> enclosed_;   ///< each guard

@@ -18,7 +18,9 @@ using model::Mode;
 
 namespace {
 
-constexpr int most_values = 200;   ///< of a guard in the search for its root
+constexpr int most_values = 200;  ///< of a guard in the search for its root
+constexpr int slow_series_order = 4;
+constexpr int most_newton = 6;
 constexpr int most_halvings = 40;  ///< of an interval, to the length of its fastest decay
 
 /// e^{−τ/T}; what has no time constant is over at once.
@@ -120,13 +122,39 @@ bool Locator::decays_hold(const Segment& s, double h) {
   return true;
 }
 
-/// The one root of guard i (where it is −`below`) in (lower, upper), where it falls, without slopes. Leaves the state there in at_.
+/// Guard i and its slope as sums, `at` s from the interval's start; the slow motion to second order.
+Locator::Line Locator::sum_at(const Segment& s, std::size_t i, double at) const {
+  const model::Decays& decays = *s.mode->slow->decays;
+  const double bend = linalg::row_times(s.mode->slow->guards, s.rows[i], slow_bend_.data());
+  Line line{slow_g_[i] + at * (slow_gd_[i] + 0.5 * at * bend), slow_gd_[i] + at * bend};
+  for (std::size_t k = 0; k < decay_left_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const double constant = decays.time_constants[column];
+    if (constant == 0.0) continue;
+    const double term = decays.guards(s.rows[i], column) * s.decays[k] * left_of(constant, s.tau + at);
+    line.value += term;
+    line.slope -= term / constant;
+  }
+  return line;
+}
+
+/// The one root of guard i (where it is −`below`) in (lower, upper), where it falls: Newton's method from the sums' root with the sums' slopes, else by values alone. Leaves the state there in
+/// at_.
 double Locator::root_by_values(const Segment& s, std::size_t i, double lower, double upper, double below) {
   const auto value_at = [&](double at) {
     state_at(s, at, at_.data());
     const double value = linalg::row_times(s.mode->guards, s.rows[i], at_.data()) + below;
     return std::abs(value) <= tolerance::root * linalg::absolute_row_times(s.mode->guards, s.rows[i], at_.data()) ? 0.0 : value;
   };
+  double at = zero_between(lower, upper, tolerance::unit_rounding, most_values, [&](double t) { return sum_at(s, i, t).value + below; });
+  for (int k = 0; k < most_newton && at > lower && at < upper; ++k) {
+    const double value = value_at(at);
+    if (value == 0.0) return at;
+    const double step = -value / sum_at(s, i, at).slope;
+    if (std::abs(step) <= tolerance::unit_rounding * (s.tau + at)) return at;
+    (value > 0.0 ? lower : upper) = at;
+    at += step;
+  }
   if (!(value_at(lower) > 0.0)) return lower;
   return zero_between(lower, upper, tolerance::unit_rounding, most_values, value_at);
 }
@@ -207,23 +235,57 @@ Locator::Enclosed Locator::enclose_in_parts(const Segment& s, std::size_t i) con
   return {parts_[last], false};
 }
 
+/// Bounds of the slow motion's second derivatives, by its Taylor series instead of by norms alone: parts of it that a guard does not read, or that cancel there, may be
+/// far larger.
+void Locator::bound_slow_by_series(const Segment& s, double h) {
+  const Mode& slow = *s.mode->slow;
+  const auto ny = static_cast<std::size_t>(slow.ny);
+  slow_series_.resize((slow_series_order + 1) * ny);
+  linalg::copy(slow_bend_.data(), slow.ny, slow_series_.data());
+  linalg::multiply_repeatedly(slow.flow.a(), slow_series_order, slow_series_.data());
+  const double* last = slow_series_.data() + slow_series_order * ny;
+  Bound rest = bound_in(slow, *s.system->exosystem, 2 + slow_series_order, last, s.y.data() + s.mode->n1, h);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const int row = s.rows[i];
+    double bound = 0.0, power = 1.0;  // h^j / j!
+    for (int j = 0; j < slow_series_order; ++j) {
+      const double* derivative = slow_series_.data() + static_cast<std::size_t>(j) * ny;
+      bound += power * (std::abs(linalg::row_times(slow.guards, row, derivative)) +
+                        tolerance::graze * linalg::absolute_row_times(slow.guards, row, derivative));
+      power *= h / (j + 1);
+    }
+    slow_k2_[i] = std::min(slow_k2_[i], bound + power * bound_in_at(slow, rest, row));
+  }
+}
+
 /// Each guard in `enclosed_`, as far as the interval of length h, and then no farther than the result. Guards at rest, and those of which nothing is known from
 /// their sums, count for nothing.
-double Locator::enclose_guards(const Segment& s, double h) {
+double Locator::enclose_guards(Segment& s, double h) {
   bound_decays(s, 2, h);
   split_at_decays(s, h);
-  enclosed_.resize(s.rows.size());
-  double length = h;
-  bool all = true;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
-    enclosed_[i] = enclose_in_parts(s, i);
-    if (enclosed_[i].until > 0.0)
-      length = std::min(length, enclosed_[i].until);
-    else
-      all = false;
+  enclosed_.assign(s.rows.size(), {});
+  for (std::size_t i = 0; i < s.rows.size(); ++i) slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
+  const auto enclose_rest = [&] {
+    bool all = true;
+    for (std::size_t i = 0; i < s.rows.size(); ++i) {
+      if (enclosed_[i].until < h && !enclosed_[i].falls) enclosed_[i] = enclose_in_parts(s, i);
+      all = all && (enclosed_[i].until == h || enclosed_[i].falls);
+    }
+    return all;
+  };
+  if (!enclose_rest()) {
+    bound_slow_by_series(s, h);
+    enclose_rest();
   }
-  if (!all) bound_second(s, length);
+  double length = h;
+  s.is_enclosed = true;
+  for (const Enclosed& enclosed : enclosed_) {
+    if (enclosed.until > 0.0)
+      length = std::min(length, enclosed.until);
+    else
+      s.is_enclosed = false;
+  }
+  if (!s.is_enclosed) bound_second(s, length);
   return length;
 }
 
