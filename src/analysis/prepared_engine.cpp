@@ -5,11 +5,15 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "analysis/abandonable.hpp"
 #include "analysis/abandonable_run.hpp"
+#include "analysis/quantity.hpp"
+#include "analysis/trial_run.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/sparse/sparse.hpp"
+#include "model/certificate.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -45,23 +49,27 @@ bool is_tolerance(double reltol, Diagnostics& diagnostics) {
   return false;
 }
 
+Simulate sparse_run(std::shared_ptr<const engine::sparse::SparseModel> model, double reltol) {
+  return [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); };
+}
+
+Simulate segment_run(std::shared_ptr<const engine::sparse::SparseModel> model) {
+  return [=](const engine::Request& request, engine::RowSink& sink) {
+    return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, sink);
+  };
+}
+
 PreparedEngine prepare_sparse(const model::Network& network, const std::string& reason, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model || !is_tolerance(reltol, diagnostics)) return {"sparse", {}, {}, {}};
-  return {"sparse",
-          [=](const engine::Request& request, engine::RowSink& sink) { return engine::sparse::run(*model, request, reltol, sink); },
-          [=] { return engine::sparse::operating_point(*model); }, sparse_warning(reason, reltol)};
+  return {"sparse", sparse_run(model, reltol), [=] { return engine::sparse::operating_point(*model); }, sparse_warning(reason, reltol)};
 }
 
 /// Its tolerance is its own: that of steps would make segments whose errors exceed their guards' margins.
 PreparedEngine prepare_krylov(const model::Network& network, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model) return {"krylov", {}, {}, {}};
-  return {"krylov",
-          [=](const engine::Request& request, engine::RowSink& sink) {
-            return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, sink);
-          },
-          [=] { return engine::sparse::operating_point(*model); },
+  return {"krylov", segment_run(model), [=] { return engine::sparse::operating_point(*model); },
           Diagnostic{Severity::warning,
                      "W-krylov-engine",
                      {},
@@ -75,7 +83,38 @@ PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnos
   return {"exact",
           [=](const engine::Request& request, engine::RowSink& sink) { return engine::run(*model, request, sink); },
           [=] { return engine::operating_point(*model); },
-          {}};
+          {},
+          true};
+}
+
+/// The exact engine on Krylov segments. Where they find no solution, or the run has a controller, by dense modes, or by steps where those would be too large.
+PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
+  const auto model = engine::sparse::prepare(network, diagnostics);
+  if (!model || !is_tolerance(reltol, diagnostics)) return {"exact", {}, {}, {}};
+  const std::string reason = too_large(network);
+  const PreparedEngine dense = exact_engine_when_needed(network);
+  const bool steps = !reason.empty() && choice == EngineChoice::automatic;
+  Simulate by_steps = [run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
+    engine::Answer answer = run(request, sink);
+    answer.engine = "sparse";
+    return answer;
+  };
+  const auto why = [=](const engine::Answer& failed) {
+    std::vector<engine::Remark> remarks{
+        {"N-other-engine", fmt::format("exact segments in Krylov spaces found no solution at t = {}; the run was made again, {}",
+                                       quantity(failed.time, "s"), steps ? "by the steps of the sparse engine" : "by dense modes")}};
+    if (steps) remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
+    return remarks;
+  };
+  Simulate simulate = segment_run(model);
+  if (steps || reason.empty()) simulate = tried_first(std::move(simulate), steps ? std::move(by_steps) : dense.simulate, why);
+  return {"exact",
+          [simulate = std::move(simulate), dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
+            return request.sampler != nullptr ? dense(request, sink) : simulate(request, sink);
+          },
+          reason.empty() ? dense.operating_point : [=] { return engine::sparse::operating_point(*model); },
+          {},
+          has_modes(network, choice)};
 }
 
 void append(const Diagnostics& more, Diagnostics& diagnostics) {
@@ -98,7 +137,8 @@ PreparedEngine exact_engine_when_needed(const model::Network& network) {
   return {"exact",
           [prepare](const engine::Request& request, engine::RowSink& sink) { return engine::run(*prepare(), request, sink); },
           [prepare] { return engine::operating_point(*prepare()); },
-          {}};
+          {},
+          true};
 }
 
 bool is_quick(const model::Network& network) { return engine::sparse::most_unknowns(network) <= quick_unknowns; }
@@ -114,12 +154,18 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
   return asked.value_or(analyses.relative_tolerance.value_or(engine::sparse::default_tolerance));
 }
 
-bool runs_exactly(const model::Network& network, EngineChoice choice) {
+bool has_modes(const model::Network& network, EngineChoice choice) {
   return choice == EngineChoice::exact || (choice == EngineChoice::automatic && too_large(network).empty());
+}
+
+bool runs_by_segments(const model::Network& network, EngineChoice choice) {
+  return (choice == EngineChoice::exact || choice == EngineChoice::automatic) && engine::sparse::largest_part(network) > most_in_modes &&
+         model::has_passive_parts_only(network);
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   if (choice == EngineChoice::krylov) return prepare_krylov(network, diagnostics);
+  if (runs_by_segments(network, choice)) return prepare_segments(network, choice, reltol, diagnostics);
   const std::string reason = choice == EngineChoice::automatic ? too_large(network) : "";
   const bool sparse = choice == EngineChoice::sparse || !reason.empty();
   return sparse ? prepare_sparse(network, reason, reltol, diagnostics) : prepare_exact(network, diagnostics);

@@ -18,13 +18,21 @@ struct PreparedEngine {
   std::function<engine::OperatingPoint()> operating_point;
   /// What sets its results apart from exact ones (W-sparse-engine).
   std::optional<Diagnostic> warning;
+  bool has_modes = false;  ///< dense ones are at hand, for orbits, small signals, derivatives and controllers
 };
+
+/// `auto` and `exact` take Krylov segments for passive networks whose largest part has more stores, diodes and switches: building dense modes then takes longer than most runs
+/// (docs/developer/performance.md).
+inline constexpr std::size_t most_in_modes = 100;
 
 /// The tolerance of the sparse engine: as asked for, else `.options reltol=`, else its default.
 [[nodiscard]] double relative_tolerance(const std::optional<double>& asked, const circuit::Analyses& analyses);
 
-/// Whether `prepare_engine` takes the exact engine.
-[[nodiscard]] bool runs_exactly(const model::Network& network, EngineChoice choice);
+/// Whether the exact engine's dense modes serve the network: orbits, small signals, derivatives and controllers need them.
+[[nodiscard]] bool has_modes(const model::Network& network, EngineChoice choice);
+
+/// Whether `prepare_engine` takes Krylov segments although they were not asked for.
+[[nodiscard]] bool runs_by_segments(const model::Network& network, EngineChoice choice);
 
 /// `diagnostics` takes errors of structure, and E-tolerance where the sparse engine cannot keep `reltol`.
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics);

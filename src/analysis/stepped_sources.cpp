@@ -22,8 +22,8 @@ bool has_tangents(const model::Network& network) {
 }  // namespace
 
 std::optional<SteppedSources> SteppedSources::make(circuit::Compiled compiled, std::size_t channels, EngineChoice choice) {
-  if (channels == 0 || !runs_exactly(compiled.network, choice) || !all_are_held(compiled.network, channels) ||
-      has_tangents(compiled.network) || compiled.draws_random)
+  if (channels == 0 || !has_modes(compiled.network, choice) || runs_by_segments(compiled.network, choice) ||
+      !all_are_held(compiled.network, channels) || has_tangents(compiled.network) || compiled.draws_random)
     return {};
   Diagnostics diagnostics;
   SteppedSources stepped;

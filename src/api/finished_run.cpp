@@ -79,7 +79,14 @@ void take_answer(const engine::Answer& answer, Result::Data& data) {
   const engine::Certificate& c = answer.certificate;
   data.certificate = {c.complementarity, c.kcl_kvl, c.energy, c.has_passivity ? std::optional(c.passive) : std::nullopt};
   const engine::Statistics& s = answer.statistics;
-  data.statistics = {data.statistics.engine, s.states, s.ports, s.switches, s.modes_visited, s.events, s.jumps, s.seconds_simulate};
+  data.statistics = {answer.engine.empty() ? data.statistics.engine : answer.engine,
+                     s.states,
+                     s.ports,
+                     s.switches,
+                     s.modes_visited,
+                     s.events,
+                     s.jumps,
+                     s.seconds_simulate};
   data.end = answer.time;
   for (const engine::Remark& remark : answer.remarks) data.messages.push_back(message_of(analysis::message_of(remark)));
 }

@@ -48,7 +48,7 @@ std::vector<Gradient> Circuit::gradients(const std::vector<std::string>& measure
   if (compilation.has_controllers())
     throw api::error("E-controller", "a circuit with controllers has no derivatives; try differences of runs");
   const analysis::PreparedEngine engine = compilation.engine(options);
-  if (engine.name != "exact") throw api::error("E-pss-engine", "only the exact engine has derivatives; try Engine::exact");
+  if (!engine.has_modes) throw api::error("E-pss-engine", "only the exact engine has derivatives; try Engine::exact");
   std::vector<Message> messages = compilation.messages();
   const circuit::Compiled compiled = compilation.take();
   analysis::SteadyState state;

@@ -74,7 +74,7 @@ Result Circuit::run(const Options& options) const {
   const auto data = api::begin_result(compilation, engine);
   take_sweep(compilation.compiled().analyses.sweeps, options.run, *data);
   tell_cards_left(compilation.compiled().analyses, *data);
-  if (!controllers_.empty() && engine.name != "exact")
+  if (!controllers_.empty() && !engine.has_modes)
     throw api::error("E-controller", "controllers need the exact engine; try engine exact");
   const auto controllers =
       controllers_.empty() ? nullptr : std::make_shared<api::Controllers>(controllers_, compilation.compiled().network);

@@ -70,7 +70,7 @@ FoundOrbit find_orbit(Compilation& compilation, const Options& options) {
   static const std::atomic<int> never = 0;
   const analysis::PreparedEngine engine = compilation.engine(options);
   FoundOrbit found{api::begin_result(compilation, engine), {}, {}, compilation.departures()};
-  if (engine.name != "exact") refuse(found.data, "E-pss-engine", analysis::orbit_needs_exact_engine);
+  if (!engine.has_modes) refuse(found.data, "E-pss-engine", analysis::orbit_needs_exact_engine);
   found.compiled = compilation.take();
   found.state = analysis::find_steady_state(found.compiled, options.interrupt != nullptr ? *options.interrupt : never);
   for (const Diagnostic& message : found.state.messages) found.data->messages.push_back(api::message_of(message));

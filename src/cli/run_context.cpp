@@ -37,6 +37,7 @@ void RunContext::take_remarks(const engine::Answer& answer) {
       messages.report(analysis::message_of(remark));
   }
   report.statistics = answer.statistics;
+  if (!answer.engine.empty()) report.engine = answer.engine;
   report.jumps = answer.jumps;
   if (options.events)
     for (const std::string& text : analysis::jump_texts(answer.jumps, answer.statistics.jumps, compiled->hidden))

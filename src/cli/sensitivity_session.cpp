@@ -23,7 +23,7 @@ class SensitivitySession : public AnalysisSession {
   [[nodiscard]] int run(RunContext& run) override {
     analysis::RunOutcome& outcome = run.outcome;
     const analysis::SteadyState* orbit = outcome.steady_state ? &*outcome.steady_state : nullptr;
-    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.name == "exact", caught_signal(),
+    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.has_modes, caught_signal(),
                                                        {&run.measured_run, &run.measured_orbit});
     report_derivatives(outcome.sensitivities, run.messages);
     int status = 0;

@@ -120,7 +120,7 @@ bool Session::is_orbit_alone() const {
   const circuit::Analyses& deck = run_.analyses();
   const model::Network& network = run_.compiled->network;
   return deck.steady_state && !deck.transient && !deck.operating_point && !run_.is_stepped() && analysis::is_quick(network) &&
-         analysis::runs_exactly(network, run_.options.engine);
+         analysis::has_modes(network, run_.options.engine);
 }
 
 int Session::check_split() {

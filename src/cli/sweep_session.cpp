@@ -221,7 +221,7 @@ class Sweep {
         note_error(diagnostics, record);
       return false;
     }
-    const bool runs_on = compiled->analyses.transient.has_value(), is_exact = engine.name == "exact";
+    const bool runs_on = compiled->analyses.transient.has_value(), has_modes = engine.has_modes;
     const std::string prefix = analysis::sweep_prefix(sweeps_, run);
     std::optional<circuit::Compiled> deck;
     if (compiled->analyses.sensitivities) deck = compiled;
@@ -238,7 +238,7 @@ class Sweep {
     if (deck && record.done) {
       const analysis::MeasuredBefore measured =
           runs_on ? analysis::MeasuredBefore{&record.measured, nullptr} : analysis::MeasuredBefore{nullptr, &record.measured};
-      record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), is_exact, caught_signal(), measured);
+      record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), has_modes, caught_signal(), measured);
       texts.derivatives = analysis::derivative_rows(record.sensitivities, prefix);
     }
     record.measured = {};
@@ -262,7 +262,7 @@ class Sweep {
 
   /// The run is one period of the orbit, or starts on it where the deck has .tran, too. False where there is none.
   static bool take_orbit(circuit::Compiled& compiled, analysis::PreparedEngine& engine, SweptRun& record) {
-    if (engine.name != "exact") {
+    if (!engine.has_modes) {
       record.id = "E-pss-engine";
       record.message = analysis::orbit_needs_exact_engine;
       return false;

@@ -138,6 +138,7 @@ struct Jump {
 
 struct Answer {
   Outcome outcome = Outcome::completed;
+  std::string engine;   ///< that gave the answer, where it is another one than was asked
   double time = 0.0;    ///< reached, seconds
   double probed = 0.0;  ///< time up to which the probes were served: less if the run was interrupted
   std::string message;  ///< why it stopped, with time and element names; empty when completed

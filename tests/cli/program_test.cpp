@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <csignal>
+#include <numbers>
 #include <regex>
 #include <sstream>
 
@@ -205,7 +207,7 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
 TEST_CASE("the sparse engine warns, and says why it was chosen", "[unit]") {
   const Scratch scratch;
   std::ostringstream deck;
-  deck << "ladder\nV1 n0 0 DC 1\n";
+  deck << "ladder of an amplifier\nE1 n0 0 n450 a -1\nV1 a 0 1\n";
   for (int i = 0; i < 450; ++i) deck << "R" << i << " n" << i << " n" << i + 1 << " 1\nC" << i << " n" << i + 1 << " 0 1n\n";
   deck << ".save v(n450)\n.tran 1u 2u\n.end\n";
   scratch.write("ladder.net", deck.str());
@@ -213,6 +215,63 @@ TEST_CASE("the sparse engine warns, and says why it was chosen", "[unit]") {
              Contains("warning[W-sparse-engine]: a part of this circuit is too large") && Contains("(450 stores, diodes"));
   CHECK_THAT(run_in(scratch, {"ladder.net", "--engine", "sparse"}).err,
              Contains("warning[W-sparse-engine]: the sparse engine takes implicit steps"));
+}
+
+// N equal sections r, c behind a step of 1 V: v_k(t) = 1 − Σ_j 2/(2N+1) cot(θ_j/2) sin(kθ_j) e^{−4 sin²(θ_j/2) t/(rc)}, θ_j = (2j−1)π/(2N+1) (eigenvectors of the
+// second difference with one end held and one free).
+TEST_CASE("a passive circuit of any size is exact, whether modes or segments are taken", "[unit]") {
+  const int sections = GENERATE(90, 150, 1200);
+  const Scratch scratch;
+  std::ostringstream deck;
+  deck << "ladder\nV1 n0 0 1\n";
+  for (int i = 0; i < sections; ++i) deck << "R" << i << " n" << i << " n" << i + 1 << " 1\nC" << i << " n" << i + 1 << " 0 1n ic=0\n";
+  deck << ".save v(n9)\n.tran 10n 40n uic\n.end\n";
+  scratch.write("ladder.net", deck.str());
+  const std::string engine = GENERATE(std::string("exact"), std::string("auto"));
+  const Finished run = run_in(scratch, {"ladder.net", "--engine", engine, "-o", "ladder.csv", "--stats", "-"});
+  REQUIRE(run.status == 0);
+  CHECK_THAT(run.out, Contains("\"engine\": \"exact\""));
+  CHECK_THAT(run.err, !Contains("warning"));
+  std::istringstream rows(read_file(scratch / "ladder.csv"));
+  std::string line;
+  std::getline(rows, line);
+  int compared = 0;
+  while (std::getline(rows, line)) {
+    const double t = std::stod(line), v = std::stod(line.substr(line.find(',') + 1));
+    long double expected = 1.0L;
+    for (int j = 1; j <= sections; ++j) {
+      const long double theta = (2 * j - 1) * std::numbers::pi_v<long double> / (2 * sections + 1), half = std::sin(theta / 2);
+      expected -= 2.0L / (2 * sections + 1) / std::tan(theta / 2) * std::sin(9 * theta) *
+                  std::exp(-4 * half * half * static_cast<long double>(t) / 1e-9L);
+    }
+    CHECK(v == Approx(static_cast<double>(expected)).margin(1e-10));
+    ++compared;
+  }
+  CHECK(compared == 5);
+}
+
+// Twenty phases whose neutral point leaks alone hold, a capacitor at each: the segments find no position at the start.
+TEST_CASE("where segments find no solution the run is made again, and says so", "[unit]") {
+  const Scratch scratch;
+  std::ostringstream deck;
+  deck << "phases\n";
+  for (int k = 0; k < 20; ++k)
+    deck << "V" << k << " s" << k << " nn SIN(0 325 50 0 0 " << 18 * k << ")\nRs" << k << " s" << k << " u" << k << " 0.1\nLs" << k << " u"
+         << k << " q" << k << " 100u ic=0\nCf" << k << " u" << k << " nn 1u ic=0\nDa" << k << " q" << k << " dp DX\nDb" << k << " 0 q" << k
+         << " DX\nCs" << k << " q" << k << " r" << k << " 10n ic=0\nRn" << k << " r" << k << " 0 100\n";
+  deck << "L1 dp out 5m ic=0\nC1 out 0 470u ic=0\nR1 out 0 50\n.model DX D(Ron=1m Vfwd=0.7 Roff=1e6)\n.save v(out)\n.tran 0.2m 1m "
+          "uic\n.end\n";
+  scratch.write("phases.net", deck.str());
+  const Finished run = run_in(scratch, {"phases.net", "-o", "phases.csv"});
+  CHECK(run.status == 0);
+  CHECK_THAT(run.err, Contains("note[N-other-engine]"));
+  const Finished steps = run_in(scratch, {"phases.net", "-o", "steps.csv", "--engine", "sparse", "--reltol", "1e-7"});
+  REQUIRE(steps.status == 0);
+  const auto last = [&](const char* file) {
+    const std::string text = read_file(scratch / file);
+    return std::stod(text.substr(text.rfind(',') + 1));
+  };
+  CHECK(last("phases.csv") == Approx(last("steps.csv")).epsilon(1e-5));
 }
 
 TEST_CASE("the sparse engine runs a deck, and refuses a tolerance below rounding", "[unit]") {

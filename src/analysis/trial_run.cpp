@@ -1,0 +1,124 @@
+#include "analysis/trial_run.hpp"
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace pwlsim::analysis {
+namespace {
+
+/// Stands between an engine and those that it tells.
+class Keeper : public engine::RowSink, public engine::EventWatcher, public engine::PieceSink {
+ public:
+  Keeper(const engine::Request& request, engine::RowSink& rows)
+      : request_(request), rows_(rows), watcher_(request.watcher), pieces_(request.probes.sink) {
+    if (watcher_ != nullptr) request_.watcher = this;
+    if (pieces_ != nullptr) request_.probes.sink = this;
+  }
+  Keeper(const Keeper&) = delete;
+  Keeper& operator=(const Keeper&) = delete;
+
+  [[nodiscard]] engine::Answer run(const Simulate& simulate) { return simulate(request_, *this); }
+  [[nodiscard]] bool has_passed_on() const { return passes_on_; }
+  /// False where the rows are not wanted any more.
+  bool pass_on() {
+    passes_on_ = true;
+    for (const Told& told : std::exchange(told_, {})) std::visit([this](const auto& what) { tell(what); }, told);
+    return accepts_;
+  }
+
+  bool write(std::span<const double> values, std::size_t count) override {
+    keep(Rows{{values.begin(), values.end()}, count}, values.size());
+    return accepts_;
+  }
+  void begin(std::span<const std::string> elements, std::span<const char> on) override {
+    keep(Begin{{elements.begin(), elements.end()}, {on.begin(), on.end()}}, 4 * elements.size());
+  }
+  void happened(const engine::Event& event, std::span<const char> on) override {
+    keep(Happened{event, {on.begin(), on.end()}}, on.size() / sizeof(double));
+  }
+  void before_start(std::span<const double> values) override { keep(BeforeStart{{values.begin(), values.end()}}, values.size()); }
+  void take(const engine::Piece& piece) override {
+    keep(Taken{piece, {piece.values.begin(), piece.values.end()}, {piece.noise.begin(), piece.noise.end()}},
+         piece.values.size() + piece.noise.size());
+  }
+  void impulse(double time, std::span<const double> values) override { keep(Impulse{time, {values.begin(), values.end()}}, values.size()); }
+
+ private:
+  struct Rows {
+    std::vector<double> values;
+    std::size_t count;
+  };
+  struct Begin {
+    std::vector<std::string> elements;
+    std::vector<char> on;
+  };
+  struct Happened {
+    engine::Event event;
+    std::vector<char> on;
+  };
+  struct BeforeStart {
+    std::vector<double> values;
+  };
+  struct Taken {
+    engine::Piece piece;
+    std::vector<double> values, noise;
+  };
+  struct Impulse {
+    double time;
+    std::vector<double> values;
+  };
+  using Told = std::variant<Rows, Begin, Happened, BeforeStart, Taken, Impulse>;
+
+  template <class What>
+  void keep(What what, std::size_t numbers) {
+    if (passes_on_) return tell(what);
+    told_.push_back(std::move(what));
+    size_ += sizeof(Told) + sizeof(double) * numbers;
+    if (size_ > trial_memory) (void)pass_on();
+  }
+
+  void tell(const Rows& rows) { accepts_ = accepts_ && rows_.write(rows.values, rows.count); }
+  void tell(const Begin& begin) { watcher_->begin(begin.elements, begin.on); }
+  void tell(const Happened& happened) { watcher_->happened(happened.event, happened.on); }
+  void tell(const BeforeStart& start) { pieces_->before_start(start.values); }
+  void tell(const Taken& taken) {
+    engine::Piece piece = taken.piece;
+    piece.values = taken.values;
+    piece.noise = taken.noise;
+    pieces_->take(piece);
+  }
+  void tell(const Impulse& impulse) { pieces_->impulse(impulse.time, impulse.values); }
+
+  engine::Request request_;
+  engine::RowSink& rows_;
+  engine::EventWatcher* watcher_;
+  engine::PieceSink* pieces_;
+  std::vector<Told> told_;
+  std::size_t size_ = 0;  ///< of what is kept, bytes
+  bool passes_on_ = false, accepts_ = true;
+};
+
+bool has_failed(engine::Outcome outcome) {
+  return outcome == engine::Outcome::no_solution || outcome == engine::Outcome::not_unique || outcome == engine::Outcome::accumulation;
+}
+
+}  // namespace
+
+Simulate tried_first(Simulate first, Simulate second, std::function<std::vector<engine::Remark>(const engine::Answer&)> why) {
+  return
+      [first = std::move(first), second = std::move(second), why = std::move(why)](const engine::Request& request, engine::RowSink& sink) {
+        Keeper keeper(request, sink);
+        engine::Answer answer = keeper.run(first);
+        if (has_failed(answer.outcome) && !keeper.has_passed_on()) {
+          engine::Answer other = second(request, sink);
+          for (engine::Remark& remark : why(answer)) other.remarks.push_back(std::move(remark));
+          return other;
+        }
+        if (!keeper.pass_on() && answer.outcome == engine::Outcome::completed) answer.outcome = engine::Outcome::sink_stopped;
+        return answer;
+      };
+}
+
+}  // namespace pwlsim::analysis
