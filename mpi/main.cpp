@@ -35,8 +35,8 @@ struct Arguments {
 
 constexpr const char* usage =
     "usage: mpirun -n N pwlsim-mpi DECK [-o FILE.csv] [--resume] [--quiet]\n"
-    "Runs what .step of DECK asks for and writes one row a run: run, what is stepped, measurements, error.\n"
-    "--resume goes on where a run that was killed had come to, from FILE.csv.journal.\n";
+    "Does the runs of the deck's .step and writes one row per run: run, stepped values, measurements, error.\n"
+    "--resume continues a sweep that was killed, from FILE.csv.journal.\n";
 
 /// Throws std::invalid_argument.
 Arguments read_arguments(int count, char** words) {

@@ -24,31 +24,31 @@ namespace pwlsim {
 enum class Engine { automatic, exact, sparse };
 
 struct Options {
-  double stop = 0.0;                    ///< s; 0: use the deck's `.tran`; the next three are then ignored
-  double step = 0.0;                    ///< s between rows; 0: a thousandth of the run. The distance of rows, not an integration step
+  double stop = 0.0;                    ///< s; 0: use the deck's `.tran` and ignore the next three
+  double step = 0.0;                    ///< s between rows; 0: a thousandth of the run. Not an integration step
   double start = 0.0;                   ///< s, of the first row; the run still begins at 0
-  bool use_initial_conditions = false;  ///< start from `ic=` and initial values, zero elsewhere, instead of the operating point (uic)
+  bool use_initial_conditions = false;  ///< start from `ic=` and `.ic`, zero elsewhere, instead of the operating point (uic)
 
   Engine engine = Engine::automatic;
   std::optional<double> reltol =
       {};  ///< for the sparse engine: bound on the local error of a step relative to each state's running maximum; default 1e-4
-  bool rows_at_events = false;  ///< further rows before and after every event
+  bool rows_at_events = false;  ///< adds rows before and after every event
   bool events = true;           ///< keep a list of all events
   bool evaluable = true;        ///< the result keeps the model, for Result::at and Result::report
   std::size_t run = 0;          ///< number of the run of the deck's `.step`, from 0
 
-  /// Called with each row, its time in s and the values of the signals in their order, in the thread of the run; the result then keeps no rows.
-  /// For runs longer than memory. It must not throw.
+  /// Called with the time (s) and the values of each row, in the order of the signals, in the thread of the run; the result then keeps no rows.
+  /// For runs whose rows do not fit in memory. It must not throw.
   std::function<void(double time, const std::vector<double>& values)> row = {};
   /// Called from time to time with the time reached, s, in the thread of the run. It must not throw.
   std::function<void(double)> progress = {};
-  /// Nonzero ends the run soon; any thread may set it.
+  /// Any thread may set it to a nonzero number, which ends the run soon.
   const std::atomic<int>* interrupt = nullptr;
 };
 
 /// Each function adds a card of the deck language (docs/reference/netlist.md) and returns the circuit. Nodes are names; "0" and "gnd" are ground.
-/// The name of an element begins with the letter of its kind, given at each function. Names are not case-sensitive.
-/// Throws Error (E-name) for a name that is not valid on a card. Everything else is checked by run: unknown models, floating parts, values out of range.
+/// The name of an element begins with the letter of its kind, given with each function. Names are not case-sensitive.
+/// Throws Error (E-name) for a name that is not valid on a card. run checks everything else: unknown models, floating parts, values out of range.
 ///
 /// Circuits share nothing: each thread may use its own, and several threads may run one circuit as long as nothing changes it.
 class Circuit {
@@ -76,7 +76,7 @@ class Circuit {
   /// D…: ideal, or by a model of type D.
   Circuit& diode(std::string_view name, std::string_view anode, std::string_view cathode, std::string_view model = {},
                  const Parameters& more = {});
-  /// S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the start within its hysteresis.
+  /// S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the state at the start if that is within the hysteresis.
   Circuit& voltage_switch(std::string_view name, std::string_view p, std::string_view n, std::string_view cp, std::string_view cn,
                           std::string_view model, bool on = false);
   /// W…: closed while the current of an element is above the threshold of a model of type CSW.
@@ -108,7 +108,7 @@ class Circuit {
   Circuit& parameter(std::string_view name, const Value& value);
   /// `.options`.
   Circuit& option(std::string_view name, const Value& value);
-  /// `.ic` of a node, V: forced in the operating point, the start with use_initial_conditions.
+  /// `.ic` of a node, V: forced in the operating point; the initial value with use_initial_conditions.
   Circuit& initial_voltage(std::string_view node, const Value& voltage);
   /// `.ic` of an inductor, A.
   Circuit& initial_current(std::string_view inductor, const Value& current);
@@ -120,13 +120,13 @@ class Circuit {
   Circuit& cards(std::string_view lines);
 
   /// A sampled controller (controller.hpp). Throws Error (E-controller) if it has no function, no output, no positive `every`, a negative delay, or
-  /// another number of initial values than of outputs. run checks its inputs and outputs.
+  /// different numbers of initial values and outputs. run checks its inputs and outputs.
   Circuit& controller(Controller controller);
 
-  /// The value of an element that stands in the deck or was added in code, outside of subcircuits, from now on: of R, C, L (ohm, farad, henry), of V and I
-  /// (a number or a waveform; AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value where there is none.
+  /// Sets the value of an element of the deck or of the code, outside of subcircuits: of R, C, L (ohm, farad, henry), of V and I (a number or a waveform;
+  /// AC stays), the gain of E, F, G, H, the coefficient of K. run throws E-unknown-element or E-no-value if there is none.
   Circuit& set_value(std::string_view element, const Waveform& value);
-  /// That value, with parameters evaluated; of elements in subcircuits too ("X1:R1"). Throws as run does, and E-unknown-element, E-no-value (a waveform).
+  /// That value, with parameters evaluated; also of elements in subcircuits ("X1:R1"). Throws as run does, and E-unknown-element, E-no-value (a waveform).
   [[nodiscard]] double value(std::string_view element) const;
   /// Names of all elements, those of subcircuits as "X1:R1". Throws as run does.
   [[nodiscard]] std::vector<std::string> elements() const;
@@ -136,19 +136,19 @@ class Circuit {
   [[nodiscard]] Result run(const Options& options = {}) const;
   /// Names and values (V, A) of the saved signals at the DC operating point. Throws as run does.
   [[nodiscard]] std::vector<std::pair<std::string, double>> operating_point(const Options& options = {}) const;
-  /// The periodic steady state, as `.pss` of the deck or as asked for (docs/reference/steady-state.md). Of `options`, `stop`, `step` and `start` are not used.
-  /// Throws as run does; RunError (E-pss-…) where no orbit was found.
+  /// The periodic steady state, by the deck's `.pss` or by `what` (docs/reference/steady-state.md). `stop`, `step` and `start` of `options` are not used.
+  /// Throws as run does; RunError (E-pss-…) if no orbit was found.
   [[nodiscard]] SteadyState steady_state(const SteadyStateOptions& what = {}, const Options& options = {}) const;
-  /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit as it is. Throws as steady_state does.
+  /// Small signals at these frequencies, Hz: around the steady state, or of a linear circuit. Throws as steady_state does.
   [[nodiscard]] Response small_signals(const std::vector<double>& frequencies, const SmallSignalOptions& what = {},
                                        const SteadyStateOptions& around = {}, const Options& options = {}) const;
-  /// A measurement of `.meas tran` or `.meas pss` and its derivatives to parameters, exact, as `.sens` of a deck (docs/reference/steady-state.md): "R" of a
-  /// `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)". A measurement of `.meas pss` needs `.pss` among the cards. All parameters together cost little
-  /// more than one. Throws as run and steady_state do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A single derivative that does not exist is
-  /// told in its `failure`.
+  /// A measurement of `.meas tran` or `.meas pss` and its exact derivatives to parameters, as by `.sens` (docs/reference/steady-state.md): "R" of a `.param`,
+  /// "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)". A measurement of `.meas pss` needs a card `.pss`. All parameters together cost little more than one.
+  /// Throws as run and steady_state do; Error: E-sens-no-measurement, E-sens-unknown-parameter. If a single derivative does not exist, its `failure` gives
+  /// the reason.
   [[nodiscard]] Gradient gradient(std::string_view measurement, const std::vector<std::string>& parameters,
                                   const Options& options = {}) const;
-  /// Of several measurements of one run; of all where `measurements` is empty.
+  /// The same for several measurements of one run; for all if `measurements` is empty.
   [[nodiscard]] std::vector<Gradient> gradients(const std::vector<std::string>& measurements, const std::vector<std::string>& parameters,
                                                 const Options& options = {}) const;
   /// Number of runs of the deck's `.step`; 1 without `.step`. Throws as run does.

@@ -1,5 +1,5 @@
 #pragma once
-/// Circuits of ideal diodes, switches and linear elements, run in C++. See docs/api.md.
+/// Circuits of ideal diodes, switches and linear elements, built and run in C++. See docs/api.md.
 ///
 ///     pwlsim::Circuit circuit("divider");
 ///     circuit.voltage_source("V1", "in", "0", 10).resistor("R1", "in", "out", 1e3).resistor("R2", "out", "0", "4k");

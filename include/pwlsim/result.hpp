@@ -13,11 +13,11 @@
 
 namespace pwlsim {
 
-/// Something happened at one instant in (0, stop].
+/// The changes at one instant in (0, stop].
 struct Event {
   double time = 0.0;                               ///< s
   bool source_edge = false;                        ///< a source jumps or has a corner
-  bool mode_change = false;                        ///< diodes or switches change
+  bool mode_change = false;                        ///< diodes or switches change state
   bool jump = false;                               ///< states jump
   std::vector<std::string> turned_on, turned_off;  ///< diodes and switches: "D1", "X1.S1"; "D1 (2)" is the second port of D1
 };
@@ -25,10 +25,10 @@ struct Event {
 /// A measurement of a `.meas` card.
 struct Measurement {
   std::string name;
-  double value = 0.0;      ///< if there is no failure
+  double value = 0.0;      ///< valid if there is no failure
   std::string unit;        ///< "V", "W", "s", …; "" if it has none or it is not known
-  std::string failure;     ///< why there is no value; else ""
-  std::string left_out{};  ///< impulses that the value excludes, and why; else ""
+  std::string failure;     ///< why there is no value; "" if there is one
+  std::string left_out{};  ///< impulses that the value excludes, and why; "" if none
 };
 
 /// A `.four` card's Fourier analysis of one signal: y = Σ magnitude_k·sin(2π·frequency_k·t + phase_k), number 0 the mean.
@@ -42,11 +42,11 @@ struct Fourier {
   double distortion = 0.0;  ///< of all harmonics, relative to the first: 0.1 is ten percent; infinite if there are impulses
 };
 
-/// How well the run satisfies the circuit's own laws: the largest relative residuals over all points checked. Values near 1e-15 are rounding.
+/// How well the run satisfies the circuit's laws: the largest relative residuals over all points checked. Values near 1e-15 are rounding.
 struct Certificate {
   double complementarity = 0.0;  ///< no diode conducts with a voltage, none blocks with a current, no sign is wrong
   double kcl_kvl = 0.0;          ///< Kirchhoff's laws
-  double energy = 0.0;           ///< delivered minus dissipated minus stored
+  double energy = 0.0;           ///< energy delivered minus dissipated minus stored
   std::optional<bool> passive;   ///< the circuit without its sources cannot deliver energy; empty if not known
 };
 
@@ -55,13 +55,13 @@ struct Statistics {
   std::string engine;  ///< "exact" or "sparse"
   std::uint64_t states = 0, ports = 0, switches = 0;
   std::uint64_t modes_visited = 0, events = 0, jumps = 0;
-  double seconds = 0.0;  ///< from the model to the values of the rows
+  double seconds = 0.0;  ///< s, for all work from the model to the values of the rows
 };
 
 /// A finished run. Cheap to copy and immutable: threads may share one.
 class Result {
  public:
-  /// Whether it reached its end; false if it was interrupted, and in RunError.
+  /// Whether the run reached its end; false if it was interrupted, and in RunError.
   [[nodiscard]] bool completed() const;
   /// The time reached, s.
   [[nodiscard]] double end() const;
@@ -73,8 +73,8 @@ class Result {
   /// The values of one signal, V or A, as many as there are times. Names are not case-sensitive. Throws Error (E-unknown-signal).
   [[nodiscard]] const std::vector<double>& signal(std::string_view name) const;
   [[nodiscard]] bool has_signal(std::string_view name) const;
-  /// The values of one signal at any times in [0, end()], s, in any order, from the closed form between events; right of a jump at its time. The run is
-  /// done again for it, from the model that it kept: ask for many times at once. Throws Error: E-unknown-signal, E-range, E-not-kept
+  /// The values of one signal at any times in [0, end()], s, in any order, from the closed form between events; at a jump, the value after it. Each call
+  /// repeats the run with the model that the result kept: ask for many times at once. Throws Error: E-unknown-signal, E-range, E-not-kept
   /// (Options::evaluable = false).
   [[nodiscard]] std::vector<double> at(std::string_view name, const std::vector<double>& times) const;
   /// The run as one web page that needs no network, as `--report` writes it. Throws Error: E-not-kept.
@@ -87,7 +87,7 @@ class Result {
 
   /// In the order of the cards.
   [[nodiscard]] const std::vector<Measurement>& measurements() const;
-  /// The value of one. Throws Error: E-unknown-signal if no measurement has that name, W-measurement-failed if it has no value.
+  /// The value of one measurement. Throws Error: E-unknown-signal if no measurement has that name, W-measurement-failed if it has no value.
   [[nodiscard]] double measurement(std::string_view name) const;
   [[nodiscard]] const std::vector<Fourier>& fourier() const;
 
@@ -105,7 +105,7 @@ class Result {
   std::shared_ptr<const Data> data_;
 };
 
-/// The run reached a time where it could not continue: no solution (E-no-solution), more than one (E-not-unique), an accumulation of events,
+/// The run reached a time from which it could not continue: no solution (E-no-solution), more than one (E-not-unique), an accumulation of events,
 /// a value out of range.
 class RunError : public Error {
  public:

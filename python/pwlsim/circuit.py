@@ -17,7 +17,7 @@ from .steady import LoopGain, Response, SteadyState
 __all__ = ["Circuit", "Element"]
 
 Value = Union[float, int, str]
-"""A number, taken over to the last bit; or text as a deck has it: "10k", "{2*R}", "inf"."""
+"""A number, kept to the last bit; or text as in a deck: "10k", "{2*R}", "inf"."""
 
 
 def _names(given: Union[str, Sequence[str]]) -> List[str]:
@@ -48,8 +48,8 @@ class Element:
 
     @property
     def value(self) -> float:
-        """Of R, C, L in ohm, farad, henry; of V and I in V and A (a number or, when set, a waveform: AC stays); the gain of E, F, G, H;
-        the coefficient of K. Raises Error: E-unknown-element, E-no-value, and what is wrong with the circuit."""
+        """The value of R, C, L in ohm, farad, henry; of V and I in V and A (a number or, when set, a waveform: AC stays); the gain of E, F, G, H;
+        the coefficient of K. Raises Error: E-unknown-element, E-no-value, and all mistakes of the circuit."""
         return self._circuit._core.value(self.name)
 
     @value.setter
@@ -61,7 +61,7 @@ class Element:
 
 
 class _Parameters(MutableMapping[str, Any]):
-    """Parameters that were given in Python; they rule over those of the deck."""
+    """Parameters that were set in Python; they override those of the deck."""
 
     def __init__(self, circuit: "Circuit") -> None:
         self._circuit = circuit
@@ -74,7 +74,7 @@ class _Parameters(MutableMapping[str, Any]):
         return self._given[name.lower()]
 
     def __delitem__(self, name: str) -> None:
-        raise TypeError("a parameter that was given cannot be taken back; give it another value")
+        raise TypeError("a parameter cannot be deleted; set another value")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._given)
@@ -86,8 +86,8 @@ class _Parameters(MutableMapping[str, Any]):
 class Circuit:
     """A circuit; each function adds a card of the deck language and returns the circuit.
 
-    Nodes are names; "0" and "gnd" are ground. The name of an element begins with its kind's letter. Case does not matter. Names are checked at once
-    (Error, E-name), all else by `run`. Further parameters of a card are keywords: ``circuit.inductor("L1", "a", "b", 1e-3, Rser=0.1, ic=2)``.
+    Nodes are names; "0" and "gnd" are ground. The name of an element begins with the letter of its kind. Names are not case-sensitive. Each function checks
+    its names (Error, E-name); `run` checks everything else. Further parameters of a card are keywords: ``circuit.inductor("L1", "a", "b", 1e-3, Rser=0.1, ic=2)``.
 
     >>> circuit = Circuit("divider").voltage_source("V1", "in", "0", 10).resistor("R1", "in", "out", 1e3).resistor("R2", "out", "0", "4k")
     >>> circuit.run(stop=1e-3)["v(out)"][-1]
@@ -106,14 +106,14 @@ class Circuit:
 
     @classmethod
     def from_file(cls, path: Union[str, "os.PathLike[str]"]) -> "Circuit":
-        """The deck or LTspice schematic in a file, which is read by `run`; what is added in Python counts as written at its end."""
+        """The deck or LTspice schematic in a file, which `run` reads; cards added in Python count as written at its end."""
         circuit = cls.__new__(cls)
         circuit._begin(("file", os.fspath(path)))
         return circuit
 
     @classmethod
     def from_text(cls, deck: str) -> "Circuit":
-        """A deck; its first line is the title. Files it includes are sought from the current directory."""
+        """A deck; its first line is the title. Included files are looked up from the current directory."""
         circuit = cls.__new__(cls)
         circuit._begin(("text", deck))
         return circuit
@@ -135,7 +135,7 @@ class Circuit:
             self._call(name, *arguments)
 
     def copy(self) -> "Circuit":
-        """A circuit of its own that begins as this one."""
+        """An independent copy of this circuit."""
         copy = type(self).__new__(type(self))
         copy.__setstate__((self._start, list(self._calls)))
         return copy
@@ -162,11 +162,11 @@ class Circuit:
         return self._call("coupling", name, list(inductors), coefficient)
 
     def voltage_source(self, name: str, p: str, n: str, voltage: Value = 0, **more: Value) -> "Circuit":
-        """V…: a number in V, the text of `sine`, `pulse`, `straight_lines`, or any other as a deck has it ("EXP(0 1 0 1m)")."""
+        """V…: a number in V, the result of `sine`, `pulse`, `straight_lines`, or other text as in a deck ("EXP(0 1 0 1m)")."""
         return self._call("voltage_source", name, p, n, voltage, more)
 
     def current_source(self, name: str, p: str, n: str, current: Value = 0, **more: Value) -> "Circuit":
-        """I…, in A as `voltage_source`: the current flows from p through the source to n."""
+        """I…: as `voltage_source`, in A; the current flows from p through the source to n."""
         return self._call("current_source", name, p, n, current, more)
 
     def diode(self, name: str, anode: str, cathode: str, model: str = "", **more: Value) -> "Circuit":
@@ -174,7 +174,7 @@ class Circuit:
         return self._call("diode", name, anode, cathode, model, more)
 
     def voltage_switch(self, name: str, p: str, n: str, cp: str, cn: str, model: str, on: bool = False) -> "Circuit":
-        """S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the start within its hysteresis."""
+        """S…: closed while v(cp,cn) is above the threshold of a model of type SW. `on`: the state at the start if that is within the hysteresis."""
         return self._call("voltage_switch", name, p, n, cp, cn, model, on)
 
     def current_switch(self, name: str, p: str, n: str, element: str, model: str, on: bool = False) -> "Circuit":
@@ -214,7 +214,7 @@ class Circuit:
         return self._call("model", name, type, parameters)
 
     def parameter(self, name: str, value: Value) -> "Circuit":
-        """`.param`: the last one of a name rules, over those of the deck too. ``circuit.parameters["R"] = 5`` does the same.
+        """`.param`: the last one of a name is used; it overrides those of the deck. ``circuit.parameters["R"] = 5`` does the same.
 
         >>> circuit = Circuit.from_text("drop\\nV1 a 0 1\\nR1 a b {r}\\nR2 b 0 1\\n.param r=1\\n")
         >>> circuit.parameters["r"] = 3
@@ -228,7 +228,7 @@ class Circuit:
         return self._call("option", name, value)
 
     def initial_voltage(self, node: str, voltage: Value) -> "Circuit":
-        """`.ic` of a node, V: forced in the operating point, the start with use_initial_conditions."""
+        """`.ic` of a node, V: forced in the operating point; the initial value with use_initial_conditions."""
         return self._call("initial_voltage", node, voltage)
 
     def initial_current(self, inductor: str, current: Value) -> "Circuit":
@@ -248,7 +248,7 @@ class Circuit:
         return self._call("cards", lines)
 
     def set_value(self, element: str, value: Value) -> "Circuit":
-        """The value of an element outside of subcircuits from now on, as ``circuit[element].value = value``."""
+        """Sets the value of an element outside of subcircuits, as ``circuit[element].value = value`` does."""
         return self._call("set_value", element, value)
 
     def controller(
@@ -261,17 +261,19 @@ class Circuit:
         delay: float = 0.0,
         initial: Union[float, Sequence[float], None] = None,
     ) -> "Circuit":
-        """Digital control: at t = 0, every, 2·every, … (s) ``function(t, *inputs)`` returns the outputs, which hold from t + delay (s) on until the next.
+        """Digital control: at t = 0, every, 2·every, … (s) ``function(t, *inputs)`` returns the outputs, which hold from t + delay (s) until the next ones.
 
         inputs: signals, "v(out)", "i(L1)" in V and A, as they are just before the instant. outputs: names of sources V… and I… of constant value, which
-        is set (V, A); any other name is a node, which a source of the controller's own holds against ground (V). A duty cycle is such a node beside a
-        carrier: ``voltage_switch("S1", "in", "sw", "duty", "carrier", "SW")``. The function returns a number, a sequence with one number an output, or
-        None: the outputs stay. initial: outputs before the first and at the operating point; default the source's value, or 0.
+        is set (V, A); any other name is a node, and the controller adds a source that sets its voltage against ground (V). A duty cycle is such a node that a
+        switch compares with a carrier: ``voltage_switch("S1", "in", "sw", "duty", "carrier", "SW")``. The function returns a number, a sequence with one
+        number per output, or None (the outputs stay). initial: outputs until the first ones are set, and at the operating point; default: the source's
+        value, or 0.
 
-        State is what the function keeps; every run calls it anew. What it raises ends the run: a RunError (E-controller) has the rows as `result`, and what
-        was raised as its cause. Raises Error (E-controller) where every, delay or initial is wrong; `run` checks inputs and outputs. The exact engine only.
+        The function keeps the state of the controller; reset it between runs. An exception in it ends the run: a RunError (E-controller) has the rows as
+        `result`, and the exception as its cause. Raises Error (E-controller) if every, delay or initial is wrong; `run` checks inputs and outputs. The exact
+        engine only.
 
-        A capacitor of 1 µF is charged by 1 mA for every second sample, 1 ms each, that is by 1 V a time:
+        In every second interval of 1 ms, 1 mA charges a capacitor of 1 µF by 1 V:
 
         >>> circuit = Circuit("staircase").current_source("I1", "0", "a", 0).capacitor("C1", "a", "0", 1e-6, ic=0).save("v(a)")
         >>> circuit = circuit.controller("v(a)", "I1", 1e-3, lambda t, v: 0 if round(t / 1e-3) % 2 else 1e-3)
@@ -285,12 +287,12 @@ class Circuit:
         return Element(self, name)
 
     def elements(self) -> List[str]:
-        """Names of all elements, those of subcircuits as "X1:R1". Raises Error where the circuit is wrong."""
+        """Names of all elements, those of subcircuits as "X1:R1". Raises Error if the circuit has mistakes."""
         return self._core.elements()
 
     @property
     def text(self) -> str:
-        """What was added in Python, as cards below the title. Messages name it `code`."""
+        """The cards added in Python, below the title. Messages name this text `code`."""
         return self._core.text()
 
     def run(
@@ -308,15 +310,15 @@ class Circuit:
         run: int = 0,
         progress: Optional[Callable[[float], None]] = None,
     ) -> Result:
-        """Runs the circuit to `stop` (s), with rows `step` (s) apart from `start` (s) on; the run begins at 0 all the same.
+        """Runs the circuit from 0 to `stop` (s), with a row every `step` (s) from `start` (s) on.
 
-        stop: 0 takes the deck's `.tran`. step: 0 is a thousandth of what is run; rows are a grid to read from, not a step of integration.
-        use_initial_conditions: no operating point, but `ic=` and zero elsewhere (uic). engine: "auto", "exact" or "sparse", with `reltol` of the latter.
-        rows_at_events: a row before and after every event. events: keep a list of all events. evaluable: keep the model, for ``result(signal, t)``
-        and ``result.report()``. run: which of the runs of the deck's `.step`. progress: called with the time reached, s, some twenty times a second.
+        stop: 0 uses the deck's `.tran`. step: the distance of rows, not an integration step; 0 is a thousandth of the run. use_initial_conditions: start from
+        `ic=` and `.ic`, zero elsewhere, instead of the operating point (uic). engine: "auto", "exact" or "sparse"; `reltol` is for the sparse one.
+        rows_at_events: adds rows before and after every event. events: keep a list of all events. evaluable: keep the model, for ``result(signal, t)``
+        and ``result.report()``. run: number of the run of the deck's `.step`. progress: called with the time reached, s, some twenty times a second.
 
-        Raises Error where the circuit is wrong, RunError where the run came to no end (its `result` has the rows), Interrupted after Ctrl-C. Warnings of
-        the simulator are PwlsimWarning. Other threads run meanwhile.
+        Raises Error if the circuit has mistakes, RunError if the run could not continue (its `result` has the rows), Interrupted after Ctrl-C. Warnings of
+        the simulator are PwlsimWarning. Other threads continue during the run.
         """
         options = {
             "stop": stop,
@@ -353,13 +355,13 @@ class Circuit:
         points: Optional[int] = None,
         use_initial_conditions: bool = False,
     ) -> SteadyState:
-        """The periodic steady state, as `.pss` of the deck or as asked for.
+        """The periodic steady state, by the deck's `.pss` or by these arguments.
 
-        period: s, a multiple of the common period of the sources (default: that); of a self-timed circuit a guess. multiple: periods of the sources in
-        one of the orbit. on, off: the element whose closing or opening begins the period of a self-timed circuit; when: "v(a)=0 rise". settling_time: s
-        that are simulated before the search. points: rows a period.
+        period: s, a multiple of the common period of the sources (the default); a guess for a self-timed circuit. multiple: periods of the sources in
+        one period of the orbit. on, off: the element whose closing or opening begins the period of a self-timed circuit; when: "v(a)=0 rise".
+        settling_time: s, simulated before the search. points: row intervals per period.
 
-        Raises Error where the circuit is wrong, RunError (E-pss-…) where no orbit was found.
+        Raises Error if the circuit has mistakes, RunError (E-pss-…) if no orbit was found.
         """
         return self._steady_state(self._around(period, multiple, on, off, when, settling_time, points, use_initial_conditions))
 
@@ -400,10 +402,10 @@ class Circuit:
         settling_time: Optional[float] = None,
         use_initial_conditions: bool = False,
     ) -> Response:
-        """Small signals at `frequencies` (Hz): around the steady state, or of a linear circuit as it is.
+        """Small signals at `frequencies` (Hz): around the steady state, or of a linear circuit.
 
         source: "V1", "freq(V1)", "duty(V1)"; default: all sources with AC values. loop: a source of 0 V in a loop, for its loop gain. harmonic: the
-        sideband at f + harmonic/period. sample: s, the sampled response at that time of the period. The rest is as of `steady_state`.
+        sideband at f + harmonic/period. sample: s, the sampled response at that time of the period. The other arguments are those of `steady_state`.
 
         Raises as `steady_state` does; E-ac-no-input, E-ac-no-derivative.
 
@@ -420,15 +422,15 @@ class Circuit:
         return Response(frequency, values, LoopGain(*gain) if gain else None)
 
     def gradient(self, measurement: str, parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False) -> Gradient:
-        """A measurement of `.meas tran` or `.meas pss` with its exact derivatives to parameters, as `.sens` of a deck, through all events.
+        """A measurement of `.meas tran` or `.meas pss` with its exact derivatives to parameters, as by `.sens`, through all events.
 
-        parameters: "R" of a `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)"; all together cost little more than one. stop: s; 0 takes the deck's
-        `.tran`. A measurement of `.meas pss` needs `.pss` among the cards.
+        parameters: "R" of a `.param`, "R1", "X1:L1", "S1:Vt", "Vg:Ton", "ic(C1)"; all together cost little more than one. stop: s; 0 uses the deck's
+        `.tran`. A measurement of `.meas pss` needs a card `.pss`.
 
         Raises as `run` and `steady_state` do; Error: E-sens-no-measurement, E-sens-unknown-parameter. A derivative that does not exist is NaN, and
-        `failures` says why.
+        `failures` has the reason.
 
-        A divider of 12 V by R1 and 2 ohm: v = 24/(R1 + 2), so that dv/dR1 = −24/(R1 + 2)².
+        R1 and 2 ohm divide 12 V: v = 24/(R1 + 2), so that dv/dR1 = −24/(R1 + 2)².
 
         >>> circuit = Circuit.from_text("d\\nV1 a 0 12\\nR1 a b 4\\nR2 b 0 2\\n.meas tran v AVG v(b)\\n.tran 1 1\\n")
         >>> gradient = circuit.gradient("v", ["R1", "V1"])
@@ -440,7 +442,7 @@ class Circuit:
     def gradients(
         self, measurements: Sequence[str], parameters: Sequence[str], *, stop: float = 0.0, use_initial_conditions: bool = False, _level: int = 3
     ) -> Dict[str, Gradient]:
-        """The same of several measurements of one run, by name; of all where `measurements` is empty."""
+        """The same for several measurements of one run, by name; for all if `measurements` is empty."""
         given = {"stop": stop, "use_initial_conditions": use_initial_conditions}
         found = self._core.gradients(list(measurements), _names(parameters), given)
         if found:
@@ -449,7 +451,7 @@ class Circuit:
         return {asked.get(name.lower(), name): Gradient(name, value, derivatives) for name, value, derivatives, _ in found}
 
     def runs(self) -> int:
-        """How many runs the deck's `.step` asks for; 1 without. Raises as `run` does."""
+        """Number of runs of the deck's `.step`; 1 without `.step`. Raises as `run` does."""
         return self._core.runs()
 
     def __repr__(self) -> str:

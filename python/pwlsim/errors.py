@@ -18,9 +18,9 @@ class Message(NamedTuple):
     id: str
     """The stable id."""
     text: str
-    """One sentence, with "; try …" where there is a fix."""
+    """One sentence, with "; try …" if there is a fix."""
     full: str
-    """With its place, and the line it is about."""
+    """With its location and the line."""
 
 
 class PwlsimWarning(UserWarning):
@@ -32,7 +32,7 @@ class PwlsimWarning(UserWarning):
 
 
 class Error(Exception):
-    """The circuit is wrong, or something was asked that is not there.
+    """The circuit has mistakes, or something requested does not exist.
 
     >>> import pwlsim
     >>> try:
@@ -45,14 +45,14 @@ class Error(Exception):
     def __init__(self, text: str = "", id: str = "", messages: Optional[List[Message]] = None) -> None:
         super().__init__(text)
         self.id = id
-        """Of the first error."""
+        """The id of the first error."""
         self.messages: List[Message] = messages or []
-        """All there are, warnings and notes too."""
+        """All messages, including warnings and notes."""
 
 
 class RunError(Error):
-    """The run came to a time where it could not go on; `result` holds the rows up to then (None for a steady state that was not found).
-    Where a controller's function raised, that is the cause."""
+    """The run could not continue; `result` holds the rows up to then (None for a steady state that was not found).
+    If a controller's function raised an exception, that is the cause."""
 
     result: Any = None
 

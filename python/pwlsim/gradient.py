@@ -10,7 +10,7 @@ __all__ = ["Gradient"]
 
 
 class Gradient:
-    """A measurement with its derivatives to parameters, in the order that was asked for.
+    """A measurement with its derivatives to parameters, in the order of the call.
 
     ``np.asarray(gradient)`` is `derivatives`; ``gradient["L1"]`` is the one to L1.
     """
@@ -18,18 +18,18 @@ class Gradient:
     measurement: str
     """Its name."""
     value: float
-    """Of the measurement; NaN where it failed."""
+    """Of the measurement; NaN if it failed."""
     parameters: Tuple[str, ...]
     derivatives: np.ndarray
-    """Shape (parameters,): dm/dp in units of the measurement per unit of the parameter; towards larger values at a kink; NaN where there is none."""
+    """Shape (parameters,): dm/dp in units of the measurement per unit of the parameter; towards larger values at a kink; NaN if there is none."""
     normalised: np.ndarray
-    """Shape (parameters,): p/m·dm/dp; NaN where the measurement is 0."""
+    """Shape (parameters,): p/m·dm/dp; NaN if the measurement is 0."""
     left: np.ndarray
     """Shape (parameters,): towards smaller values of the parameter."""
     kinks: Dict[str, str]
-    """Parameters at which left and right differ, and why."""
+    """Parameters for which left and right differ, with the reason."""
     failures: Dict[str, str]
-    """Parameters to which there is no derivative, and why."""
+    """Parameters without a derivative, with the reason."""
 
     def __init__(self, measurement: str, value: float, derivatives: Any) -> None:
         self.measurement, self.value = measurement, value
@@ -42,7 +42,7 @@ class Gradient:
         for name, value in zip(self.parameters, self.derivatives):
             if name.lower() == parameter.lower():
                 return float(value)
-        raise KeyError(f"no derivative to {parameter!r}; there are {', '.join(self.parameters)}")
+        raise KeyError(f"no derivative to {parameter!r}; there are derivatives to {', '.join(self.parameters)}")
 
     def __array__(self, dtype: Optional[Any] = None) -> np.ndarray:
         return self.derivatives if dtype is None else self.derivatives.astype(dtype)

@@ -1,4 +1,4 @@
-"""What a run gives: arrays, events, measurements, certificate."""
+"""The result of a run: arrays, events, measurements, certificate."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ EVENT_TYPE = np.dtype(
 
 
 class Certificate(NamedTuple):
-    """By how much the run fails the circuit's own laws: worst relative residuals over all points checked. Near 1e-15 is rounding."""
+    """How well the run satisfies the circuit's laws: the largest relative residuals over all points checked. Values near 1e-15 are rounding."""
 
     complementarity: float
-    """No diode conducts with a voltage, none blocks with a current, none the wrong way."""
+    """No diode conducts with a voltage, none blocks with a current, no sign is wrong."""
     kcl_kvl: float
     """Kirchhoff's laws."""
     energy: float
-    """Delivered, less dissipated, less stored."""
+    """Energy delivered minus dissipated minus stored."""
     passive: Optional[bool]
-    """The circuit without its sources cannot deliver energy; None where it is not known."""
+    """The circuit without its sources cannot deliver energy; None if not known."""
 
 
 class Statistics(NamedTuple):
@@ -42,20 +42,20 @@ class Statistics(NamedTuple):
     events: int
     jumps: int
     seconds: float
-    """From the model to the values of the rows, s."""
+    """s, for all work from the model to the values of the rows."""
 
 
 class Measurement(NamedTuple):
-    """What came of a `.meas` card."""
+    """The result of a `.meas` card."""
 
     name: str
     value: float
-    """NaN where it failed."""
+    """NaN if it failed."""
     unit: str
     failure: str
-    """Why there is no value, else ""."""
+    """Why there is no value; "" if there is one."""
     left_out: str
-    """Impulses that the value holds nothing of, and why, else ""."""
+    """Impulses that the value excludes, and why; "" if none."""
 
 
 class Fourier(NamedTuple):
@@ -74,7 +74,7 @@ class Fourier(NamedTuple):
 
 
 class Result:
-    """A run that is over.
+    """A finished run.
 
     >>> import pwlsim
     >>> circuit = pwlsim.Circuit("charging")
@@ -93,7 +93,7 @@ class Result:
 
     @property
     def completed(self) -> bool:
-        """Whether the run reached its end; False where it was interrupted, and in RunError."""
+        """Whether the run reached its end; False if it was interrupted, and in RunError."""
         return self._core.completed
 
     @property
@@ -103,7 +103,7 @@ class Result:
 
     @property
     def time(self) -> np.ndarray:
-        """Times of the rows, s, shape (rows,), not decreasing; a view that cannot be written to."""
+        """Times of the rows, s, shape (rows,), not decreasing; a read-only view."""
         return self._core.time
 
     @property
@@ -112,9 +112,9 @@ class Result:
         return self._core.signals
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Values of a signal at `time`, V or A, shape (rows,); a view that cannot be written to.
+        """Values of a signal at `time`, V or A, shape (rows,); a read-only view.
 
-        Case does not matter. Raises Error (E-unknown-signal).
+        Names are not case-sensitive. Raises Error (E-unknown-signal).
         """
         return self._core.signal(name)
 
@@ -128,9 +128,9 @@ class Result:
         return len(self.signals)
 
     def __call__(self, name: str, t: Union[float, Sequence[float], np.ndarray]) -> Any:
-        """A signal at any times from 0 to `end`, s, in any order: from the closed form between events, right of a jump at its time.
+        """A signal at any times from 0 to `end`, s, in any order: from the closed form between events; at a jump, the value after it.
 
-        Returns a float for a number, else an array of the shape of `t`. The run is done again for it: ask for many times in one call.
+        Returns a float for a number, else an array of the shape of `t`. Each call repeats the run: ask for many times in one call.
         Raises Error: E-unknown-signal, E-range, E-not-kept.
         """
         times = np.asarray(t, dtype=float)
@@ -139,8 +139,8 @@ class Result:
 
     @cached_property
     def events(self) -> np.ndarray:
-        """All events in order, a structured array with the fields time (s), source_edge, mode_change, jump (bool), turned_on and
-        turned_off (tuples of names of diodes and switches); empty with events=False."""
+        """All events in order: a structured array with the fields time (s), source_edge, mode_change, jump (bool), turned_on and
+        turned_off (tuples of names of diodes and switches). Empty with events=False."""
         time, edge, mode, jump, on, off = self._core.events
         events = np.empty(len(time), dtype=EVENT_TYPE)
         events["time"], events["source_edge"], events["mode_change"], events["jump"] = time, edge, mode, jump
@@ -165,12 +165,12 @@ class Result:
 
     @cached_property
     def measurements(self) -> Dict[str, float]:
-        """Name and value of every measurement; NaN where it failed."""
+        """Name and value of every measurement; NaN if it failed."""
         return {each.name: each.value for each in self.measurement_list}
 
     @cached_property
     def fourier(self) -> List[Fourier]:
-        """What the `.four` cards ask for."""
+        """The results of the `.four` cards."""
         return [Fourier(*each) for each in self._core.fourier]
 
     @property
@@ -185,12 +185,12 @@ class Result:
 
     @property
     def messages(self) -> List[Message]:
-        """Warnings and notes; in RunError also what ended the run."""
+        """Warnings and notes; in RunError also the error that ended the run."""
         return _messages(self._core.messages)
 
     @property
     def stepped(self) -> Dict[str, float]:
-        """Name and value of what the deck's `.step` varies."""
+        """Names and values of the parameters that the deck's `.step` varies, in this run."""
         return dict(self._core.stepped)
 
     def to_dataframe(self) -> Any:
@@ -210,7 +210,7 @@ class Result:
         return xarray.Dataset(variables, coords={"time": ("time", self.time, {"units": "s"})})
 
     def plot(self, *signals: str, axes: Any = None) -> Any:
-        """Draws the signals (all without a name) over time by matplotlib and returns the axes; voltages and currents apart. Needs matplotlib."""
+        """Draws the signals over time with matplotlib (without names: all), voltages and currents on separate axes. Returns the axes. Needs matplotlib."""
         import matplotlib.pyplot as pyplot
 
         names = signals or self.signals

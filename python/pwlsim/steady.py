@@ -17,22 +17,22 @@ class SteadyState(NamedTuple):
     period: float
     """s."""
     multiple: int
-    """Periods of the sources in it."""
+    """Periods of the sources in one period of the orbit."""
     is_driven: bool
     """By periodic sources; else the circuit is self-timed."""
     stability: str
-    """"stable", "unstable", "marginal"; "" where the orbit has no derivative."""
+    """"stable", "unstable", "marginal"; "" if the orbit has no derivative."""
     residual: float
-    """By how much the state after a period differs, relative to the largest state."""
+    """Difference of the states at both ends of the period, relative to the largest state."""
     iterations: int
     """Of Newton's method."""
     periods_simulated: int
     multipliers: np.ndarray
     """Floquet multipliers, complex, the largest first."""
     states: Dict[str, float]
-    """Right of t = 0: "v(C1)" in V, "i(L1)" in A."""
+    """Just after t = 0: "v(C1)" in V, "i(L1)" in A."""
     waveform: Result
-    """One period from t = 0, with what `.meas pss` measures."""
+    """One period from t = 0, with the values of `.meas pss`."""
 
 
 class LoopGain(NamedTuple):
@@ -47,7 +47,7 @@ class LoopGain(NamedTuple):
 
 
 class Response:
-    """Small signals: `frequency` in Hz, shape (frequencies,); response["v(out)"] is complex, of that shape; `loop` a LoopGain or None."""
+    """Small signals: `frequency` in Hz, shape (frequencies,); response["v(out)"] is complex with the same shape; `loop` is a LoopGain or None."""
 
     def __init__(self, frequency: np.ndarray, values: Dict[str, np.ndarray], loop: Optional[LoopGain]) -> None:
         self.frequency = frequency
@@ -58,14 +58,14 @@ class Response:
         for key, value in self.values.items():
             if key.lower() == name.lower():
                 return value
-        raise KeyError(f"no signal {name!r}; there are {', '.join(self.values)}")
+        raise KeyError(f"no signal {name!r}; the signals are {', '.join(self.values)}")
 
     @property
     def signals(self) -> Tuple[str, ...]:
         return tuple(self.values)
 
     def plot(self, *signals: str, axes: object = None) -> object:
-        """A Bode plot by matplotlib: of the loop gain where there is one and no signal is named. Returns two axes."""
+        """Draws a Bode plot with matplotlib; of the loop gain if there is one and no signal is named. Returns two axes."""
         import matplotlib.pyplot as pyplot
 
         if axes is None:

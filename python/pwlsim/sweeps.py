@@ -19,7 +19,7 @@ __all__ = ["MonteCarlo", "Points", "sweep"]
 
 
 class Points:
-    """Points for `sweep` as columns of equal length: run k has the k-th value of each name.
+    """Points for `sweep` as columns of equal length: run k takes the k-th value of each name.
 
     >>> Points({"R": [1, 2, 3], "L": [1e-3, 2e-3, 4e-3]}).columns()["L"].tolist()
     [0.001, 0.002, 0.004]
@@ -36,7 +36,7 @@ class Points:
 
 
 class MonteCarlo:
-    """Points for `sweep`, drawn with a seed: each name has a function of a numpy Generator and a count, or (mean, standard deviation).
+    """Random points for `sweep`: each name has a function of a numpy Generator and a count, or (mean, standard deviation).
 
     >>> draw = MonteCarlo(3, {"R": (10.0, 0.1), "L": lambda random, n: random.uniform(1e-3, 2e-3, n)}, seed=1)
     >>> sorted(draw.columns()), draw.columns()["R"].shape
@@ -47,7 +47,7 @@ class MonteCarlo:
         self.runs, self.values, self.seed = runs, dict(values), seed
 
     def columns(self) -> Dict[str, np.ndarray]:
-        """The values of every name, shape (runs,); the same for the same seed, whatever other names there are."""
+        """The values of every name, shape (runs,). They depend on the seed and the name only, not on the other names."""
         columns = {}
         for name, draw in self.values.items():
             random = np.random.default_rng([self.seed, *name.lower().encode()])
@@ -63,7 +63,7 @@ def _grid(values: Mapping[str, Iterable[float]]) -> Dict[str, np.ndarray]:
 
 
 class _Bar:
-    """A line on standard error, where that is a terminal."""
+    """A progress bar on standard error."""
 
     def __init__(self, total: int, shown: bool) -> None:
         self.total, self.shown = total, shown
@@ -89,13 +89,13 @@ def sweep(
 ) -> Any:
     """Runs a circuit with all combinations of values, the last name changing fastest, or with the points of Points or MonteCarlo.
 
-    values: names of parameters, or of elements outside of subcircuits, with their values. measure: what is taken of each run: the name of a measurement of the
-    deck; (name, "AVG v(out) FROM=1m"), a measurement as `Circuit.measure` takes it; (name, function of the Result). Default: all measurements of the deck.
-    jobs: threads; default as many as there are cores. progress: a bar on standard error; default where that is a terminal. options: as of `Circuit.run`.
+    values: names of parameters, or of elements outside of subcircuits, with their values. measure: the results to keep of each run: the name of a measurement of
+    the deck; (name, "AVG v(out) FROM=1m"), a measurement as for `Circuit.measure`; (name, function of the Result). Default: all measurements of the deck.
+    jobs: number of threads; default: one per core. progress: a bar on standard error; default: if that is a terminal. options: those of `Circuit.run`.
 
-    Returns a tidy table, one row a run in the order of the points: run, the names, what was measured (NaN where it failed), error (the id of a run that
-    failed, else ""): a pandas DataFrame where pandas is installed, else a dict of arrays. Results do not depend on `jobs`. A run that fails does not end the
-    others. Raises Error where the circuit is wrong, KeyboardInterrupt after Ctrl-C.
+    Returns a table with one row per run in the order of the points: run, the names, the measurements (NaN if one failed), error (the id of a run that
+    failed, else ""). It is a pandas DataFrame if pandas is installed, else a dict of arrays. Results do not depend on `jobs`. A run that fails does not stop the
+    others. Raises Error if the circuit has mistakes, KeyboardInterrupt after Ctrl-C.
 
     >>> divider = Circuit("divider").voltage_source("V1", "in", "0", 10).resistor("R1", "in", "out", 1).resistor("R2", "out", "0", 1)
     >>> table = sweep(divider, {"R1": [1, 4], "V1": [10, 5]}, measure=[("out", "AVG v(out)")], stop=1e-3)
@@ -136,7 +136,7 @@ def _column(name: str, names: List[str], rows: Sequence[Any]) -> np.ndarray:
 
 
 def _by_functions(core: Any, points: np.ndarray, functions: Mapping[str, Any], jobs: int, bar: _Bar) -> Any:
-    """Functions of Python see each result; the runs themselves go side by side."""
+    """Python functions receive each result; the runs themselves are parallel."""
     names = core.measurements()
 
     def one(number: int) -> Tuple[List[float], str]:

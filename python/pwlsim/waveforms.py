@@ -1,4 +1,4 @@
-"""What a source does over time, as text of the deck language."""
+"""Waveforms of sources, as text of the deck language."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def pulse(
 
 
 def straight_lines(points: Iterable[Tuple[float, float]], repeat: bool = False) -> str:
-    """Straight lines through points (s, value); equal times are a jump. The first and the last value hold outside.
+    """Straight lines through points (s, value); equal times are a jump. The first and the last value apply outside.
 
-    With `repeat` what lies up to the last point is repeated for ever.
+    With `repeat` the waveform up to the last point repeats forever.
 
     >>> straight_lines([(0, 0), (1e-3, 5)])
     'PWL(0 0 0.001 5 )'

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs of an engine that end soon after a signal, also within a step that does not look for signals.
+/// Runs of an engine that end soon after a signal, also within a step that does not check for signals.
 
 #include <atomic>
 
@@ -7,8 +7,8 @@
 
 namespace pwlsim::analysis {
 
-/// The engine in a thread of its own. Where it does not return in time after a signal (abandonable.hpp), the answer is that of an interrupted run: what
-/// it handed over before is all that there is, and whatever it hands over later is dropped. `simulate` keeps what it needs itself.
+/// The engine in its own thread. If it does not return in time after a signal (abandonable.hpp), the answer is that of an interrupted run: it contains what
+/// the engine delivered before, and later data is ignored. `simulate` owns the data that it needs.
 [[nodiscard]] Simulate abandonable(Simulate simulate, const std::atomic<int>& interrupt);
 
 }  // namespace pwlsim::analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// Small signals as a Bode plot: magnitudes in decibels above phases that go on without jumps.
+/// Small signals as a Bode plot: magnitudes in decibels above phases without jumps.
 
 #include "analysis/small_signal.hpp"
 #include "analysis/swept_runs.hpp"
@@ -7,10 +7,10 @@
 
 namespace pwlsim::analysis {
 
-/// At most six signals, or the loop gain with its crossovers and gain margins where there is one.
+/// At most six signals, or the loop gain with its crossovers and gain margins if there is one.
 [[nodiscard]] waveform::Figure bode_figure(const std::string& title, const SmallSignalResult& result);
 
-/// Whether a run of .step has one.
+/// Whether a run of .step has a Bode plot.
 [[nodiscard]] bool has_response(const SweptRuns& runs);
 /// The first signal, or the loop gain, of at most six of the runs, evenly spread.
 [[nodiscard]] waveform::Figure bode_figure(const std::string& title, const SweptRuns& runs);

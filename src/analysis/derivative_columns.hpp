@@ -10,26 +10,26 @@
 
 namespace pwlsim::analysis {
 
-/// How parameters move the start and the end of a run.
+/// How parameters change the start and the end of a run.
 class RunMotion {
  public:
   struct Forward {
     steady::Followed followed;
     DirectMoves direct;
     std::string failure;
-    bool is_kink = false;  ///< there is one on each side
+    bool is_kink = false;  ///< the derivative differs on each side
   };
   virtual ~RunMotion() = default;
-  /// Why there are no derivatives to the parameter; "" where there are.
+  /// Why there are no derivatives to the parameter; "" if there are.
   [[nodiscard]] virtual std::string failure(std::size_t parameter) = 0;
-  /// Directions in which the start is not determined: derivatives are those of measurements that they do not move.
+  /// Directions in which the start is not determined: only measurements that do not depend on them have derivatives.
   [[nodiscard]] virtual std::vector<steady::Vector> free_directions() const { return {}; }
   [[nodiscard]] virtual Forward forward(std::size_t parameter) = 0;
-  /// The sum for each parameter; those that fail do not matter.
+  /// The sum for each parameter; the values of failed ones are not used.
   [[nodiscard]] virtual std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) = 0;
 };
 
-/// For each parameter those of all measurements.
+/// For each parameter the derivatives of all measurements.
 [[nodiscard]] std::vector<std::vector<TwoSided>> derivative_columns(const circuit::Sensitivities& card, const MeasuredPass& run,
                                                                     const steady::Sensitivity& sensitivity, RunMotion& motion);
 

@@ -8,13 +8,13 @@ namespace pwlsim::analysis {
 
 struct Derivative {
   std::string measurement, parameter;
-  double measured = 0.0;           ///< m; NaN where the measurement failed, or nothing was measured
+  double measured = 0.0;           ///< m; NaN if the measurement failed, or nothing was measured
   double value = 0.0;              ///< dm/dp
-  double normalised = 0.0;         ///< p/m·dm/dp; not finite where m is 0
+  double normalised = 0.0;         ///< p/m·dm/dp; not finite if m is 0
   double left = 0.0, right = 0.0;  ///< towards smaller and larger p: differ at a kink
-  std::string kink;                ///< why they differ; "" where they do not
-  std::string failure;             ///< why there is none; "" where there is one
-  bool is_kink = false;            ///< events meet here: it may be known beside
+  std::string kink;                ///< why they differ; "" if they are equal
+  std::string failure;             ///< why there is none; "" if there is one
+  bool is_kink = false;            ///< events meet here: beside_kinks may find both sides
 };
 
 using DerivativeTable = std::vector<Derivative>;

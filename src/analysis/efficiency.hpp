@@ -1,5 +1,5 @@
 #pragma once
-/// An efficiency above 1 is not one of the circuit: its window holds no whole periods, or stored energy changes within it.
+/// A measured efficiency above 1 is not that of the circuit: its window does not contain whole periods, or stored energy changes within it.
 
 #include <vector>
 

@@ -9,14 +9,14 @@
 
 namespace pwlsim::analysis {
 
-/// Of the run: a place that near to an instant is at it.
+/// Relative to the run: a place this near to an instant is at it.
 inline constexpr double same_place = 1e-11;
-/// Of values on both sides of an instant: they are one.
+/// Relative to the values on both sides of an instant: they are equal.
 inline constexpr double same_value = 1e-12;
 
 [[nodiscard]] bool is_extreme(circuit::Measurement::Kind kind);
 
-/// Where the least and the largest value of a measurement lie, s, in order; more than one where they tie.
+/// The times of the least and the largest value of a measurement, s, in order; more than one for ties.
 struct ExtremePlaces {
   std::vector<double> least, largest;
   double size = 0.0;  ///< largest magnitude of the expression in the window

@@ -1,5 +1,5 @@
 #pragma once
-/// A run as one web page that needs nothing else, no network either: waveforms with zoom, cursors and measurements, events and modes on a time
+/// A run as one self-contained web page: waveforms with zoom, cursors and measurements, events and modes on a time
 /// line, idealisations, certificate, statistics. Its parts are src/analysis/page and third_party/uplot, built into the program.
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace pwlsim::analysis {
 
-/// `recorder`: null where there were no rows.
+/// `recorder`: null without rows.
 [[nodiscard]] std::string html_report(const RunOutcome& outcome, const RunReport& run, const RunRecorder* recorder);
 
 }  // namespace pwlsim::analysis

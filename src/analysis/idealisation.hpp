@@ -1,6 +1,6 @@
 #pragma once
-/// Where the circuit that runs is not the one written: what was replaced, left out or read otherwise than other simulators read it. Told by messages;
-/// here they are a list.
+/// Differences between the circuit that runs and the one written: parts that were replaced, left out, or read otherwise than by other simulators. Messages report them;
+/// this makes a list of them.
 
 #include <span>
 #include <string>
@@ -14,15 +14,15 @@ namespace pwlsim::analysis {
 
 struct Departure {
   std::string_view kind;  ///< "replaced", "ignored" or "read otherwise"
-  std::string subject;    ///< what stands in the deck there: a model's name, a parameter, a card
+  std::string subject;    ///< the text in the deck: a model's name, a parameter, a card
   std::string place;      ///< "buck.net:7", or ""
   std::string text;       ///< the message
 };
 
-/// "" for a message that tells of none.
+/// "" for a message that does not report such a difference.
 [[nodiscard]] std::string_view departure_kind(std::string_view id);
 
-/// In the order of the messages; errors tell of none.
+/// In the order of the messages, without errors.
 [[nodiscard]] std::vector<Departure> departures(const Diagnostics& diagnostics, const SourceStore& sources);
 
 /// "not as written: 2 replaced, 3 ignored, 1 read otherwise (--verbose lists them)" and a line feed; "" for none.

@@ -1,5 +1,5 @@
 #pragma once
-/// What `pwlsim inspect` tells of a circuit: its islands, each as a linear complementarity system for every position of its switches, what
+/// The report of `pwlsim inspect`: the islands of a circuit, each as a linear complementarity system for every position of its switches, what
 /// certifies that the system has one solution, and the subspaces of a mode.
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace pwlsim::analysis {
 
-/// Positions are all shown up to this many, 2^switches; beyond, only that of the start and that of `--mode`.
+/// Up to this many positions, 2^switches, all are shown; beyond, only that of the start and that of `--mode`.
 inline constexpr std::size_t most_positions = 16;
 
 struct PortView {
@@ -24,7 +24,7 @@ struct PortView {
 
 enum class CertificateKind {
   no_ports,          ///< a linear differential equation
-  passive,           ///< in energy coordinates: one solution where there is any
+  passive,           ///< in energy coordinates: at most one solution
   principal_minors,  ///< G(s) is a P-matrix for large s: the rational complementarity problem has one solution from every state
   none
 };
@@ -37,16 +37,16 @@ struct CertificateView {
 };
 
 struct PositionView {
-  std::vector<char> on;   ///< of the island's switches
-  bool of_start = false;  ///< what the flags on the cards say
-  std::string problem;    ///< why this position has no (A, B, C, D); the rest is empty then
+  std::vector<char> on;   ///< one per switch of the island
+  bool of_start = false;  ///< the position by the flags on the cards
+  std::string problem;    ///< why this position has no (A, B, C, D); everything else is empty then
   model::StateSpace space;
   std::vector<PortView> ports;
   model::Markov markov;
   CertificateView certificate;
 };
 
-/// Of the island with its switches as ports.
+/// A mode of the island with its switches as ports.
 struct ModeView {
   std::vector<std::string> on;  ///< ports
   int states = 0;
@@ -72,7 +72,7 @@ struct Inspection {
   std::vector<std::vector<std::string>> left_out;  ///< elements that no saved signal depends on, part by part
 };
 
-/// `request`: the mode of --mode; none where it is empty. Names that mean nothing go to `diagnostics` as E-mode; the answer is empty then.
+/// `request`: the mode of --mode; empty for none. Unknown names are reported in `diagnostics` as E-mode; the result is empty then.
 [[nodiscard]] std::optional<Inspection> inspect(const circuit::Compiled& compiled, const engine::ExactModel& model,
                                                 const std::optional<ModeRequest>& request, Diagnostics& diagnostics);
 

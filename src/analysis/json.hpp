@@ -9,9 +9,9 @@
 
 namespace pwlsim::analysis {
 
-/// Quoted, with what must be escaped escaped.
+/// Quoted and escaped.
 [[nodiscard]] std::string json_string(std::string_view text);
-/// The shortest text that reads back to the same double; `null` for what is not finite.
+/// The shortest text that reads back to the same double; `null` if it is not finite.
 [[nodiscard]] std::string json_number(double value);
 [[nodiscard]] std::string json_truth(bool value);
 /// All members on one line: [1, 2, 3]. `members` are JSON texts.
@@ -28,7 +28,7 @@ class JsonWriter {
   void end_object() { end('}'); }
   void end_array() { end(']'); }
   void key(std::string_view name);
-  /// `text` is JSON already.
+  /// `text` must be JSON.
   void value(std::string_view text);
   void member(std::string_view name, std::string_view text) {
     key(name);
@@ -44,7 +44,7 @@ class JsonWriter {
 
   std::string text_;
   int depth_ = 0;
-  bool first_ = true;  ///< nothing stands behind the last bracket yet
+  bool first_ = true;  ///< nothing follows the last bracket yet
   bool after_key_ = false;
 };
 

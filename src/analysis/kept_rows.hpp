@@ -1,5 +1,5 @@
 #pragma once
-/// The rows of a run as they were written, kept for a check in bounded memory.
+/// Keeps the written rows of a run for a check, in bounded memory.
 
 #include <cstddef>
 #include <span>
@@ -9,11 +9,11 @@
 
 namespace pwlsim::analysis {
 
-/// Passes rows on to a writer. Of more rows than find room every second one is kept, then every fourth, and so on; of two rows at one time, which stand before and after
-/// an event, the second.
+/// Passes rows on to a writer. When memory is full it keeps every second row, then every fourth, and so on; of two rows at one time, those before and after
+/// an event, it keeps the second.
 class KeptRows : public waveform::RowWriter {
  public:
-  /// `columns` with the time.
+  /// `columns` includes the time.
   KeptRows(waveform::RowWriter& writer, std::size_t columns);
 
   bool write(std::span<const double> values) override;

@@ -149,7 +149,7 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
   apart.add(-1.0, moves.sum);
   if (jumps)
     result.obstacles.push_back(
-        {shift_of(*instant), std::move(moves.sum), fmt::format("the value jumps at that very time: {}", event_at(*instant))});
+        {shift_of(*instant), std::move(moves.sum), fmt::format("the value jumps exactly at that time: {}", event_at(*instant))});
   else
     result.kinks.push_back({std::move(apart), right.rate - left.rate, 1, event_at(*instant)});
   return result;
@@ -176,14 +176,14 @@ MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& 
       return moves;
     }
   }
-  if (left.rate == 0.0) return failed_functional("what crosses there has no slope");
+  if (left.rate == 0.0) return failed_functional("the crossing signal has no slope there");
   MeasuredFunctional moves;
   moves.add(-1.0 / left.rate, left.moved);
   if (!instant) return moves;
   // Where it crosses after the instant, it does so with the slope behind it.
   const double rate = jet_of(difference, time, Side::right).rate;
   if (rate * left.rate <= 0.0) {
-    moves.obstacles.push_back({moves.sum, shift_of(*instant), fmt::format("it turns back there: {}", event_at(*instant))});
+    moves.obstacles.push_back({moves.sum, shift_of(*instant), fmt::format("the crossing signal turns back there: {}", event_at(*instant))});
   } else {
     MeasuredSum behind = moves.sum;
     behind.add(-1.0, shift_of(*instant));

@@ -1,5 +1,5 @@
 #pragma once
-/// Derivatives of measured values, as what they read of the derivatives of signals: once for all parameters.
+/// Derivatives of measured values as functionals of the derivatives of signals: once for all parameters.
 
 #include <array>
 #include <optional>
@@ -15,13 +15,13 @@ class MeasuredFunctionals {
  public:
   MeasuredFunctionals(const MeasuredPass& run, const steady::Sensitivity& sensitivity);
 
-  /// Valid as long as this.
+  /// Valid as long as this object.
   [[nodiscard]] const MeasuredFunctional& of(std::size_t measurement);
 
  private:
   using Kind = circuit::Measurement::Kind;
   using Side = steady::Side;
-  /// An expression at one time: its value and rate, and what its derivative at that fixed time reads.
+  /// An expression at one time: its value and rate, and the weights of its derivative at that fixed time.
   struct Jet {
     double value = 0.0, rate = 0.0;
     MeasuredFunctional moved;
@@ -42,9 +42,9 @@ class MeasuredFunctionals {
   [[nodiscard]] MeasuredFunctional of_window(std::size_t measurement);
   void add_integral(const circuit::Measurement& measurement, const measure::Place& place, bool squares, double scale,
                     MeasuredFunctional& sum);
-  /// The gradient of a polynomial of second degree in the signals, read at every point of a run: g + H·s.
+  /// The gradient of a polynomial of second degree in the signals, for every point of a run: g + H·s.
   struct AffineGradient {
-    std::vector<double> constant, slopes;  ///< slopes: row by row; both empty: it is none
+    std::vector<double> constant, slopes;  ///< slopes: row by row; both empty: not such a polynomial
 
     void at(const std::vector<double>& signals, std::vector<double>& gradient) const;
   };

@@ -187,7 +187,7 @@ void MeasuredFunctionals::add_integral(const Measurement& measurement, const mea
       for (const double value : part.values) size = std::max(size, std::abs(value));
       add_inside(gradient, affine, k, part.from, part.to, squares, scale, sum);
     });
-    if (!resolved) sum.failure = "the expression moves too fast to be followed";
+    if (!resolved) sum.failure = "the expression varies too fast";
   }
   const GradientValue read = std::exchange(read_, {});
   add_results(1.0, read, sum);

@@ -16,28 +16,28 @@ struct NamedState {
   double value = 0.0;
 };
 
-/// What holds from an instant of the period on.
+/// The mode from an instant of the period on.
 struct OrbitMode {
   double time = 0.0;  ///< s
   std::vector<std::string> closed, conducting;
-  std::string event;  ///< "S1 closes, D1 blocks"; "" where nothing changes
+  std::string event;  ///< "S1 closes, D1 blocks"; "" if nothing changes
   bool has_jump = false;
 };
 
-/// The stores right of t = 0.
+/// The stores just after t = 0.
 [[nodiscard]] std::vector<NamedState> states_after_start(const engine::ExactModel& model, const steady::Trace& trace);
 /// The modes of the period in order; elements of `hidden` are left out.
-/// What happens at the end of the period happens at t = 0.
+/// Events at the end of the period are those at t = 0.
 [[nodiscard]] std::vector<OrbitMode> orbit_modes(const engine::ExactModel& model, const circuit::HiddenParts& hidden,
                                                  const steady::Trace& trace, double period);
 
 /// The name of a coordinate of the stacked state.
 [[nodiscard]] std::string coordinate_name(const engine::ExactModel& model, std::size_t coordinate);
-/// The diode or switch behind a row of guards.
+/// The diode or switch of a row of guards.
 [[nodiscard]] std::string guard_name(const engine::ExactModel& model, std::size_t island, int row);
-/// What a change of the stacked state adds to the store that it changes most: a charge in C, a flux in Vs; named after the element.
+/// The charge in C or flux in Vs that a change of the stacked state adds to the store that it changes most; named after the element.
 [[nodiscard]] NamedState largest_change(const engine::ExactModel& model, const steady::Vector& direction);
-/// The stores that a direction of the stacked state moves, with their shares of its energy, the largest first.
+/// The stores that a direction of the stacked state changes, with their shares of its energy, the largest first.
 [[nodiscard]] std::vector<std::pair<std::string, double>> shares_of(const engine::ExactModel& model, const Eigen::VectorXcd& direction);
 
 }  // namespace pwlsim::analysis

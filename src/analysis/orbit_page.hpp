@@ -7,7 +7,7 @@
 
 namespace pwlsim::analysis {
 
-/// A section of HTML with pictures in it; "" where there is neither an orbit nor a response.
+/// A section of HTML with pictures; "" if there is neither an orbit nor a response.
 [[nodiscard]] std::string orbit_section(const RunOutcome& outcome);
 
 }  // namespace pwlsim::analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of runs side by side, into one file in the order of the runs, in bounded memory.
+/// Writes rows of simultaneous runs into one file in the order of the runs, in bounded memory.
 
 #include <condition_variable>
 #include <cstddef>
@@ -15,19 +15,19 @@
 
 namespace pwlsim::analysis {
 
-/// Shared by the threads. The first run that is not finished writes through; runs after it keep their text, and wait when they have much of it.
+/// Shared by the threads. The first unfinished run writes directly; runs after it keep their text, and wait when it grows large.
 class OrderedRows {
  public:
-  /// Not more than `ahead` runs are begun beyond the first unfinished one. `row_bytes`: of each row of a binary file, 0 for lines of text.
+  /// At most `ahead` runs are started beyond the first unfinished one. `row_bytes`: of each row of a binary file, 0 for lines of text.
   OrderedRows(waveform::OutputFile& file, std::size_t ahead, std::size_t row_bytes) : file_(file), ahead_(ahead), row_bytes_(row_bytes) {}
 
-  /// Waits until the run may begin. Runs begin in their order.
+  /// Waits until the run may start. Runs start in order.
   void wait_to_begin(std::size_t run);
-  /// Takes of `text` what can be written now. False from the first failure to write on.
+  /// Removes from `text` the part that can be written now. False from the first failed write on.
   bool write(std::size_t run, std::string& text);
-  /// Takes the rest; the run after it may write.
+  /// Takes the remaining text; the next run may write.
   bool finish(std::size_t run, std::string text);
-  /// Whether the file takes no more.
+  /// Whether writing to the file has failed.
   [[nodiscard]] bool failed();
 
  private:
@@ -44,9 +44,9 @@ class OrderedRows {
 /// Appends one row to a text.
 using RowFormatter = std::function<void(std::string& text, std::span<const double> row)>;
 
-/// A line of CSV: first the values that were stepped, then the row.
+/// A line of CSV: first the stepped values, then the row.
 [[nodiscard]] RowFormatter stepped_csv(const std::vector<double>& stepped);
-/// Doubles: the row, then the values that were stepped.
+/// Doubles: the row, then the stepped values.
 [[nodiscard]] RowFormatter stepped_doubles(const std::vector<double>& stepped);
 
 /// Rows of one of these runs, formatted.

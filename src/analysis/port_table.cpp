@@ -138,7 +138,7 @@ std::vector<const PortTable::Entry*> PortTable::find(const std::string& name) co
 
 std::string PortTable::complaint(const std::string& name) const {
   if (holds(model_.left_out, name) && !holds(model_.islands, name))
-    return fmt::format("`--mode`: {} is left out, because no saved signal depends on it; try `.save` of something beside it", name);
+    return fmt::format("`--mode`: {} is left out, because no saved signal depends on it; try `.save` of a signal in its part", name);
   if (holds(model_.islands, name)) return fmt::format("`--mode`: {} has no modes; try a diode or a switch", name);
   std::vector<std::string> names;
   for (const Entry& entry : entries_) names.push_back(entry.name);

@@ -1,7 +1,7 @@
 #pragma once
-/// The ports of a model by names that are unique, and modes spelled in them.
+/// Unique names of a model's ports, and modes in terms of these names.
 ///
-/// A port is called after its element. A part of an element is `D1#reverse`; where an element has several ports (a relay has two) they are
+/// A port has the name of its element. A part of an element is `D1#reverse`; if an element has several ports (a relay has two) they are
 /// `A1#1`, `A1#2`, …. Contacts that one control drives together are one switch.
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace pwlsim::analysis {
 
-/// What a user asks for: names of ports or elements, on or off.
+/// A requested mode: names of ports or elements, on or off.
 using ModeRequest = std::vector<std::pair<std::string, bool>>;
 
 struct SwitchGroup {
@@ -28,11 +28,11 @@ struct IslandPorts {
   std::vector<SwitchGroup> switches;
 };
 
-/// What is on, island by island; nothing else is.
+/// The ports that are on, island by island.
 struct ModeChoice {
   struct OfIsland {
     std::vector<char> ports;     ///< diodes and complementarities
-    std::vector<char> switches;  ///< one entry a SwitchGroup
+    std::vector<char> switches;  ///< one entry per SwitchGroup
   };
   std::vector<OfIsland> islands;
 };
@@ -42,7 +42,7 @@ class PortTable {
   explicit PortTable(const engine::ExactModel& model);
 
   [[nodiscard]] const IslandPorts& island(std::size_t index) const { return islands_[index]; }
-  /// Errors: names that are no port, or one set twice. Empty where there is one.
+  /// Errors: names that are not ports, or set twice. Empty if there is an error.
   [[nodiscard]] std::optional<ModeChoice> choose(const ModeRequest& request, Diagnostics& diagnostics) const;
 
  private:

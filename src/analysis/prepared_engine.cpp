@@ -101,8 +101,8 @@ PreparedEngine prepare_segments(const model::Network& network, EngineChoice choi
   };
   const auto why = [=](const engine::Answer& failed) {
     std::vector<engine::Remark> remarks{
-        {"N-other-engine", fmt::format("exact segments in Krylov spaces found no solution at t = {}; the run was made again, {}",
-                                       quantity(failed.time, "s"), steps ? "by the steps of the sparse engine" : "by dense modes")}};
+        {"N-other-engine", fmt::format("Krylov segments found no solution at t = {}; the whole run was repeated {}",
+                                       quantity(failed.time, "s"), steps ? "with the sparse engine" : "with dense modes")}};
     if (steps) remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
     return remarks;
   };

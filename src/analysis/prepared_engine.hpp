@@ -1,5 +1,5 @@
 #pragma once
-/// The engine that the user, or the size of a network, asks for, prepared.
+/// Prepares the engine that the user requests, or that fits the size of a network.
 
 #include <atomic>
 #include <functional>
@@ -14,9 +14,9 @@ enum class EngineChoice { automatic, exact, sparse, krylov };
 
 struct PreparedEngine {
   std::string name;   ///< "exact", "sparse" or "krylov"
-  Simulate simulate;  ///< empty where there was an error
+  Simulate simulate;  ///< empty if there was an error
   std::function<engine::OperatingPoint()> operating_point;
-  /// What sets its results apart from exact ones (W-sparse-engine).
+  /// How its results differ from exact ones (W-sparse-engine).
   std::optional<Diagnostic> warning;
   bool has_modes = false;  ///< dense ones are at hand, for orbits, small signals, derivatives and controllers
 };
@@ -25,7 +25,7 @@ struct PreparedEngine {
 /// (docs/developer/performance.md).
 inline constexpr std::size_t most_in_modes = 100;
 
-/// The tolerance of the sparse engine: as asked for, else `.options reltol=`, else its default.
+/// The tolerance of the sparse engine: as requested, else `.options reltol=`, else its default.
 [[nodiscard]] double relative_tolerance(const std::optional<double>& asked, const circuit::Analyses& analyses);
 
 /// Whether the exact engine's dense modes serve the network: orbits, small signals, derivatives and controllers need them.
@@ -34,18 +34,18 @@ inline constexpr std::size_t most_in_modes = 100;
 /// Whether `prepare_engine` takes Krylov segments although they were not asked for.
 [[nodiscard]] bool runs_by_segments(const model::Network& network, EngineChoice choice);
 
-/// `diagnostics` takes errors of structure, and E-tolerance where the sparse engine cannot keep `reltol`.
+/// `diagnostics` receives errors of structure, and E-tolerance if the sparse engine cannot keep `reltol`.
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics);
 
-/// The same. Where the network is so large that this, or a step of the engine, may go on for long without a look at `interrupt`, that is done in a thread of its own
-/// and left to itself after a signal (analysis/abandonable.hpp). Then the engine is empty, without an error; later a run has the outcome `interrupted`.
+/// The same. If the network is so large that this, or a step of the engine, may take long without checking `interrupt`, it runs in its own thread
+/// and is abandoned after a signal (analysis/abandonable.hpp). Then the engine is empty, without an error; a later run has the outcome `interrupted`.
 [[nodiscard]] PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
                                             const std::atomic<int>& interrupt);
 
-/// The exact engine, prepared when it is first used; for networks that are known to have a model.
+/// The exact engine, prepared at its first use; for networks that are known to have a model.
 [[nodiscard]] PreparedEngine exact_engine_when_needed(const model::Network& network);
 
-/// Whether preparing an engine, and its steps, are over so soon that no signal needs to interrupt them.
+/// Whether preparing an engine, and its steps, are so short that no signal needs to interrupt them.
 [[nodiscard]] bool is_quick(const model::Network& network);
 
 /// The same engine without rows.

@@ -50,7 +50,7 @@ std::optional<engine::Remark> RatedParts::remark(double end) {
   return engine::Remark{
       "W-rated-voltage",
       fmt::format("parts of the models at hand break down at their rated voltage: {}; LTspice's models of such parts block any voltage; "
-                  "try parts for a higher voltage, or .model cards of their own",
+                  "try parts for a higher voltage, or their own .model cards",
                   list.str())};
 }
 
@@ -76,11 +76,10 @@ std::optional<engine::Remark> RatedCurrents::remark() const {
           fmt::format("{} with {}, rated for {}", column.rated->element, quantity(mean, "A", 2), quantity(column.rated->amperes, "A", 2)));
   }
   if (list.empty()) return std::nullopt;
-  return engine::Remark{
-      "W-rated-current",
-      fmt::format("parts of the models at hand carry, on average over the rows, far more than they are rated for: {}; their "
-                  "straight lines hold near the rating; try larger parts, or .model cards of their own",
-                  list.str())};
+  return engine::Remark{"W-rated-current",
+                        fmt::format("parts of the models at hand carry, on average over the rows, far more than they are rated for: {}; "
+                                    "their straight lines are valid near the rating; try larger parts, or their own .model cards",
+                                    list.str())};
 }
 
 }  // namespace pwlsim::analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of the models at hand break down at the rated voltage of their data sheet. Whether they do, and for how long, is worth a word: LTspice's own models mostly do not.
+/// Parts of the models at hand break down at the rated voltage of their data sheet. A warning reports this and for how long, because LTspice's own models mostly do not break down.
 
 #include <optional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace pwlsim::analysis {
 
-/// Passes on what it is told to another watcher, if there is one.
+/// Passes its calls on to another watcher, if there is one.
 class RatedParts : public engine::EventWatcher {
  public:
   /// `ports`: the names of diodes of the network that are such breakdowns.
@@ -19,7 +19,7 @@ class RatedParts : public engine::EventWatcher {
   void begin(std::span<const std::string> elements, std::span<const char> on) override;
   void happened(const engine::Event& event, std::span<const char> on) override;
 
-  /// A warning where parts broke down for more than a thousandth of the run, which ended at `end`.
+  /// A warning if parts broke down for more than a thousandth of the run, which ended at `end`.
   [[nodiscard]] std::optional<engine::Remark> remark(double end);
 
  private:
@@ -45,7 +45,7 @@ class RatedCurrents {
 
   void add(std::span<const double> rows, std::size_t columns);
 
-  /// A warning where the mean of a current was far beyond the rating.
+  /// A warning if the mean of a current was far beyond the rating.
   [[nodiscard]] std::optional<engine::Remark> remark() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// The pieces of one period, handed on again and again for measurements that reach beyond it.
+/// Repeats the pieces of one period for measurements that extend beyond it.
 
 #include <vector>
 
@@ -9,12 +9,12 @@ namespace pwlsim::analysis {
 
 class RepeatedPieces : public engine::PieceSink {
  public:
-  /// What happens at the end of the period happens at its begin. A driven run (`is_driven`) has it there, and stops left of the end; a self-timed one begins
-  /// right of it, and must go on to `self_timed_end`, so that it comes to it again whatever rounding makes of its time; its impulses are handed on first.
+  /// Events at the end of the period are those at its start. A driven run (`is_driven`) has them there, and stops before the end; a self-timed one begins
+  /// after its event, and must continue to `self_timed_end`, so that it reaches the event again despite rounding of its time; its impulses are passed on first.
   RepeatedPieces(const engine::Probes& wanted, double period, bool is_driven)
       : wanted_(wanted), period_(period), is_driven_(is_driven), repeats_(wanted.sink != nullptr && wanted.to > period) {}
 
-  /// What the run over one period is asked for.
+  /// The probes of the run over one period.
   [[nodiscard]] engine::Probes probes() {
     engine::Probes probes = wanted_;
     if (wanted_.sink == nullptr || (!repeats_ && is_driven_)) return probes;
@@ -27,7 +27,7 @@ class RepeatedPieces : public engine::PieceSink {
     return probes;
   }
   [[nodiscard]] static double self_timed_end(double period) { return period * (1.0 + beyond); }
-  /// After the run: the further periods. How far the probes have been served, s, where the run served them so far.
+  /// After the run: passes on further periods. `probed`: up to where the run has served the probes, s; returns the new end.
   double repeat(double probed) {
     if (!keeps()) return probed;
     double begin = is_driven_ ? period_ : 0.0;
@@ -56,7 +56,7 @@ class RepeatedPieces : public engine::PieceSink {
   }
 
  private:
-  static constexpr double at_end = 1e-12;  ///< of the period: what lies this near to its end lies at it
+  static constexpr double at_end = 1e-12;  ///< relative to the period: a time this near to its end is at it
   static constexpr double beyond = 1e-11;  ///< likewise, of a free period, which is known to 1e-11
   struct Kept {
     engine::Piece piece;  ///< of length 0: an impulse

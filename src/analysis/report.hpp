@@ -1,5 +1,5 @@
 #pragma once
-/// What a run tells about itself: the statistics file, the summary line, the operating point as text.
+/// Reports of a run: the statistics file, the summary line, the operating point as text.
 
 #include <span>
 #include <string>
@@ -19,7 +19,7 @@ struct Seconds {
   double simulate = 0.0;  ///< model to the values of the rows
   double write = 0.0;     ///< formatting and writing rows
   double certificate = 0.0;
-  double total = 0.0;  ///< since the process started its work
+  double total = 0.0;  ///< since the process started
 };
 
 struct RunReport {
@@ -33,7 +33,7 @@ struct RunReport {
   std::vector<Departure> departures;
 };
 
-/// One JSON object with the keys of the reference (docs/reference/output.md), ended by a line feed. What is not finite is null.
+/// One JSON object with the keys of docs/reference/output.md, ended by a line feed. Values that are not finite are null.
 [[nodiscard]] std::string statistics_json(const RunReport& report);
 
 class JsonWriter;
@@ -48,12 +48,12 @@ void write_certificate(JsonWriter& json, const engine::Certificate& certificate)
 /// The lines that --verbose adds: phases and counts.
 [[nodiscard]] std::string details(const RunReport& report);
 
-/// A sentence a jump: "t = 0 s: D1 passes 2 C; v(C1) 3 V to 1 V, …; stored energy 4.5 J to 1.5 J". The first twenty; then how many more of `all`.
-/// Those within hidden parts are left out.
+/// One sentence per jump: "t = 0 s: D1 passes 2 C; v(C1) 3 V to 1 V, …; stored energy 4.5 J to 1.5 J". The first twenty; then how many more of `all`.
+/// Elements of hidden parts are left out.
 [[nodiscard]] std::vector<std::string> jump_texts(const std::vector<engine::Jump>& jumps, std::uint64_t all,
                                                   const circuit::HiddenParts& hidden = {});
 
-/// `name = value`, one a line.
+/// `name = value` lines.
 [[nodiscard]] std::string operating_point_text(std::span<const std::string> names, std::span<const double> values, int digits = 0);
 
 }  // namespace pwlsim::analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// A run as a picture: its signals in panels by unit, its events and which ports conduct below.
+/// A run as a picture: its signals in panels by unit; below them its events and the conducting ports.
 
 #include <string>
 #include <vector>
@@ -10,18 +10,18 @@
 
 namespace pwlsim::analysis {
 
-/// `names`: the saved signals. At most eight panels of six curves are drawn; the title says how many signals are left.
+/// `names`: the saved signals. At most eight panels of six curves are drawn; the title says how many signals are drawn.
 [[nodiscard]] waveform::Figure run_figure(const std::string& title, const std::vector<std::string>& names, const RunRecorder& recorder);
 
-/// The runs of a sweep: a panel a signal, a colour a run, at most eight panels and the runs that are kept for drawing; the title says how many are left.
+/// The runs of a sweep: one panel per signal, one colour per run, at most eight panels and the runs that are kept for drawing; the title says how many are drawn.
 [[nodiscard]] waveform::Figure sweep_figure(const std::string& title, const std::vector<std::string>& names, const SweptRuns& runs);
 
-/// A row for each drawn run, in its colour: the times at which a diode or switch changes or a state jumps. None where there is no such time in any.
+/// A row for each drawn run, in its colour: the times at which a diode or switch changes or a state jumps. None if no run has such a time.
 [[nodiscard]] std::vector<waveform::Marks> run_marks(const SweptRuns& runs);
-/// What the ticks of these rows are.
+/// The meaning of the ticks of these rows.
 inline constexpr const char* run_marks_title = "a diode or switch changes, or a state jumps";
 
-/// Of drawn run number `index`.
+/// The colour of drawn run number `index`.
 [[nodiscard]] std::string colour_of_run(const SweptRuns& runs, std::size_t index);
 
 /// Numbers of signals that share a panel: of one unit, volts first, at most six together.

@@ -1,5 +1,5 @@
 #pragma once
-/// A run as one JSON object, for scripts: what was asked, what came of it, where the files are.
+/// A run as one JSON object, for scripts: the request, the results, and the files.
 
 #include <optional>
 #include <string>
@@ -14,10 +14,10 @@
 
 namespace pwlsim::analysis {
 
-/// What a session did, as far as it came.
+/// The results of a session, possibly incomplete.
 struct RunOutcome {
   struct Rows {
-    std::string file;       ///< where they are; "NAME.partial" where writing failed
+    std::string file;       ///< file of the rows; "NAME.partial" if writing failed
     std::string format;     ///< "csv" or "raw"
     bool complete = false;  ///< the run reached Tstop and its rows are in `file`
     double end = 0.0;       ///< time reached, s
@@ -27,8 +27,8 @@ struct RunOutcome {
   int status = 0;  ///< of the program at its exit
   std::optional<Rows> rows;
   std::vector<std::string> signals;
-  std::vector<std::string> drawn_signals;              ///< that the page has besides
-  std::string schematic;                               ///< of the page, as JSON; empty where there is none
+  std::vector<std::string> drawn_signals;              ///< further signals of the page
+  std::string schematic;                               ///< of the page, as JSON; empty if there is none
   std::optional<std::vector<double>> operating_point;  ///< of the signals
   measure::Results measurements;
   std::optional<SteadyState> steady_state;
@@ -39,7 +39,7 @@ struct RunOutcome {
   std::string plot, report;    ///< files written, or empty
 };
 
-/// Ended by a line feed; keys in docs/reference/output.md. Statistics are null where no model came about (`run.engine` is empty).
+/// Ended by a line feed; keys in docs/reference/output.md. Statistics are null if no model was built (`run.engine` is empty).
 [[nodiscard]] std::string run_json(const RunOutcome& outcome, const RunReport& run);
 
 }  // namespace pwlsim::analysis

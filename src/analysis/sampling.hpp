@@ -11,7 +11,7 @@ namespace pwlsim::analysis {
 struct SampledRun {
   engine::Answer answer;
   std::vector<double> times;                 ///< of the rows that the run reached
-  std::vector<std::vector<double>> columns;  ///< one a signal, in the order of the network
+  std::vector<std::vector<double>> columns;  ///< one per signal, in the order of the network
 };
 
 /// `times` ascend within [0, Tstop]. With `control.events` the rows before and after every event are among the rows, both at its time.
@@ -22,7 +22,7 @@ struct SampledRun {
 [[nodiscard]] SampledRun sample_grid(const circuit::Analyses& analyses, std::size_t signals, const Simulate& simulate,
                                      const RunControl& control = {});
 
-/// The instants at which two rows stand, each once.
+/// The instants with two rows, each once.
 [[nodiscard]] std::vector<double> repeated_times(const SampledRun& run);
 
 }  // namespace pwlsim::analysis

@@ -77,7 +77,7 @@ class OrbitMoves : public RunMotion {
     const double end_shift = is_driven() ? move.period : own.shifts.back();
     const Vector right = own.end + variation_.flow * end_shift;
     if (free_ > 0 && (svd_.matrixU().rightCols(free_).transpose() * right).norm() > inconsistent * right.norm())
-      return {{}, 0.0, "the orbit is one of a family, and for other values of it there is none nearby (multiplier 1)", false};
+      return {{}, 0.0, "the orbit is one of a family, and for other parameter values there is none nearby (multiplier 1)", false};
     move.start = solve(right, false);
     if (!is_driven()) move.period = end_shift + variation_.end_time.dot(move.start);
     return move;
@@ -149,7 +149,7 @@ class OrbitMoves : public RunMotion {
     const double share = period_share(parameter);
     for (const steady::PeriodicSource& source : state_.common.sources)
       if (const double own = share_of(parameter, source); std::abs(own - share) > same * (std::abs(own) + std::abs(share)))
-        return fmt::format("the periods of {} and {} move apart", state_.common.sources.front().name, source.name);
+        return fmt::format("the periods of {} and {} change differently", state_.common.sources.front().name, source.name);
     return "";
   }
 
@@ -311,7 +311,7 @@ class RunDerivatives : public RunMotion {
   bool find_start(const circuit::Transient& transient) {
     if (orbit_ != nullptr) {
       const auto there = state_in(*model_, *orbit_);
-      if (!there) failure_ = "the parts of the circuit are others in the run than on the orbit";
+      if (!there) failure_ = "the parts of the circuit differ between the run and the orbit";
       if (there) begin_ = *there;
       return there.has_value();
     }

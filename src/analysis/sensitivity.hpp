@@ -13,28 +13,28 @@
 
 namespace pwlsim::analysis {
 
-/// What the analyses have measured already; null: it is measured again.
+/// Existing measurements of the analyses; null: measure again.
 struct MeasuredBefore {
   const measure::Record *run = nullptr, *orbit = nullptr;
 };
 
-/// Of the run of `.tran` that starts where the deck says, or on the orbit `state` (null: there is none).
+/// For the run of `.tran` from the deck's start, or on the orbit `state` (null: there is none).
 [[nodiscard]] DerivativeTable run_derivatives(const circuit::Compiled& compiled, const SteadyState* state,
                                               const std::atomic<int>& interrupt, const measure::Record* measured);
-/// Of the orbit.
+/// For the orbit.
 [[nodiscard]] DerivativeTable orbit_derivatives(const circuit::Compiled& compiled, const SteadyState& state,
                                                 const std::atomic<int>& interrupt, const measure::Record* measured);
-/// Of the runs that the deck asks for. `is_exact`: the exact engine did them; no other one can.
+/// For the runs of the deck. `is_exact`: the exact engine did them; others have no derivatives.
 [[nodiscard]] DerivativeTable deck_derivatives(const circuit::Compiled& compiled, const SteadyState* state, bool is_exact,
                                                const std::atomic<int>& interrupt, const MeasuredBefore& measured = {});
 /// Every measurement and parameter with the same failure.
 [[nodiscard]] DerivativeTable failed_derivatives(const circuit::Compiled& compiled, const circuit::Measurements& measurements,
                                                  const std::string& failure);
 
-/// "measurement parameter derivative percent-per-percent", one a line, aligned.
+/// Aligned lines "measurement parameter derivative percent-per-percent".
 [[nodiscard]] std::string derivative_text(const DerivativeTable& table, int digits);
 [[nodiscard]] std::string derivative_csv(const DerivativeTable& table);
-/// Its columns, and its lines, each behind `prefix`.
+/// Its columns, and its lines, each after `prefix`.
 [[nodiscard]] std::vector<std::string> derivative_columns();
 [[nodiscard]] std::string derivative_rows(const DerivativeTable& table, const std::string& prefix = "");
 /// The member `sensitivities`: a list.

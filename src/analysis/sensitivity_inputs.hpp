@@ -7,7 +7,7 @@
 
 namespace pwlsim::analysis {
 
-/// The parameters as inputs in a network of the deck's sources; signals are added behind those there are.
+/// The parameters as inputs in a network of the deck's sources; new signals follow the existing ones.
 [[nodiscard]] steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original,
                                                    model::Network& network);
 

@@ -377,7 +377,7 @@ void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<in
 }
 
 std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where) {
-  return fmt::format("no response of {}{}: the orbit has impulses there, which the input moves; try a small resistance in their way",
+  return fmt::format("no response of {}{}: the orbit has impulses there, which the input changes; try a small resistance in their path",
                      fmt::join(signals, ", "), where);
 }
 

@@ -14,7 +14,7 @@
 namespace pwlsim::analysis {
 
 /// A loop gain T(f) and where it crosses. With a voltage source alone T = T_v = −v(n−)/v(n+). With a current source at one of its nodes, too,
-/// T = (T_v T_i − 1)/(T_v + T_i + 2), T_i the ratio of the currents into the driving and the receiving side: right for any impedances there.
+/// T = (T_v T_i − 1)/(T_v + T_i + 2), T_i the ratio of the currents into the driving and the receiving side: correct for any impedances.
 /// R. D. Middlebrook, Measurement of loop gain in feedback systems, Int. J. Electronics 38 (1975), eq. (31).
 struct LoopGain {
   std::string source;
@@ -32,40 +32,40 @@ struct LoopGain {
 struct SmallSignalResult {
   std::vector<std::string> signals;
   std::vector<double> frequencies;                        ///< Hz
-  std::vector<std::vector<std::complex<double>>> values;  ///< a frequency, a signal; not finite where the response is infinite
+  std::vector<std::vector<std::complex<double>>> values;  ///< by frequency, then signal; not finite where the response is infinite
   /// A column of the rows.
   struct Column {
     std::string name;
-    std::vector<double> values;  ///< a frequency
+    std::vector<double> values;  ///< by frequency
   };
   std::vector<Column> columns;
   std::optional<LoopGain> loop;
   std::vector<double> singular;        ///< frequencies of an infinite response
-  std::vector<std::string> impulsive;  ///< signals that have impulses on the orbit, which move: they have no response here
+  std::vector<std::string> impulsive;  ///< signals without a response: they have impulses on the orbit that the input changes
 };
 
-/// What .ac adds to the network of the steady state.
+/// The parts that .ac adds to the network of the steady state.
 struct SmallSignalInputs {
   std::string id, message;         ///< of an error: E-ac-no-input, …
   std::vector<std::string> names;  ///< of the inputs in the network
   std::vector<std::complex<double>> amplitudes;
   int positive = -1, negative = -1;                               ///< signals: n+ and n− of the source of a loop gain
-  int current = -1;                                               ///< signal: its current, where a current source is the second input
-  double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source brings there
+  int current = -1;                                               ///< signal: its current, if a current source is the second input
+  double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source injects there
 };
-/// `network` gets inputs, and signals behind its own.
+/// Adds inputs to `network`, and signals after its own.
 [[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
 
 /// Around an orbit of a model with these inputs, in `network`.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
                                               const model::Network& network, const engine::ExactModel& model, const steady::Orbit& orbit,
                                               bool is_driven);
-/// Of a linear circuit: prepared, and known to have a response or not, before it is computed.
+/// For a linear circuit: prepares it and checks whether it has a response before that is computed.
 class LinearSmallSignals {
  public:
   /// `compiled` must outlive it.
   explicit LinearSmallSignals(const circuit::Compiled& compiled);
-  [[nodiscard]] const std::string& id() const { return id_; }  ///< E-ac-needs-pss where something switches; "": there is a response
+  [[nodiscard]] const std::string& id() const { return id_; }  ///< E-ac-needs-pss if something switches; "": there is a response
   [[nodiscard]] const std::string& message() const { return message_; }
   [[nodiscard]] SmallSignalResult result() const;
 
@@ -83,18 +83,18 @@ class LinearSmallSignals {
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
 /// W-ac-impulse; `where`: " in the run with …".
 [[nodiscard]] std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where = "");
-/// Whether edges of sources move.
+/// Whether the input moves edges of sources.
 [[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
   return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;
 }
 
 /// Names of the columns, the frequency first.
 [[nodiscard]] std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled);
-/// The rows: frequency, magnitude and phase in degrees of every signal; each behind `prefix`.
+/// The rows: frequency, magnitude and phase in degrees of every signal; each after `prefix`.
 [[nodiscard]] std::string small_signal_rows(const SmallSignalResult& result, const std::string& prefix = "");
-/// The same under a head.
+/// The same with a head.
 [[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
-/// Why there can be no response, whatever the orbit; empty where there can. `id` is that of the error.
+/// Why there is no response for any orbit; empty if there may be one. `id` is that of the error.
 [[nodiscard]] std::string small_signal_problem_of_orbit(const circuit::Compiled& compiled, std::string& id);
 /// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
 [[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);

@@ -206,10 +206,11 @@ class Finder {
     constexpr double most_cut = 0.01, none_cut = 1e-9;  // of a source's period
     for (steady::PeriodicSource& source : state_.common.sources) {
       const double cycles = period / source.period, cut = std::abs(cycles - std::nearbyint(cycles));
-      const std::string held = fmt::format("period={} holds {:.9g} periods of {}", quantity(period, "s"), cycles, source.name);
+      const std::string held = fmt::format("period={} contains {:.9g} periods of {}", quantity(period, "s"), cycles, source.name);
       if (cut > most_cut || std::nearbyint(cycles) < 1.0)
         return fail("E-pss-not-a-multiple",
-                    fmt::format("{}; try a period that holds a whole number of periods of each source, but for a hundredth", held), true);
+                    fmt::format("{}; try a period that contains a whole number of periods of each source, to within a hundredth", held),
+                    true);
       source.cycles = static_cast<std::int64_t>(std::nearbyint(cycles));
       if (cut > none_cut * cycles)
         say(Severity::warning, "W-pss-cut-source",
@@ -337,8 +338,9 @@ class Finder {
                       guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
     for (const steady::Beside& beside : orbit.beside)
       say(Severity::warning, "W-pss-graze",
-          fmt::format("the orbit reaches the threshold of {} at t = {} just when another event happens: multipliers are those of one side",
-                      guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
+          fmt::format(
+              "the orbit reaches the threshold of {} at t = {} exactly when another event happens: multipliers are those of one side",
+              guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
       for (const steady::Vector& direction : orbit.free_directions)

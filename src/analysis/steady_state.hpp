@@ -1,5 +1,5 @@
 #pragma once
-/// `.pss`: from a compiled deck to its periodic orbit, and what there is to say about it.
+/// `.pss`: from a compiled deck to its periodic orbit and the messages about it.
 
 #include <atomic>
 #include <functional>
@@ -20,20 +20,20 @@
 
 namespace pwlsim::analysis {
 
-/// Of | |λ| − 1 |: the orbit is neither stable nor unstable.
+/// Bound of | |λ| − 1 | below which the orbit is marginal.
 inline constexpr double marginal_multiplier = 1e-9;
 
 struct SteadyState {
   bool is_found = false;
-  bool has_best_attempt = false;  ///< not found, but there is a run over one period that shows how far it came
-  bool is_wrong_input = false;    ///< the card asks for what cannot be
-  std::string id, message;        ///< of the error where it is not found
+  bool has_best_attempt = false;  ///< not found, but there is a run over one period with the best attempt
+  bool is_wrong_input = false;    ///< the card requests something impossible
+  std::string id, message;        ///< of the error if it is not found
   std::vector<Diagnostic> messages;
   std::shared_ptr<const engine::ExactModel> model;
   steady::CommonPeriod common;
   steady::Orbit orbit;
   int multiple = 1;
-  std::vector<NamedState> states;  ///< right of t = 0
+  std::vector<NamedState> states;  ///< just after t = 0
   std::vector<OrbitMode> modes;
   std::optional<SmallSignalInputs> inputs;              ///< of .ac, in the model
   std::optional<steady::SensitivityInputs> parameters;  ///< of .sens, likewise
@@ -41,47 +41,47 @@ struct SteadyState {
   Simulate simulate;                                    ///< runs over the period from the orbit
 };
 
-/// A search whose model is there; empty where there is none.
+/// A search with a prepared model; empty if there is none.
 using OrbitSearch = std::function<SteadyState()>;
 
-/// `diagnostics` takes errors of structure. `compiled`, whose `analyses.steady_state` must be there, must outlive it.
+/// `diagnostics` receives errors of structure. `compiled` must have `analyses.steady_state` and outlive the search.
 [[nodiscard]] OrbitSearch prepare_orbit(const circuit::Compiled& compiled, const std::atomic<int>& interrupt, Diagnostics& diagnostics);
 
-/// Both. Networks beyond the exact engine's reach end with an error. `compiled.analyses.steady_state` must be there.
+/// Both steps. Networks beyond the exact engine's reach end with an error. `compiled` must have `analyses.steady_state`.
 [[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, const std::atomic<int>& interrupt);
 
-/// The orbit's state in another model of the same circuit: its islands by name. Empty where one is not to be found.
+/// The orbit's state in another model of the same circuit, with islands matched by name. Empty if one has no match.
 [[nodiscard]] std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state);
 
 /// A run of the deck's own .tran that starts on the orbit.
 [[nodiscard]] Simulate from_orbit(const circuit::Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics);
 
-/// The orbit's own measurements.
+/// Prints the orbit's measurements.
 [[nodiscard]] measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt);
-/// The same, and the rows as lines of CSV behind `prefix`, where `text` is not null.
+/// The same, with the rows as lines of CSV after `prefix` if `text` is not null.
 [[nodiscard]] measure::Results orbit_rows(const SteadyState& state, const std::string& prefix, std::string* text, bool with_events,
                                           const std::atomic<int>& interrupt);
 
-/// A window of a measurement may hold so many periods.
+/// A window of a measurement may contain this many periods.
 inline constexpr double most_periods_measured = 1e4;
 
-/// Why the sparse engine cannot.
+/// The message for the sparse engine.
 inline constexpr const char* orbit_needs_exact_engine =
     "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
 
 /// Small signals around the orbit.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
-/// Those that the deck asks for, around the orbit where there is one (else null).
+/// The small signals of the deck, around the orbit if there is one (else null).
 struct DeckResponse {
   std::optional<SmallSignalResult> result;
-  std::string id, message;  ///< of an error; empty where there is a response
+  std::string id, message;  ///< of an error; empty if there is a response
 };
 [[nodiscard]] DeckResponse deck_response(const circuit::Compiled& compiled, const SteadyState* state);
 
 /// "orbit of buck.csv: period 5 µs, …".
 [[nodiscard]] std::string orbit_summary(const SteadyState& state, const std::string& output);
 
-/// The member `pss`; null where there is none.
+/// The member `pss`; null if there is none.
 void write_orbit(JsonWriter& json, const SteadyState* state);
 
 }  // namespace pwlsim::analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs that differ in the values of constant sources alone: the circuit is compiled and its model prepared once for all of them.
+/// Runs that differ only in the values of constant sources: the circuit is compiled and its model prepared once for all of them.
 
 #include <memory>
 #include <optional>
@@ -13,12 +13,12 @@ namespace pwlsim::analysis {
 
 class SteppedSources {
  public:
-  /// `compiled` with `channels` sources held (CompileOptions::held). Empty where it cannot be: a channel has no source of constant value, the sparse engine
+  /// `compiled` with `channels` sources held (CompileOptions::held). Empty if that is impossible: a channel has no source of constant value, the sparse engine
   /// is needed, values are random, or exponential diodes have a tangent at a current that depends on the run.
   [[nodiscard]] static std::optional<SteppedSources> make(circuit::Compiled compiled, std::size_t channels, EngineChoice choice);
 
   [[nodiscard]] const std::shared_ptr<const circuit::Compiled>& compiled() const { return compiled_; }
-  /// `values` of the channels. The same values give the same rows, whatever else has been run; threads may ask side by side.
+  /// Runs with `values` of the channels. The same values give the same rows, regardless of other runs; threads may call this at the same time.
   [[nodiscard]] Simulate simulate(std::span<const double> values) const;
 
  private:

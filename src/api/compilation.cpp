@@ -112,10 +112,11 @@ void Compilation::check_tangents() const {
   if (held_.empty()) return;
   for (const model::Diode& diode : compiled_->network.diodes)
     if (diode.law)
-      throw api::error("E-controller",
-                       fmt::format("beside controllers no run finds the tangent of {}, an exponential diode; try .options i0= with the "
-                                   "current that it carries, or a model with Ron and Vfwd",
-                                   diode.label.name));
+      throw api::error(
+          "E-controller",
+          fmt::format("with controllers no preliminary run finds the tangent of {}, an exponential diode; try .options i0= with the "
+                      "current that it carries, or a model with Ron and Vfwd",
+                      diode.label.name));
 }
 
 /// What a controller reads is a signal. True: cards were added.
@@ -182,10 +183,10 @@ void Compilation::give_value(const std::string& element, const std::string& valu
   netlist::Card* const card = api::find_card(deck_.cards, element);
   if (card == nullptr)
     throw api::error("E-unknown-element",
-                     fmt::format("no element '{}' stands outside of subcircuits; try a parameter for those inside", element));
+                     fmt::format("there is no element '{}' outside of subcircuits; try a parameter for those inside", element));
   const std::optional<api::ValuePlace> place = api::place_of_value(*card);
   if (!place)
-    throw api::error("E-no-value", fmt::format("the card of {} holds no value that can be replaced; try a parameter on it", element));
+    throw api::error("E-no-value", fmt::format("the card of {} has no value that can be replaced; try a parameter on it", element));
   const netlist::Deck parsed =
       netlist::parse(element, fmt::format("\n{} {}\n", api::head_of_value(*card, *place), value), sources_, diagnostics_);
   check();

@@ -1,5 +1,5 @@
 #pragma once
-/// A circuit of the library on its way to an engine.
+/// Compiles a circuit of the library for an engine.
 
 #include <optional>
 #include <string>
@@ -20,7 +20,7 @@ namespace api {
 [[nodiscard]] analysis::EngineChoice choice_of(Engine engine);
 }
 
-/// A parameter, or an element outside of subcircuits, and its value in one run of many.
+/// A parameter, or an element outside of subcircuits, and its value in one run of a sweep.
 using GivenValue = std::pair<std::string, double>;
 
 /// Throws Error as soon as one of the steps reports an error.
@@ -28,12 +28,12 @@ class Compilation {
  public:
   struct Wanted {
     bool analysis_required = false;
-    bool keeps_circuit = false;           ///< elements with their values, beside the network
+    bool keeps_circuit = false;           ///< also keeps the elements with their values
     std::string cards{};                  ///< further lines, called `options` in messages
-    std::vector<std::string> replaced{};  ///< cards of the deck of these names do not count: ".tran"
+    std::vector<std::string> replaced{};  ///< cards of the deck with these names are ignored: ".tran"
   };
   Compilation(const Circuit& circuit, const Options& options, const Wanted& wanted);
-  /// The deck that `read` has read, with other values. Threads may do this side by side.
+  /// The deck that `read` has read, with other values. Threads may call this at the same time.
   Compilation(const Compilation& read, const Options& options, const std::vector<GivenValue>& given);
 
   [[nodiscard]] const circuit::Compiled& compiled() const { return *compiled_; }

@@ -1,5 +1,5 @@
 #pragma once
-/// The controllers of a circuit during its runs. The first run calls their functions and keeps what they set; runs that are done again are told the same.
+/// The controllers of a circuit during its runs. The first run calls their functions and keeps their outputs; repeated runs use these.
 
 #include <cstdint>
 #include <deque>
@@ -19,13 +19,13 @@ class Controllers : public engine::Sampler {
  public:
   /// The channels are the outputs in order. Throws Error (E-unknown-signal) if an input is not among the signals of the network.
   Controllers(const std::vector<Controller>& list, const model::Network& network);
-  /// For a run that repeats that of `first`, which must be over and stay.
+  /// For a run that repeats that of `first`, which must have ended and must outlive this.
   [[nodiscard]] static Controllers repeating(const Controllers& first);
 
   void begin() override;
   [[nodiscard]] double next() const override;
   bool sample(double time, std::span<const double> signals, std::vector<Setting>& settings) override;
-  /// What a function threw; null: nothing.
+  /// The exception of a function; null: none.
   [[nodiscard]] const std::exception_ptr& thrown() const { return thrown_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the value of an element stands on its card: what `Circuit::set_value` replaces and `Circuit::value` reads.
+/// The place of an element's value on its card, which `Circuit::set_value` replaces and `Circuit::value` reads.
 
 #include <cstddef>
 #include <optional>
@@ -22,16 +22,16 @@ namespace pwlsim::api {
 struct ValuePlace {
   std::size_t first = 0, last = 0;
 };
-/// R, C, L: the number behind the nodes, or `R=` and its like; V, I: all up to AC or an assignment; E, F, G, H: the gain; K: the coefficient.
-/// Empty for other kinds, and where a formula or the name of a model stands there.
+/// R, C, L: the number after the nodes, or `R=`, `C=`, `L=`; V, I: all up to AC or an assignment; E, F, G, H: the gain; K: the coefficient.
+/// Empty for other kinds, and if the card has a formula or the name of a model there.
 [[nodiscard]] std::optional<ValuePlace> place_of_value(const netlist::Card& card);
 
-/// The card up to its value, as text of which only the number of words counts.
+/// The card up to its value, as text; only its number of words matters.
 [[nodiscard]] std::string head_of_value(const netlist::Card& card, const ValuePlace& place);
-/// `parsed`: that head with the new value behind it.
+/// `parsed`: that head with the new value after it.
 void replace_value(netlist::Card& card, const ValuePlace& place, const netlist::Card& parsed);
 
-/// What that value is once parameters have been evaluated: ohm, farad, henry, V or A of a constant source, a gain, a coefficient. Empty: none.
+/// The value with parameters evaluated: ohm, farad, henry, V or A of a constant source, a gain, a coefficient. Empty: none.
 [[nodiscard]] std::optional<double> value_of(const elements::Instance& instance);
 
 }  // namespace pwlsim::api

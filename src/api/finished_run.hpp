@@ -17,8 +17,8 @@ namespace pwlsim::api {
 [[nodiscard]] std::shared_ptr<Result::Data> begin_result(const circuit::Compiled& compiled, std::vector<Message> messages,
                                                          std::string engine);
 
-/// The run of `kept`; with options.evaluable the result keeps it. False where it failed; `data` has the message then.
-/// `sampler` may be null. `longest_window`: as of analysis::RunControl.
+/// The run of `kept`; with options.evaluable the result keeps it. False if it failed; `data` then has the message.
+/// `sampler` may be null. `longest_window`: as in analysis::RunControl.
 [[nodiscard]] bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, engine::Sampler* sampler,
                             double longest_window = 0.0);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Messages of the rooms as the library hands them out.
+/// Converts messages of the rooms to those of the library.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// What a Result holds.
+/// The contents of a Result.
 
 #include <pwlsim/result.hpp>
 
@@ -9,7 +9,7 @@
 
 namespace pwlsim {
 
-/// What it takes to do a run again.
+/// The data for repeating a run.
 struct KeptRun {
   std::shared_ptr<const circuit::Compiled> compiled;
   analysis::Simulate simulate;
@@ -22,7 +22,7 @@ struct Result::Data {
   double end = 0.0;
   std::vector<double> time;
   std::vector<std::string> signals;
-  std::vector<std::vector<double>> columns;  ///< one a signal
+  std::vector<std::vector<double>> columns;  ///< one per signal
   std::vector<Event> events;
   std::vector<std::string> on_at_start;
   std::vector<Measurement> measurements;
@@ -31,7 +31,7 @@ struct Result::Data {
   Statistics statistics;
   std::vector<Message> messages;
   std::vector<std::pair<std::string, double>> stepped;
-  std::shared_ptr<const KeptRun> kept;  ///< null where it was not to be kept
+  std::shared_ptr<const KeptRun> kept;  ///< null if not kept
 };
 
 }  // namespace pwlsim

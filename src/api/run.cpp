@@ -52,7 +52,7 @@ void tell_cards_left(const circuit::Analyses& analyses, Result::Data& data) {
         api::message_of({Severity::note,
                          "N-transient-only",
                          {},
-                         fmt::format("run starts as .tran says and leaves out what has a function of its own: {}", left)}));
+                         fmt::format("run starts as .tran says and leaves out cards that have their own function: {}", left)}));
 }
 
 /// Instances are named "X1.R1"; users write "X1:R1", as in the names of signals.

@@ -53,7 +53,7 @@ void look_for_sources(Sweep::Data& data) {
 
 std::vector<GivenValue> given_values(const std::vector<std::string>& names, const std::vector<double>& values) {
   if (names.size() != values.size())
-    throw api::error("E-argument-count", fmt::format("a run of a sweep of {} names is given {} values", names.size(), values.size()));
+    throw api::error("E-argument-count", fmt::format("a run of a sweep of {} names was given {} values", names.size(), values.size()));
   std::vector<GivenValue> given;
   for (std::size_t k = 0; k < names.size(); ++k) given.push_back({names[k], values[k]});
   return given;

@@ -1,6 +1,6 @@
 #pragma once
 /// Decimal numbers as the user wrote them, and the few exact operations that output times need:
-/// row k stands at start + k*step computed from the decimal text, so step 0.1 puts row 3 at 0.3.
+/// row k is at start + k*step computed from the decimal text, so step 0.1 puts row 3 at 0.3.
 
 #include <cstdint>
 #include <optional>
@@ -14,8 +14,8 @@ struct Decimal {
   int exponent = 0;
 };
 
-/// Plain decimal text "-12.5e-6" (sign, digits with an optional point, optional exponent), the whole of it.
-/// Trailing zeros of the mantissa are dropped. Nothing where the text is something else, has more digits
+/// Plain decimal text "-12.5e-6" (sign, digits with an optional point, optional exponent), and nothing else.
+/// Trailing zeros of the mantissa are dropped. Empty if the text is something else, has more digits
 /// than 64 bits hold, or lies outside the range of normal magnitudes (1e-400 to 1e400).
 [[nodiscard]] std::optional<Decimal> parse_decimal(std::string_view text);
 

@@ -13,7 +13,7 @@ namespace pwlsim {
 enum class Severity { note, warning, error };
 
 /// `id` is stable and carries its letter: "E-unknown-node", "W-…", "N-…".
-/// `text` is one sentence, with "; try …" at its end where there is a cure.
+/// `text` is one sentence, with "; try …" at its end if there is a fix.
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string id;
@@ -43,7 +43,7 @@ class Diagnostics {
 /// Without a known span: `error[E-id]: text`. Control characters and overlong lines are made printable and shortened.
 [[nodiscard]] std::string render(const Diagnostic& diagnostic, const SourceStore& sources);
 
-/// The candidate nearest to `name` (case-insensitive edit distance, at most a third of its length), or "" where none is near.
+/// The candidate nearest to `name` (case-insensitive edit distance, at most a third of its length), or "" if none is near.
 [[nodiscard]] std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace pwlsim

@@ -10,7 +10,7 @@ namespace pwlsim {
 class DisjointSets {
  public:
   explicit DisjointSets(int size) : parent_(static_cast<std::size_t>(size)) { std::iota(parent_.begin(), parent_.end(), 0); }
-  /// The least of the set that i is in.
+  /// The least member of the set that contains i.
   int find(int i) {
     while (parent_[static_cast<std::size_t>(i)] != i) {
       auto& parent = parent_[static_cast<std::size_t>(i)];
@@ -19,7 +19,7 @@ class DisjointSets {
     }
     return i;
   }
-  /// False: they were in one set already.
+  /// False if they were in one set already.
   bool join(int a, int b) {
     const int x = find(a), y = find(b);
     parent_[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);

@@ -7,7 +7,7 @@
 
 namespace pwlsim {
 
-/// max |xᵢ|, 0 of none.
+/// max |xᵢ|, or 0 without numbers.
 [[nodiscard]] inline double largest(std::span<const double> values) {
   double most = 0.0;
   for (const double value : values) most = std::max(most, std::abs(value));

@@ -5,7 +5,7 @@
 
 namespace pwlsim {
 
-/// What is not positive or not finite does not count. One where nothing does.
+/// Ignores numbers that are not positive or not finite. 1 if none is left.
 class LogMean {
  public:
   void add(double value) {

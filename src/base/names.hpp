@@ -21,7 +21,7 @@ namespace pwlsim {
          std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower_letter(x) == lower_letter(y); });
 }
 
-/// `0` and `gnd` are ground, the same node everywhere.
+/// Whether the name is `0` or `gnd`: ground, the same node everywhere.
 [[nodiscard]] constexpr bool is_ground_name(std::string_view name) { return name == "0" || same_name(name, "gnd"); }
 
 }  // namespace pwlsim

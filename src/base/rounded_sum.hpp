@@ -1,5 +1,5 @@
 #pragma once
-/// What a sum in double loses.
+/// The rounding error of a sum in double.
 
 namespace pwlsim {
 

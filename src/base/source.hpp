@@ -1,5 +1,5 @@
 #pragma once
-/// Texts the user gave us and places in them.
+/// Texts that were read, and places in them.
 
 #include <cstdint>
 #include <deque>
@@ -22,7 +22,7 @@ struct SourceSpan {
   friend bool operator==(const SourceSpan&, const SourceSpan&) = default;
 };
 
-/// The smallest span that covers both; `a` alone when they stand in different files, `b` where `a` is unknown.
+/// The smallest span that covers both; `a` alone if they are in different files, `b` if `a` is unknown.
 [[nodiscard]] SourceSpan cover(const SourceSpan& a, const SourceSpan& b);
 
 /// 1-based line and column; the column counts code points, as editors do.
@@ -31,20 +31,20 @@ struct SourcePosition {
   std::uint32_t column = 0;
 };
 
-/// Where a line comes from whose text the program wrote itself: the line of a schematic behind a line of its netlist.
+/// Where a line comes from that the program wrote itself: for a line of a schematic's netlist, the line of the schematic.
 struct SourceOrigin {
-  FileIndex file = no_file;  ///< no_file: from nowhere
-  std::uint32_t offset = 0;  ///< of the place in that file
-  bool is_verbatim = false;  ///< the line stands there as it is, so that places within it are known, too
+  FileIndex file = no_file;  ///< no_file: it has no origin
+  std::uint32_t offset = 0;  ///< the offset in that file
+  bool is_verbatim = false;  ///< the file contains the line unchanged, so that places within it are known, too
 };
 
-/// What a message says of a place.
+/// A place as messages name it.
 struct SourcePlace {
   std::string_view name;  ///< of the file
   SourcePosition position;
 };
 
-/// Owns every text read (UTF-8) with its line map. Texts are never dropped nor moved, so spans and views stay valid.
+/// Owns every text read (UTF-8) with its line map. Texts are never removed or moved, so spans and views stay valid.
 class SourceStore {
  public:
   /// `name` is printed in messages as given.
@@ -56,7 +56,7 @@ class SourceStore {
   [[nodiscard]] std::string_view text(FileIndex file) const { return files_.at(file).text; }
   [[nodiscard]] std::string_view text(const SourceSpan& span) const;
   [[nodiscard]] SourcePosition position(FileIndex file, std::uint32_t offset) const;
-  /// The same for a reader: in the file from which the line comes, where the program wrote it.
+  /// The same for the user: if the program wrote the line, in the file that it comes from.
   [[nodiscard]] SourcePlace place(FileIndex file, std::uint32_t offset) const;
   /// A line of a text that the program wrote, without an origin.
   [[nodiscard]] bool is_from_nowhere(FileIndex file, std::uint32_t offset) const;
@@ -68,9 +68,9 @@ class SourceStore {
     std::string name;
     std::string text;
     std::vector<std::uint32_t> line_starts;
-    std::vector<SourceOrigin> origins;  ///< of the lines, empty where the text was read
+    std::vector<SourceOrigin> origins;  ///< of the lines; empty if the text was read
   };
-  /// Null where the text was read.
+  /// Null if the text was read.
   [[nodiscard]] const SourceOrigin* origin(FileIndex file, std::uint32_t line) const;
   std::deque<File> files_;  // keeps every text where it is while others are added
 };

@@ -1,12 +1,12 @@
 #pragma once
-/// A zero of a function of which nothing but values is known.
+/// A zero of a function by its values alone.
 
 #include <cmath>
 
 namespace pwlsim {
 
-/// Between `a` and `b`, at which f has different signs, by the Illinois method (Dowell and Jarratt, BIT 11 (1971)): false position, in which the value at an end that stays is halved. Ends where f is
-/// 0, where the place moves by less than `rounding` of itself, or after `most` steps. The last place at which f was taken is the one returned.
+/// Between `a` and `b`, where f has different signs, by the Illinois method (Dowell and Jarratt, BIT 11 (1971)): false position that halves the value at an end that is kept. Ends when f is
+/// 0, when the place changes by less than `rounding` of itself, or after `most` steps. Returns the last place at which f was evaluated.
 template <class F>
 double zero_between(double a, double b, double rounding, int most, F&& f) {
   double fa = f(a), fb = f(b);

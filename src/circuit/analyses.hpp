@@ -1,5 +1,5 @@
 #pragma once
-/// What a deck asks to be run, free of any syntax.
+/// The analyses of a deck, without syntax.
 
 #include <cstdint>
 #include <optional>
@@ -12,8 +12,8 @@
 
 namespace pwlsim::circuit {
 
-/// A time in seconds. `decimal` is the plain decimal text behind it ("12.5e-6", suffix folded into the exponent) where the deck wrote a
-/// plain number, so that row times can be computed from it exactly; "" where an expression gave the value.
+/// A time in seconds. `decimal` is its plain decimal text ("12.5e-6", suffix folded into the exponent) if the deck has a
+/// plain number, so that row times can be computed from it exactly; "" if it is the value of an expression.
 struct TimeValue {
   double seconds = 0.0;
   std::string decimal = "0";
@@ -21,13 +21,13 @@ struct TimeValue {
 };
 
 /// `.tran`. Guaranteed: 0 ≤ start < stop, all finite, step ≥ 0. step.seconds = 0 means omitted: 1000 equal steps from start to stop.
-/// A largest step (Tmax) is read, checked and dropped: the engines need none.
+/// A largest step (Tmax) is read, checked and ignored: the engines need none.
 struct Transient {
   TimeValue step, stop, start;
   bool use_initial_conditions = false;  ///< uic
   SourceSpan span;
 
-  /// s; a thousand steps where none is given.
+  /// s; a thousandth of the run if none is given.
   [[nodiscard]] double row_step() const { return step.seconds > 0.0 ? step.seconds : (stop.seconds - start.seconds) / 1000.0; }
 };
 
@@ -35,9 +35,9 @@ struct Transient {
 struct SteadyState {
   enum class Trigger { none, closes, opens, crosses };
   std::optional<double> period, longest_period;  ///< s
-  bool is_hint = false;                          ///< the period is no more than a guess
-  int multiple = 1;                              ///< k: periods of the sources in one of the orbit
-  Trigger trigger = Trigger::none;               ///< what begins the period of a self-timed circuit
+  bool is_hint = false;                          ///< the period is only a guess
+  int multiple = 1;                              ///< k: periods of the sources in one period of the orbit
+  Trigger trigger = Trigger::none;               ///< the event that begins the period of a self-timed circuit
   std::string element;                           ///< the switch or diode of the trigger, or the signal that crosses
   SourceSpan element_span;
   int probe = -1;  ///< of that signal
@@ -45,11 +45,11 @@ struct SteadyState {
   bool level_is_mean = false;  ///< of the signal, in place of `level`
   bool is_falling = false;
   std::optional<double> settling_time;  ///< tstab, s
-  int points = 1000;                    ///< rows are a period divided by so many
+  int points = 1000;                    ///< row intervals per period
   std::optional<int> periods_before;    ///< likewise, of the sources (`.pop`)
   std::optional<int> most_iterations, most_periods;
   double tolerance = 0.0;  ///< of the residual; 0: rounding
-  bool is_free = false;    ///< self-timed, although sources are there
+  bool is_free = false;    ///< self-timed, although there are sources
   bool use_initial_conditions = false;
   SourceSpan span;
 };
@@ -59,9 +59,9 @@ struct SmallSignal {
   std::vector<double> frequencies;  ///< Hz, in order
   enum class Input { marked, source, frequency, duty };
   Input input = Input::marked;       ///< all sources with AC values; one source with amplitude 1; timing of sources
-  std::vector<std::string> sources;  ///< named behind from=
-  std::string loop;                  ///< the source of a loop gain; "" where none is asked for
-  std::string loop_current;          ///< a current source at a node of `loop`, for injection of both kinds; "" where there is none
+  std::vector<std::string> sources;  ///< named after from=
+  std::string loop;                  ///< the source of a loop gain; "" if not requested
+  std::string loop_current;          ///< a current source at a node of `loop`, for injection of both kinds; "" if there is none
   SourceSpan input_span;
   int harmonic = 0;
   std::optional<double> sample;  ///< s: the sampled response at that time of the period
@@ -82,9 +82,9 @@ struct Sensitivities {
     std::string name;  ///< as written
     SourceSpan span;
     double value = 0.0;
-    int number = -1;  ///< of a `.param`: its place in gradients; −1: it is none
+    int number = -1;  ///< of a `.param`: its place in gradients; −1: it is not one
     model::NetworkMoves moves{};
-    std::string failure{};  ///< why there are no derivatives to it; "" where there are
+    std::string failure{};  ///< why there are no derivatives to it; "" if there are
   };
   enum class Method { automatic, forward, adjoint };
   std::vector<Parameter> parameters;
@@ -98,9 +98,9 @@ struct Sensitivities {
 /// `.options nonunique=error|first|stay`
 enum class NonUniqueChoice { error, first, stay };
 
-/// One `.step`: the values that a parameter of the deck or of a model, a source without a waveform, a resistor, a capacitor or an inductor takes in turn.
+/// One `.step`: the values that a parameter of the deck or of a model, a source without a waveform, a resistor, a capacitor or an inductor takes.
 struct Sweep {
-  std::string name;  ///< as written; of a model what stepped_model_name makes of it
+  std::string name;  ///< as written; for a model the result of stepped_model_name
   bool is_parameter = false;
   std::vector<double> values;
   SourceSpan span;
@@ -108,7 +108,7 @@ struct Sweep {
   [[nodiscard]] bool is_source() const;
 };
 
-/// `model(parameter)`: a parameter of the deck under a name that no expression can read.
+/// `model(parameter)`: a parameter of the deck with a name that no expression can read.
 [[nodiscard]] std::string stepped_model_name(std::string_view model, std::string_view parameter);
 
 /// All of them; the first changes fastest.
@@ -128,7 +128,7 @@ struct Analyses {
   Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;
-  std::optional<double> relative_tolerance;  ///< `.options reltol=`; the command line rules over it
+  std::optional<double> relative_tolerance;  ///< `.options reltol=`; the command line overrides it
   std::uint64_t row_limit = 1'000'000'000;   ///< `.options max_rows=`; a .tran with more rows has already been refused
 };
 

@@ -10,8 +10,8 @@
 
 namespace pwlsim::circuit {
 
-/// Fills in the indices of the references of `circuit`. Errors: names that are unknown or mean nothing there, elements that are not
-/// complete, nodes without a path to ground. Empty where `diagnostics` holds an error on return.
+/// Fills in the indices of the references of `circuit`. Errors: names that are unknown or not allowed there, elements that are not
+/// complete, nodes without a path to ground. Empty if `diagnostics` has an error on return.
 /// The nodes of the circuit come first in the network, in their order; signals are those of circuit.saves, or by default every node
 /// voltage in order of appearance and then every current of L, V, E, H, D, S.
 [[nodiscard]] std::optional<model::Network> assemble(Circuit& circuit, Diagnostics& diagnostics);

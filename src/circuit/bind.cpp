@@ -211,7 +211,7 @@ class CardBinding {
     if (has_node_too_few()) {
       reporter().error(
           "E-node-count", card_.span,
-          fmt::format("{} has a node too few before its model {}; usage: {}", card_.name, cursor_.previous()->text, kind_.usage));
+          fmt::format("{} has one node too few before its model {}; usage: {}", card_.name, cursor_.previous()->text, kind_.usage));
       binder_.leave_gap();
       return false;
     }
@@ -219,7 +219,7 @@ class CardBinding {
     const Item& name = *cursor_.next();
     if (!Models::known(place_.scope, name) && cursor_.at(ItemKind::word) && Models::known(place_.scope, *cursor_.peek())) {
       reporter().error("E-node-count", card_.span,
-                       fmt::format("{} has a node too many before its model; usage: {}", card_.name, kind_.usage));
+                       fmt::format("{} has one node too many before its model; usage: {}", card_.name, kind_.usage));
       return false;
     }
     instance_.model = binder_.models().use(place_.scope, name, kind_);
@@ -434,7 +434,7 @@ class CardBinding {
       if (is_b_value(*item) || item == read_transfer_) continue;
       if (read_transfer_ != nullptr && item->kind == ItemKind::assignment && is_one_of(laplace_options, item->text)) {
         if (reporter().first_time("ignored:" + without_case(item->text)))
-          reporter().warning("W-ignored-parameter", item->span, fmt::format("{} is ignored: what Laplace= says is exact here", item->text));
+          reporter().warning("W-ignored-parameter", item->span, fmt::format("{} is ignored: Laplace= is exact here", item->text));
         continue;
       }
       if (item->kind == ItemKind::assignment) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Element cards -> instances, by the shape their kind describes.
+/// Element cards -> instances, by the shape of their kind.
 
 #include "circuit/binding.hpp"
 
@@ -9,8 +9,8 @@ class Binder : public Binding {
  public:
   using Binding::Binding;
 
-  /// Adds the instance of an element card, of any letter but X. After an error it is there all the same, so that others may refer to
-  /// its name; an instance without a kind is one of an element that cannot be simulated.
+  /// Adds the instance of an element card, of any letter except X. After an error it exists anyway, so that others may refer to
+  /// its name; an instance without a kind belongs to an element that cannot be simulated.
   void element(Place& place, const netlist::Card& card);
 
  private:

@@ -10,14 +10,14 @@
 namespace pwlsim::circuit {
 
 [[nodiscard]] bool word_is(const netlist::Item* item, std::string_view text);
-/// A number of a waveform stands next: not name=value, not AC or DC, which end a waveform written without parentheses.
+/// Whether the next item is a number of a waveform: not name=value, and not AC or DC, which end a waveform without parentheses.
 [[nodiscard]] bool at_waveform_value(const CardCursor& cursor);
 
-/// What stands behind PWL. With `closed` the cursor runs over the inside of its parentheses, all of which must be understood.
+/// The items after PWL. With `closed` the cursor runs over the inside of its parentheses, all of which must be understood.
 /// Empty after an error.
 [[nodiscard]] std::optional<elements::PwlCard> bind_pwl(CardCursor& cursor, bool closed, Scope& scope, Reporter& reporter, SourceSpan span);
 
-/// `r=` and `td=`, which may also stand behind the parentheses.
+/// `r=` and `td=`, which may also follow the parentheses.
 [[nodiscard]] bool is_pwl_option(const netlist::Item& item);
 bool read_pwl_option(const netlist::Item& item, elements::PwlCard& card, Scope& scope, Reporter& reporter);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What stands behind the nodes of a V or I card: [DC] value, AC, a waveform, name=value.
+/// The items after the nodes of a V or I card: [DC] value, AC, a waveform, name=value.
 
 #include "circuit/card_cursor.hpp"
 #include "circuit/scope.hpp"
@@ -7,7 +7,7 @@
 
 namespace pwlsim::circuit {
 
-/// Reads to the end of the card. The answer: it has both a DC value and a waveform, which then rules.
+/// Reads to the end of the card. Returns whether it has both a DC value and a waveform, which is then used.
 bool bind_source(CardCursor& cursor, Scope& scope, Reporter& reporter, const netlist::Card& card, elements::Instance& instance);
 
 }  // namespace pwlsim::circuit

@@ -1,5 +1,5 @@
 #pragma once
-/// What the readers of element cards share: where a card stands, nodes, models, messages.
+/// The context that the readers of element cards share: the place of a card, nodes, models, messages.
 
 #include <string>
 #include <unordered_map>
@@ -11,12 +11,12 @@
 
 namespace pwlsim::circuit {
 
-/// Where cards are bound: the deck, or one call of a subcircuit.
+/// The place where cards are bound: the deck, or one call of a subcircuit.
 struct Place {
   Scope& scope;
   std::string prefix;                                       ///< of names: "" or "X1.X2."
   std::unordered_map<std::string, model::NodeIndex> nodes;  ///< local ones by key, ports included; unused in the deck itself
-  bool is_made = false;                                     ///< no text of the deck: its names are not global
+  bool is_made = false;                                     ///< not text of the deck: its names are not global
 };
 
 class Binding {
@@ -24,13 +24,13 @@ class Binding {
   Binding(Circuit& circuit, const Definitions& definitions, Models& models, Reporter& reporter)
       : circuit_(circuit), definitions_(definitions), models_(models), reporter_(reporter) {}
 
-  /// The node a word names at `place`, created at its first use.
+  /// The node that a word names at `place`, created at its first use.
   [[nodiscard]] model::NodeIndex node(Place& place, const netlist::Item& word);
-  /// Named by `.global`, or as LTspice and PSpice name nodes that are one everywhere: `$G_VDD`.
+  /// Whether the node is the same everywhere: by `.global`, or by a name of LTspice and PSpice: `$G_VDD`.
   [[nodiscard]] bool is_global(const std::string& key) const { return key.starts_with("$g_") || definitions_.global_nodes.contains(key); }
-  /// A source with a DC value and a waveform: other simulators read .op from the first.
+  /// Notes a source with a DC value and a waveform: other simulators take the DC value for .op.
   void note_two_values(const netlist::Card& card);
-  /// A card lacks something: what it was to connect is not known.
+  /// A card is incomplete: its connections are not known.
   void leave_gap() { circuit_.has_gaps = true; }
   [[nodiscard]] Circuit& circuit() { return circuit_; }
   [[nodiscard]] Reporter& reporter() { return reporter_; }

@@ -1,5 +1,5 @@
 #pragma once
-/// Walks over the items of an element card; items of bare parentheses stand in the row with the others.
+/// Iterates over the items of an element card; items in bare parentheses are in line with the others.
 
 #include <cstddef>
 #include <vector>
@@ -16,7 +16,7 @@ class CardCursor {
   [[nodiscard]] const netlist::Item* peek(std::size_t ahead = 0) const {
     return at_ + ahead < items_.size() ? items_[at_ + ahead] : nullptr;
   }
-  /// What was taken last; null at the begin.
+  /// The item taken last; null at the start.
   [[nodiscard]] const netlist::Item* previous() const { return at_ > 0 ? items_[at_ - 1] : nullptr; }
   const netlist::Item* next() { return at_ < items_.size() ? items_[at_++] : nullptr; }
   [[nodiscard]] bool at_end() const { return at_ == items_.size(); }
@@ -24,7 +24,7 @@ class CardCursor {
   [[nodiscard]] bool at(netlist::Item::Kind kind, std::size_t ahead = 0) const {
     return peek(ahead) != nullptr && peek(ahead)->kind == kind;
   }
-  /// A value by position: anything but name=value.
+  /// A value by position: anything except name=value.
   [[nodiscard]] bool at_positional() const { return !at_end() && !at(netlist::Item::Kind::assignment); }
   [[nodiscard]] std::size_t positional_left() const {
     std::size_t count = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// The cards that begin with a dot (but those the reader of decks takes itself: .include, .lib, .control, .end), and the elements that are known by name but cannot be simulated: as data.
+/// The cards that begin with a dot (except those that the reader of decks processes: .include, .lib, .control, .end), and the elements that are known but cannot be simulated: as data.
 
 #include <span>
 #include <string_view>
@@ -20,17 +20,17 @@ enum class CardRole {
   steady_state,  ///< .pss, .pop
   small_signal,  ///< .ac
   sensitivity,   ///< .sens
-  save,   ///< .save, .probe
-  print,  ///< .print tran …
+  save,          ///< .save, .probe
+  print,         ///< .print tran …
   measurement,
   fourier,
   sweep,
   state_machine,  ///< .machine to .endmachine
   raw_system,     ///< .lcs
   section,        ///< .if to .endif
-  ltspice,     ///< tells who wrote the deck
-  silent,      ///< accepted, means nothing here
-  ignored      ///< one warning
+  ltspice,        ///< shows which program wrote the deck
+  silent,         ///< accepted without effect
+  ignored         ///< one warning
 };
 
 struct CardKind {
@@ -40,10 +40,10 @@ struct CardKind {
 };
 
 [[nodiscard]] std::span<const CardKind> card_kinds();
-/// Null for an unknown name.
+/// The card of that name; null if unknown.
 [[nodiscard]] const CardKind* find_card(std::string_view name);
 
-/// Why a card whose name begins with this letter is no element here.
+/// Why a card whose name begins with this letter is not an element here.
 struct RefusedElement {
   char letter = '?';
   std::string_view name;

@@ -66,9 +66,8 @@ class Census {
   }
 
   std::optional<Size> too_deep(const Item& name) {
-    reporter_.error(
-        "E-too-deep", name.span,
-        fmt::format("more than {} subcircuits within one another; .options max_subcircuit_depth= raises the limit", limits_.depth));
+    reporter_.error("E-too-deep", name.span,
+                    fmt::format("subcircuits nest deeper than {}; .options max_subcircuit_depth= raises the limit", limits_.depth));
     return std::nullopt;
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// How large a deck becomes, counted before anything is expanded.
+/// Counts the size of a deck before anything is expanded.
 
 #include "circuit/definitions.hpp"
 #include "circuit/reporter.hpp"
@@ -8,7 +8,7 @@ namespace pwlsim::circuit {
 
 struct ExpansionLimits {
   double elements = 1e7;  ///< calls of subcircuits count as elements
-  double depth = 100;     ///< subcircuits within one another
+  double depth = 100;     ///< nesting of subcircuits
 };
 
 /// Whether it is an X card, or one that was made to be a call.
@@ -16,8 +16,8 @@ struct ExpansionLimits {
 /// The subcircuit an X card calls: its last word.
 [[nodiscard]] const netlist::Item* called_subcircuit(const netlist::Card& card);
 
-/// False, with an error, where subcircuits call themselves, are nested too deep or become too many elements.
-/// Takes time in proportion to the deck, whatever it expands to. Calls of unknown subcircuits count as nothing.
+/// False, with an error, if subcircuits call themselves, nest too deep or give too many elements.
+/// Takes time in proportion to the deck, not to its expansion. Calls of unknown subcircuits count as nothing.
 [[nodiscard]] bool check_expansion(const Definitions& definitions, const ExpansionLimits& limits, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

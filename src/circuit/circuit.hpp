@@ -1,5 +1,5 @@
 #pragma once
-/// A flat circuit: nodes, elements with the values of their parameters, models, what is to be saved and run. It knows nothing of a
+/// A flat circuit: nodes, elements with the values of their parameters, models, saved signals and analyses. It does not depend on a
 /// netlist, so that C++ programs can build one:
 ///
 ///     Circuit circuit;
@@ -24,7 +24,7 @@
 
 namespace pwlsim::circuit {
 
-/// One thing of `.save`. Names may use ':' or '.' between instances and what lies in them.
+/// One item of `.save`. Names may use ':' or '.' between instances and their contents.
 struct SaveRequest {
   enum class Kind { all, voltage, current, raw };
   Kind kind = Kind::voltage;
@@ -32,16 +32,16 @@ struct SaveRequest {
   std::string first;   ///< node or element
   std::string second;  ///< the second node of v(a,b), else ""
   SourceSpan first_span, second_span;
-  char quantity = ' ';  ///< of a raw system: x, u or y
-  int number = 0;       ///< and which, from 1
+  char quantity = ' ';  ///< for a raw system: x, u or y
+  int number = 0;       ///< and its number, from 1
 };
 
-/// Nodes and elements by full name whose signals a picture of the circuit shows. Names that are none, and elements without a current, are passed over.
+/// Nodes and elements by full name whose signals a picture of the circuit shows. Unknown names, and elements without a current, are ignored.
 struct DrawnNames {
   std::vector<std::string> nodes, elements;
 };
 
-/// One thing of `.ic`: the voltage of a node or the current of an inductor, by full name.
+/// One item of `.ic`: the voltage of a node or the current of an inductor, by full name.
 struct InitialCondition {
   bool is_current = false;
   std::string name;
@@ -50,15 +50,15 @@ struct InitialCondition {
   std::vector<double> gradient{};  ///< to the parameters of .sens; empty where it does not depend on them
 };
 
-/// Elements of the deck that became subcircuits it did not write.
+/// Elements of the deck that were converted to subcircuits.
 struct HiddenParts {
   std::unordered_set<std::string> names;  ///< full, without case
 
-  /// Whether the node or element of that full name lies within one.
+  /// Whether the node or element of that full name is within one.
   [[nodiscard]] bool hold(std::string_view name) const;
 };
 
-/// A node that a gate holds at one of two levels against ground.
+/// A node that a gate holds at one of two voltages against ground.
 struct GateOutput {
   model::NodeIndex node = model::ground;
   double low = 0.0, high = 0.0;
@@ -70,35 +70,35 @@ class Circuit {
   std::vector<elements::Instance> instances;
   std::vector<elements::Model> models;
   std::vector<SaveRequest> saves;  ///< none: all
-  DrawnNames drawn;                ///< of what a picture shows besides
+  DrawnNames drawn;                ///< further signals of a picture
   HiddenParts hidden;
   std::unordered_set<model::NodeIndex> unread_nodes;  ///< of parts that were left out: no row shows them
   std::vector<GateOutput> gate_outputs;
   Measurements measurements, orbit_measurements;  ///< of .tran, of .pss
   std::vector<SaveRequest> probes;                ///< signals that measurements read
-  std::size_t measured_signals = 0;               ///< the last ones of the network: drawn or measured, not saved; filled in by assemble
+  std::size_t measured_signals = 0;               ///< the last signals of the network: drawn or measured, not saved; filled in by assemble
   std::size_t drawn_signals = 0;                  ///< the first of these, which are drawn
   std::vector<InitialCondition> conditions;
   Analyses analyses;
-  std::vector<elements::Written> unfollowed;  ///< numbers that depend on parameters of .sens, and that are none of an element
+  std::vector<elements::Written> unfollowed;  ///< numbers that depend on parameters of .sens but do not belong to an element
   std::vector<std::string> parameter_names;   ///< of the deck itself
   bool written_by_ltspice = false;            ///< by its own cards
   bool prints = false;                        ///< has a card `.print` or `.plot`
-  std::string stands_for_ground;              ///< a node that is ground, in a circuit that has none; "" in others
+  std::string stands_for_ground;              ///< the node used as ground in a circuit without ground; else ""
   bool draws_random = false;                  ///< values differ from run to run of .step
-  bool has_gaps = false;                      ///< some element could not be read: what it connects is not known
+  bool has_gaps = false;                      ///< some element could not be read: its connections are not known
 
   /// The node of that name, created at its first use; "0" and "gnd" are ground. Names are compared without case.
   model::NodeIndex node(std::string_view name, SourceSpan where = {});
-  /// A node of its own, even if the name is taken; false then.
+  /// A new node, even if the name is taken; false then.
   bool add_node(std::string name, SourceSpan where, model::NodeIndex& index);
   [[nodiscard]] std::optional<model::NodeIndex> find_node(std::string_view name) const;
   [[nodiscard]] const std::vector<model::Label>& nodes() const { return nodes_; }
 
-  /// An element of the kind its first letter names, which must be one of the catalogue; its values, model, waveform, references and
-  /// coefficients are the caller's to fill. The reference is good until the next call.
+  /// An element of the kind of its first letter, which must be in the catalogue; its values, model, waveform, references and
+  /// coefficients are filled in by the caller. The reference is valid until the next call.
   elements::Instance& add(std::string name, const std::vector<std::string>& node_names);
-  /// A model of a type that some element takes ("D", "SW", …); its index.
+  /// Adds a model of a type that some element takes ("D", "SW", …); returns its index.
   int add_model(std::string_view type, std::string name);
 
  private:
@@ -108,7 +108,7 @@ class Circuit {
   std::unordered_map<std::string, model::NodeIndex> node_by_name_;
 };
 
-/// The node that may stand for ground where no element is connected to it: the negative one of the first V, else the second of the first element. "" where
+/// The node to be used as ground if no element is connected to ground: the negative one of the first V, else the second of the first element. "" if
 /// there is a ground, or no such node.
 [[nodiscard]] std::string missing_ground(const Circuit& circuit);
 

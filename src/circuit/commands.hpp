@@ -1,5 +1,5 @@
 #pragma once
-/// The cards of the deck that ask for something: .options, .tran, .op, .save, .meas and their like.
+/// The cards of the deck with requests: .options, .tran, .op, .save, .meas and others.
 
 #include "circuit/census.hpp"
 #include "circuit/circuit.hpp"
@@ -15,13 +15,13 @@ struct Options {
   std::uint64_t seed = 0;  ///< of random numbers
 };
 
-/// `.options seed=` where it is a plain number: .step and the other options may draw random numbers before options can be evaluated. 0 without.
+/// `.options seed=` if it is a plain number: .step and the other options may draw random numbers before options can be evaluated. 0 if there is none.
 [[nodiscard]] std::uint64_t written_seed(const Definitions& definitions);
 
-/// Writes what concerns the run into `analyses`; the rest is the answer.
+/// Writes the options of the run into `analyses` and returns the others.
 [[nodiscard]] Options read_options(const Definitions& definitions, Scope& scope, Reporter& reporter, Analyses& analyses);
 
-/// .tran, .op, .save into `circuit`. An error where the deck requests no analysis and `required`.
+/// .tran, .op, .save into `circuit`. An error if `required` and the deck requests no analysis.
 void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit);
 
 /// .pss and .pop into `circuit`.
@@ -30,20 +30,20 @@ void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& r
 /// .ac into `circuit`.
 void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
 
-/// .sens into `circuit`: its names, of which those of parameters are varied from here on.
+/// The names of .sens into `circuit`; parameters among them are varied from now on.
 void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit);
-/// Behind all measurements: whether there are those that it names.
+/// Call after all measurements: checks that those it names exist.
 void check_sensitivities(Reporter& reporter, const Circuit& circuit);
-/// Behind all elements: the switch or diode of on= and off= of .pss, by its full name.
+/// Call after all elements: checks the switch or diode of on= and off= of .pss, by its full name.
 void check_trigger(Reporter& reporter, Circuit& circuit);
-/// Behind all elements: the values of its parameters, and numbers that depend on them where nobody follows that.
+/// Call after all elements: the values of its parameters, and the numbers that depend on them but are not followed.
 void take_parameter_values(Scope& scope, Circuit& circuit);
 
 void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit);
 
-/// .step; what its numbers need must not depend on what is stepped.
+/// .step; its numbers must not depend on stepped values.
 void read_sweeps(const Definitions& definitions, Scope& scope, Reporter& reporter, Sweeps& sweeps);
-/// The values of one run: of parameters before anything else is evaluated, of sources behind all elements.
+/// The values of one run: set those of parameters before anything else is evaluated, those of sources after all elements.
 void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope);
 void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit);
 

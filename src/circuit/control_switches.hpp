@@ -5,7 +5,7 @@
 
 namespace pwlsim::circuit {
 
-/// Puts a source B of the expression and a switch that follows it in place of each such card.
+/// Replaces each such card by a source B of the expression and a switch that it controls.
 void replace_control_switches(Definitions& definitions);
 
 }  // namespace pwlsim::circuit

@@ -1,5 +1,5 @@
 #pragma once
-/// Nodes that only one element of the deck touches and whose name is nearly that of another: most often a slip.
+/// Nodes of a single element whose name is similar to that of another node: most often a spelling mistake.
 
 #include <string_view>
 
@@ -8,7 +8,7 @@
 
 namespace pwlsim::circuit {
 
-/// A warning for each R, C, L, D, S of the deck itself that hangs on such a node: it carries no current. Nodes that something reads or saves are meant.
+/// A warning for each R, C, L, D, S of the deck itself at such a node: it carries no current. Nodes that something reads or saves are intended.
 void warn_of_dangling(const Circuit& circuit, Reporter& reporter);
 
 /// Whether one element touches the node and nothing reads or saves it.

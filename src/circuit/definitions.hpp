@@ -1,5 +1,5 @@
 #pragma once
-/// The cards of a deck sorted by the subcircuit definition they stand in, before anything is evaluated.
+/// The cards of a deck sorted by the subcircuit definition that contains them, before anything is evaluated.
 
 #include <deque>
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace pwlsim::circuit {
 
-/// What is connected to such a port is not: ground is the same node everywhere.
+/// A node at such a port is not connected: ground is the same node everywhere.
 inline constexpr std::string_view ground_port = "0";
 
 /// Keys are names without case.
@@ -39,8 +39,8 @@ struct Definition {
   std::string name;  ///< as written; "" for the deck itself
   SourceSpan span;
   SourceSpan body;                     ///< from .subckt to .ends; of the deck itself unknown
-  const Definition* parent = nullptr;  ///< the definition it stands in
-  std::vector<std::string> ports;      ///< keys; `ground_port` where ground itself is written
+  const Definition* parent = nullptr;  ///< the definition that contains it
+  std::vector<std::string> ports;      ///< keys; `ground_port` if ground itself is written
   std::vector<ParameterText> formals;  ///< `params:`
   std::vector<ParameterText> parameters;
   std::unordered_map<std::string, FunctionText> functions;
@@ -58,18 +58,17 @@ struct Definitions {
       saves, measurements, fourier_analyses, sweeps, raw_systems;
   std::deque<netlist::Card> made;   ///< in place of cards of the deck
   bool written_by_ltspice = false;  ///< by its cards `.backanno` or `.lib …standard.dio`
-  bool misplaced_analysis =
-      false;            ///< an analysis card stands where it cannot, or the file is no deck: its absence elsewhere is no further error
-  bool prints = false;  ///< has a card `.print` or `.plot`
+  bool misplaced_analysis = false;  ///< an analysis card is misplaced, or the file is not a deck: a missing analysis is not a further error
+  bool prints = false;              ///< has a card `.print` or `.plot`
 };
 
 /// Reports cards that are unknown, misplaced or not supported, two definitions of one name, and .subckt without .ends.
 [[nodiscard]] Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter);
 
-/// A word of a card that is made.
+/// A word of a generated card.
 [[nodiscard]] netlist::Item made_word(std::string text, SourceSpan span);
 
-/// Puts other cards in place of element cards: `make(definition, card)` gives them, or nothing where the card stays.
+/// Replaces element cards: `make(definition, card)` returns the new cards, or nothing if the card stays.
 template <class Make>
 void replace_elements(Definitions& definitions, const Make& make) {
   for (const auto& definition : definitions.all) {
@@ -83,14 +82,14 @@ void replace_elements(Definitions& definitions, const Make& make) {
   }
 }
 
-/// The nearest definition of that name, seen from `from` outwards; null where there is none.
+/// The nearest definition of that name, seen from `from` outwards; null if there is none.
 [[nodiscard]] const Definition* find_subcircuit(const Definition& from, std::string_view name);
 [[nodiscard]] std::vector<std::string> subcircuit_names(const Definition& from);
 
-/// Behind `params:` or on a .param card of its own.
+/// A parameter after `params:` or on a .param card.
 [[nodiscard]] bool declares(const Definition& definition, std::string_view parameter);
 [[nodiscard]] std::vector<std::string> declared_parameters(const Definition& definition);
-/// Whether that name stands in some expression of the definition or of one within it; a damaged card may have held it.
+/// Whether some expression of the definition, or of one within it, contains that name; a damaged card may contain it.
 [[nodiscard]] bool reads(const Definition& definition, std::string_view name);
 
 }  // namespace pwlsim::circuit

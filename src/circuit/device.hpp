@@ -1,5 +1,5 @@
 #pragma once
-/// A model at hand: one row of lib/devices.txt, or what a part's number says.
+/// A model at hand: one row of lib/devices.txt, or decoded from a part number.
 
 #include <string>
 #include <string_view>

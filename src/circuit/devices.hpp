@@ -1,5 +1,5 @@
 #pragma once
-/// Models at hand: common devices, lib/devices.txt. A model that a deck uses and nowhere defines is taken from there, with a note.
+/// Models at hand: common devices, lib/devices.txt. A model that a deck uses without defining it is taken from there, with a note.
 
 #include <optional>
 #include <string>
@@ -14,22 +14,22 @@
 
 namespace pwlsim::circuit {
 
-/// The device that `name` means: of that name, or the longest name of the table that it begins with (devices.txt says when); none otherwise.
+/// The device for `name`: of that name, or of the longest name in the table that it begins with (by the rules of devices.txt); none otherwise.
 [[nodiscard]] std::optional<Device> find_device(std::string_view name);
 
-/// All names of the table but those of a pattern.
+/// All names of the table except patterns.
 [[nodiscard]] std::vector<std::string> device_names();
 
 /// lib/devices.txt.
 [[nodiscard]] std::string_view device_table();
 
-/// What was taken from the table: for each card where its numbers come from.
+/// The models taken from the table: for each card the source of its numbers.
 using DeviceSources = std::unordered_map<const netlist::Card*, std::string>;
 
-/// The name of the text in which they stand.
+/// The name of the text that contains them.
 inline constexpr std::string_view device_models_file = "pwlsim's models";
 
-/// Models of D, Q, M and J cards that are nowhere defined and in the table, as cards that stand at the end of the deck. They must outlive `definitions`.
+/// Adds models of D, Q, M and J cards that are not defined but in the table, as cards at the end of the deck. The result must outlive `definitions`.
 struct DeviceModels {
   netlist::Deck deck;
   DeviceSources sources;

@@ -1,5 +1,5 @@
 #pragma once
-/// Values and derivatives of what cards hold, for scopes.
+/// Values and derivatives of numbers and expressions on cards, for scopes.
 
 #include "circuit/scope.hpp"
 

@@ -47,7 +47,7 @@ std::optional<double> Evaluator::value(const netlist::Item& item) {
     }
     if (scope_.knows(item.text)) {
       if (reporter().first_time("bare parameter"))
-        reporter().note("N-bare-parameter", item.span, fmt::format("{0} is taken for the parameter of that name: {{{0}}}", item.text));
+        reporter().note("N-bare-parameter", item.span, fmt::format("{0} is read as the parameter of that name: {{{0}}}", item.text));
       return value(Expression{Kind::name, 0.0, item.text, {}, item.span});
     }
   }
@@ -76,7 +76,7 @@ const netlist::Expression* Evaluator::without_conditions(const Expression& expre
 
 // The reports have functions of their own: what recurses keeps a small frame.
 std::optional<double> Evaluator::too_nested(const Expression& expression) {
-  reporter().error("E-too-deep", expression.span, fmt::format("more than {} parts of expressions within one another", deepest_nesting));
+  reporter().error("E-too-deep", expression.span, fmt::format("expressions nest deeper than {}", deepest_nesting));
   return std::nullopt;
 }
 
@@ -85,7 +85,7 @@ std::optional<double> Evaluator::too_many_calls(const FunctionText& function) {
   session.functions_exhausted = session.function_calls > most_function_calls;
   reporter().error("E-too-deep", function.span,
                    session.functions_exhausted ? fmt::format("more than {} calls of functions", most_function_calls)
-                                               : fmt::format("more than {} parameters or functions within one another", Session::deepest));
+                                               : fmt::format("parameters or functions nest deeper than {}", Session::deepest));
   return std::nullopt;
 }
 

@@ -26,10 +26,10 @@ class Evaluator {
   Evaluator(Scope& scope, int depth, const Arguments* arguments = nullptr) : scope_(scope), depth_(depth), arguments_(arguments) {}
 
   [[nodiscard]] std::optional<double> value(const netlist::Expression& expression);
-  /// Of an item that holds a number or an expression.
+  /// The value of an item that is a number or an expression.
   [[nodiscard]] std::optional<double> value(const netlist::Item& item);
 
-  static constexpr int deepest_nesting = 3000;  ///< parts of expressions within one another
+  static constexpr int deepest_nesting = 3000;  ///< nesting of expressions
 
  private:
   using Expression = netlist::Expression;
@@ -42,7 +42,7 @@ class Evaluator {
   };
 
   [[nodiscard]] Callee callee_of(std::string_view name);
-  /// The part that the conditions choose; none where a condition has no value.
+  /// The part that the conditions choose; none if a condition has no value.
   const Expression* without_conditions(const Expression& expression);
   std::optional<double> of_kind(const Expression& expression);
   std::optional<double> of_number(const Expression& expression);

@@ -138,9 +138,10 @@ void Expander::connect(Place& place, const Card& card, const Item& name, Place& 
 void Expander::connect_port(Place& inner, const Card& card, const Item& word, const std::string& port, model::NodeIndex node) {
   const auto [known, is_new] = inner.nodes.emplace(port, node);
   if (is_new || known->second == node) return;
-  reporter().error("E-duplicate-port", word.span,
-                   fmt::format("{} gives {} a second node for the port {}, which occurs twice in its list; try one node at both places",
-                               card.name, inner.scope.definition().name, port));
+  reporter().error(
+      "E-duplicate-port", word.span,
+      fmt::format("{} gives {} a second node for the port {}, which occurs twice in its list; try the same node in both places", card.name,
+                  inner.scope.definition().name, port));
 }
 
 void Expander::give_parameters(Place& place, const Card& card, const Item& name, Scope& inner) {

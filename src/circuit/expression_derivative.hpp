@@ -8,7 +8,7 @@
 
 namespace pwlsim::circuit {
 
-/// To each parameter that is varied (Session::varied), in order; empty: to none of them.
+/// Derivatives to each varied parameter (Session::varied), in order; empty if all are zero.
 using Gradient = std::vector<double>;
 
 class Differentiator {
@@ -16,7 +16,7 @@ class Differentiator {
   explicit Differentiator(Scope& scope, const Arguments* arguments = nullptr, const std::vector<Gradient>* gradients = nullptr)
       : scope_(scope), arguments_(arguments), gradients_(gradients) {}
 
-  /// Of an expression that has a value. Not finite where it draws random numbers.
+  /// The derivatives of an expression with a value. Not finite if it draws random numbers.
   [[nodiscard]] Gradient of(const netlist::Expression& expression);
   [[nodiscard]] Gradient of(const netlist::Item& item);
 

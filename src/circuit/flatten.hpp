@@ -7,12 +7,12 @@
 
 namespace pwlsim::circuit {
 
-/// `ground`: a node that stands for it, in a circuit that has none.
-/// `run`: which of those that .step asks for. After errors the circuit holds what could be understood: every element at least with its name, so that the names others refer to can
-/// still be checked. It must not be emitted then.
+/// `ground`: the node used as ground, in a circuit without ground.
+/// `run`: number of the run of .step. After errors the circuit contains the parts that were understood: every element at least with its name, so that references can
+/// still be checked. Do not emit it then.
 struct Flattened {
   Circuit circuit;
-  bool expanded = false;  ///< false where it would have become too large or endless: then it holds no element
+  bool expanded = false;  ///< false if it would have become too large or endless: then it has no elements
 };
 /// Shipped subcircuits that the deck calls are added to `sources`.
 [[nodiscard]] Flattened flatten(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, bool analysis_required,

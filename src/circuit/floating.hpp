@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of a circuit that nothing ties to ground.
+/// Parts of a circuit without a path to ground.
 
 #include <vector>
 

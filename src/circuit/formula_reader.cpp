@@ -88,7 +88,7 @@ std::nullopt_t FormulaReader::refuse(const Expression& expression, std::string_v
 }
 
 std::nullopt_t FormulaReader::too_deep(const Expression& expression) {
-  reporter().error("E-too-deep", expression.span, fmt::format("more than {} parts of expressions within one another", deepest_formula));
+  reporter().error("E-too-deep", expression.span, fmt::format("expressions nest deeper than {}", deepest_formula));
   return std::nullopt;
 }
 
@@ -134,7 +134,7 @@ std::optional<Condition> FormulaReader::condition_of(const Meaning& meaning, con
   if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant != 0.0 ? 1.0 : 0.0), std::nullopt};
   reporter().note(
       "N-condition", expression.span,
-      fmt::format("{}: as a condition '{}' counts from 0.5 on, as in LTspice", instance_.name, reporter().text(expression.span)));
+      fmt::format("{}: '{}' as a condition is true from 0.5 on, as in LTspice", instance_.name, reporter().text(expression.span)));
   return builder_.greater(meaning.value, constant_sum(0.5));
 }
 

@@ -21,20 +21,20 @@ class FormulaReader {
   bool read(const netlist::Expression& expression, bool is_current);
   /// The same for a fraction in s of an expression, or of the first control of the instance.
   bool read_transfer(const netlist::Expression* input, const netlist::Expression& transfer, bool is_current);
-  /// The same for straight lines between points, x an expression or the first control.
+  /// The same for a table of points, x an expression or the first control.
   bool read_table(const netlist::Expression* x, const std::vector<elements::TablePoint>& points, bool is_current);
 
  private:
   using Expression = netlist::Expression;
   using Sum = elements::AffineSum;
 
-  /// A value, and a truth value where it comes from a comparison.
+  /// A value, and a truth value if it comes from a comparison.
   struct Meaning {
     Sum value;
     std::optional<elements::Condition> condition;
   };
   using Names = std::unordered_map<std::string, Meaning>;
-  /// Where names are looked up: a scope, and the arguments of the .func function whose body is read.
+  /// The context for names: a scope, and the arguments of the .func function whose body is read.
   struct Context {
     Scope& scope;
     const Names* arguments = nullptr;
@@ -89,7 +89,7 @@ class FormulaReader {
   int nesting_ = 0;
 };
 
-/// Reports points whose x decreases; false then. `spans` may hold one span a point.
+/// Reports points whose x decreases; false then. `spans` may have one span per point.
 bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

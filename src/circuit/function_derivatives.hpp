@@ -8,7 +8,7 @@
 
 namespace pwlsim::circuit {
 
-/// partials[i] = ∂f/∂(argument i). Of steps, and where two arguments tie, that of one side; `has_kink` then becomes true.
+/// partials[i] = ∂f/∂(argument i). For steps, and if two arguments tie, that of one side; `has_kink` then becomes true.
 void function_partials(const BuiltinFunction& function, std::span<const double> arguments, std::span<double> partials, bool& has_kink);
 
 /// Of `left op right`: both.

@@ -11,15 +11,15 @@ struct BuiltinFunction {
   std::string_view name;
   std::size_t least = 1, most = 1;  ///< number of arguments
   double (*value)(std::span<const double> arguments) = nullptr;
-  bool passes_infinity = false;  ///< may return an argument that is a written `inf`
+  bool passes_infinity = false;  ///< may return an argument that was written as `inf`
 };
 
-/// `if` and `ternary_fcn` are not here: they leave one of their arguments unevaluated.
+/// `if` and `ternary_fcn` are not here: they do not evaluate one of their arguments.
 [[nodiscard]] std::span<const BuiltinFunction> builtin_functions();
 [[nodiscard]] const BuiltinFunction* find_builtin(std::string_view name);
 
 using BinaryOperator = double (*)(double, double);
-/// As decks spell it; nan is the value of one that is unknown.
+/// By the deck's spelling; nan if unknown.
 [[nodiscard]] BinaryOperator find_binary(std::string_view op);
 
 }  // namespace pwlsim::circuit

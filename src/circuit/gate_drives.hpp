@@ -1,12 +1,12 @@
 #pragma once
-/// Against what the gates of MOSFETs and JFETs are driven.
+/// Finds MOSFETs and JFETs whose gates are not driven against their sources.
 
 #include "circuit/circuit.hpp"
 
 namespace pwlsim::circuit {
 
-/// Sets `drive_is_apart` of those whose source is not tied to ground by voltage sources, unless their gate is to the source, by these and by resistors, and
-/// not to ground: else the drain's current moves v(gate, source). A driver between gate and source leaves a transistor a switch.
+/// Sets `drive_is_apart` if voltage sources do not tie the source to ground, unless these and resistors tie the gate to the source and
+/// not to ground: then the drain current changes v(gate, source). With a driver between gate and source a transistor remains a switch.
 void mark_gate_drives(Circuit& circuit);
 
 }  // namespace pwlsim::circuit

@@ -1,5 +1,5 @@
 #pragma once
-/// What an item of a card is.
+/// Tests of a card's items.
 
 #include <string_view>
 

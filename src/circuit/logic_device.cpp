@@ -21,8 +21,8 @@ using ItemKind = Item::Kind;
 
 /// Places of the terminals, from 0.
 constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
-constexpr std::string_view gate_parameters[] = {"vhigh", "vlow", "ref", "td"}, trip_parameters[] = {"vhigh", "vlow", "ref", "td", "vt", "vh"},
-                           sample_parameters[] = {"vhigh", "vlow", "ref"},
+constexpr std::string_view gate_parameters[] = {"vhigh", "vlow", "ref", "td"},
+                           trip_parameters[] = {"vhigh", "vlow", "ref", "td", "vt", "vh"}, sample_parameters[] = {"vhigh", "vlow", "ref"},
                            amplifier_parameters[] = {"vhigh", "vlow", "ref", "g", "iout", "isource", "isink", "rout", "cout"};
 constexpr std::string_view ignored_parameters[] = {"trise", "tfall", "tau",    "cout",   "rout", "rhigh",
                                                    "rlow",  "ic",    "tripdt", "tripdv", "temp"};
@@ -77,10 +77,10 @@ class Replacement {
     if (device_.type == nullptr) {
       reporter_.error(
           "E-not-supported", type.span,
-          fmt::format(
-              "{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT DIFFSCHMITT SRFLOP DFLOP SAMPLEHOLD OTA, "
-              "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
-              card_.name, type.text));
+          fmt::format("{} is LTspice's own device {}, which is not supported; try one of BUF INV AND OR XOR SCHMITT DIFFSCHMITT SRFLOP "
+                      "DFLOP SAMPLEHOLD OTA, "
+                      "or a subcircuit of sources B with u() and if(), and of switches with hysteresis, which keep their positions",
+                      card_.name, type.text));
       return false;
     }
     call.items.clear();
@@ -145,7 +145,7 @@ class Replacement {
       return fail("uses both outputs of LTspice's INV; try BUF, whose first output is the complement");
     const bool has_one_output = device_.type->logic == Logic::sample_hold || device_.type->logic == Logic::transconductance;
     if (has_one_output && device_.outputs != "7")
-      return fail(fmt::format("connects LTspice's {} not by its output alone, the seventh node", card_.items[device_nodes].text));
+      return fail(fmt::format("connects LTspice's {} by other nodes than its output, the seventh", card_.items[device_nodes].text));
     if (device_.type->logic == Logic::sample_hold && !device_.uses('3') && !device_.uses('4'))
       return fail("has neither a clock, the third node, nor S/H, the fourth");
     return true;
@@ -173,10 +173,13 @@ class Replacement {
         if (reporter_.first_time("ignored of gates:" + without_case(item.text)))
           reporter_.warning("W-ignored-parameter", item.span,
                             fmt::format("{}= of LTspice's {} is ignored", item.text,
-                                        is_amplifier ? "OTA" : device_.type->logic == Logic::sample_hold ? "SAMPLEHOLD" : "gates"));
+                                        is_amplifier                                ? "OTA"
+                                        : device_.type->logic == Logic::sample_hold ? "SAMPLEHOLD"
+                                                                                    : "gates"));
       } else {
-        reporter_.error("E-unknown-parameter", item.span,
-                        fmt::format("LTspice's {} takes {}, not '{}'", card_.items[device_nodes].text, usage.text, reporter_.text(item.span)));
+        reporter_.error(
+            "E-unknown-parameter", item.span,
+            fmt::format("LTspice's {} takes {}, not '{}'", card_.items[device_nodes].text, usage.text, reporter_.text(item.span)));
         return false;
       }
     }

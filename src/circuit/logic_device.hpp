@@ -1,6 +1,6 @@
 #pragma once
 /// LTspice's own A devices (gates, Schmitt triggers, flip-flops): eight nodes before their type, five inputs, the complement, the output and the
-/// common; what is not used is tied to the common. Each becomes the call of a subcircuit of ideal switches that is written for the terminals it
+/// common; unused terminals are tied to the common. Each becomes the call of a subcircuit of ideal switches that is generated for the terminals it
 /// uses (LTspice's help, "A. Special Functions").
 
 #include <string_view>
@@ -10,10 +10,10 @@
 
 namespace pwlsim::circuit {
 
-/// Puts calls in place of the A devices that are known by their type. Others are errors: their cards stay.
+/// Replaces A devices of known types by calls. Others are errors: their cards stay.
 void replace_logic_devices(Definitions& definitions, Reporter& reporter);
 
-/// Of the parameters of such a call.
+/// The parameters of such a call.
 [[nodiscard]] bool must_not_be_negative(std::string_view parameter);
 
 }  // namespace pwlsim::circuit

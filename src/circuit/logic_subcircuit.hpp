@@ -6,13 +6,24 @@
 
 namespace pwlsim::circuit {
 
-enum class Logic { buffer, inverter, conjunction, disjunction, exactly_one, schmitt, set_reset, d_flip_flop, sample_hold, transconductance };
+enum class Logic {
+  buffer,
+  inverter,
+  conjunction,
+  disjunction,
+  exactly_one,
+  schmitt,
+  set_reset,
+  d_flip_flop,
+  sample_hold,
+  transconductance
+};
 
 struct LogicType {
   std::string_view name;
   Logic logic = Logic::buffer;
-  std::string_view inputs;  ///< places that may be used, from 1
-  std::size_t least = 1;    ///< inputs that it needs
+  std::string_view inputs;  ///< terminals that may be used, from 1
+  std::size_t least = 1;    ///< required number of inputs
   std::size_t most = 5;
 };
 /// Null for other names.
@@ -32,10 +43,10 @@ struct LogicDevice {
   [[nodiscard]] bool uses(char input) const { return used.find(input) != std::string::npos; }
 };
 
-/// Whether outputs of the subcircuit of that name are at vlow or at vhigh, and nowhere between.
+/// Whether outputs of the subcircuit of that name are always at vlow or at vhigh.
 [[nodiscard]] bool has_two_levels(std::string_view name);
 
-/// Of the switch that stands for XSPICE's aswitch: control, its reference, two ends; cntl_off, cntl_on, r_off, r_on.
+/// The switch that represents XSPICE's aswitch: control, its reference, two ends; cntl_off, cntl_on, r_off, r_on.
 inline constexpr std::string_view analog_switch = "xspice.aswitch";
 
 /// The subcircuit of that name, as text of a deck; "" for other names. Its ports: the inputs that are used, the outputs, the common; its parameters:

@@ -1,5 +1,5 @@
 #pragma once
-/// Expressions that no text holds: readers of cards make them of what stands there.
+/// Expressions that readers generate from other items of a card.
 
 #include <memory>
 #include <string>

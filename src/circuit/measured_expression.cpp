@@ -66,8 +66,7 @@ std::optional<MeasuredExpression> MeasuredExpressionReader::read(const netlist::
 }
 
 bool MeasuredExpressionReader::add(const Expression& expression, Scope& scope, const Arguments* arguments, int depth, Steps& steps) {
-  if (depth > Session::deepest)
-    return fail("E-too-deep", expression, fmt::format("more than {} parts of expressions within one another", Session::deepest));
+  if (depth > Session::deepest) return fail("E-too-deep", expression, fmt::format("expressions nest deeper than {}", Session::deepest));
   const std::size_t first = steps.size();
   switch (expression.kind) {
     case Kind::number:
@@ -107,7 +106,7 @@ bool MeasuredExpressionReader::add_number(const Expression& expression, Scope& s
   const Gradient gradient = value && !session.varied.empty() ? Differentiator(scope).of(expression) : Gradient();
   --session.numbers;
   if (!value) return false;
-  if (!std::isfinite(*value)) return fail("E-not-finite", expression, "inf is allowed only where a limit is meant");
+  if (!std::isfinite(*value)) return fail("E-not-finite", expression, "inf is allowed only for limits");
   steps.push_back(number_step(*value));
   steps.back().gradient = gradient;
   return true;

@@ -43,7 +43,7 @@ class MeasuredExpressionReader {
   Circuit& circuit_;
 };
 
-/// The probe of a signal, which is added where it is new.
+/// The probe of a signal, added if it is new.
 [[nodiscard]] int add_probe(Circuit& circuit, SaveRequest request);
 
 }  // namespace pwlsim::circuit

@@ -1,5 +1,5 @@
 #pragma once
-/// What .meas and .four ask for, free of any syntax.
+/// The measurements of .meas and .four, without syntax.
 
 #include <cstdint>
 #include <optional>
@@ -39,13 +39,13 @@ struct MeasuredExpression {
 
 enum class Edge { any, rise, fall };
 
-/// The `count`-th time, or the last, at which left − right passes zero in the sense of `edge`.
+/// The `count`-th time, or the last, at which left − right crosses zero in the sense of `edge`.
 struct Crossing {
   MeasuredExpression left, right;
   Edge edge = Edge::any;
   std::uint64_t count = 1;
   bool last = false;
-  std::optional<MeasuredExpression> delay;  ///< TD=: what lies before does not count
+  std::optional<MeasuredExpression> delay;  ///< TD=: earlier crossings do not count
 };
 
 struct Measurement {
@@ -58,7 +58,7 @@ struct Measurement {
     integral,
     time_of_minimum,
     time_of_maximum,
-    value,       ///< of the expression, `at` a time or `when` something crosses
+    value,       ///< of the expression, `at` a time or `when` a crossing occurs
     derivative,  ///< likewise
     time,        ///< `when`
     period,      ///< of the steady state
@@ -85,7 +85,7 @@ struct Measurement {
 struct FourierAnalysis {
   double frequency = 1.0;        ///< Hz
   std::uint64_t harmonics = 10;  ///< with the mean, which is number 0
-  double periods = 1.0;          ///< the last so many; 0: as many as the run holds
+  double periods = 1.0;          ///< the last ones; 0: as many as the run contains
   struct Signal {
     std::string column;
     int probe = 0;
@@ -94,7 +94,7 @@ struct FourierAnalysis {
   SourceSpan span;
 };
 
-/// What a probe reads.
+/// The quantity of a probe.
 enum class Quantity { voltage, current, other };
 
 struct Measurements {

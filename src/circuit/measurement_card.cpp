@@ -121,7 +121,7 @@ class CardReader {
     if (found == std::end(kind_names)) {
       const bool is_error = word.kind == ItemKind::word && same_name(std::string_view(word.text).substr(0, 3), "err");
       return refuse(is_error ? "E-not-supported" : "E-unexpected", word.span,
-                    fmt::format("{} is {}", text(word), is_error ? "not supported" : "no kind of measurement"));
+                    fmt::format("{} is {}", text(word), is_error ? "not supported" : "not a kind of measurement"));
     }
     ++at_;
     measurement.kind = found->kind;
@@ -438,7 +438,7 @@ class Reader {
     if (numbers.size() > 2) {
       const bool all = numbers[2] == -1.0;
       if (!all && (numbers[2] < 1.0 || numbers[2] != std::floor(numbers[2])))
-        return refuse("E-range", "the periods of .four are 1 or more, or -1 for as many as the run holds");
+        return refuse("E-range", "the periods of .four are 1 or more, or -1 for as many as the run contains");
       analysis.periods = all ? 0.0 : numbers[2];
     }
     return true;

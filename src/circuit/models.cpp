@@ -255,8 +255,8 @@ void Models::tell_device(const Card& card, const Item& name) {
   const auto device = devices_->find(&card);
   if (device == devices_->end()) return;
   reporter_.note("N-model-at-hand", name.span,
-                 fmt::format("{} is not defined here, and taken from the models at hand: {}; try a .model card for other numbers",
-                             name.text, device->second));
+                 fmt::format("{} is not defined, and is taken from the models at hand: {}; try a .model card for other numbers", name.text,
+                             device->second));
 }
 
 bool Models::known(Scope& scope, const Item& name) { return find_model(scope, name.text).card != nullptr; }

@@ -15,7 +15,7 @@ namespace pwlsim::circuit {
 
 class Models {
  public:
-  /// `devices`: models that are not the deck's; one that is used is told of.
+  /// `devices`: models at hand; a note reports each one that is used.
   Models(Circuit& circuit, const elements::Settings& settings, Reporter& reporter, const DeviceSources* devices = nullptr)
       : circuit_(circuit), settings_(settings), reporter_(reporter), devices_(devices) {}
 
@@ -24,10 +24,10 @@ class Models {
 
   [[nodiscard]] const elements::Model& at(int index) const { return circuit_.models[static_cast<std::size_t>(index)]; }
   [[nodiscard]] static bool known(Scope& scope, const netlist::Item& name);
-  /// The type of the model `name`; null where there is none, or its card cannot be read.
+  /// The type of the model `name`; null if there is none, or its card cannot be read.
   [[nodiscard]] const elements::ModelKind* kind_of(Scope& scope, const netlist::Item& name);
 
-  /// Errors in the models of `file` that nothing used: a mistake is one even where it has no effect.
+  /// Reports errors in models of `file` that nothing used: a mistake counts even without effect.
   void check_unused(Scope& top, FileIndex file);
 
  private:
@@ -45,9 +45,9 @@ class Models {
   std::unordered_set<const netlist::Card*> used_;
 };
 
-/// A model card taken apart: `.model name [ako:base] TYPE(p=value …)`, the parentheses optional.
+/// The parts of a model card: `.model name [ako:base] TYPE(p=value …)`, the parentheses optional.
 struct ModelText {
-  std::string_view type;  ///< "" where it is left to the base
+  std::string_view type;  ///< "" if the base gives it
   SourceSpan type_span;
   const netlist::Item* base = nullptr;
   std::string base_name;

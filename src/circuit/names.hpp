@@ -10,22 +10,22 @@
 
 namespace pwlsim::circuit {
 
-/// Refers to the circuit, which must not change meanwhile. ':' counts as '.' where a name is not known as it stands.
+/// Refers to the circuit, which must not change meanwhile. ':' counts as '.' if a name is not known as written.
 class NameIndex {
  public:
   explicit NameIndex(const Circuit& circuit);
 
   [[nodiscard]] std::optional<model::NodeIndex> node(std::string_view name) const;
-  /// -1 where there is none.
+  /// -1 if there is none.
   [[nodiscard]] int element(std::string_view name) const;
-  /// Elements that bear the name of one before them.
+  /// Elements with the same name as an earlier one.
   [[nodiscard]] const std::vector<int>& second_ones() const { return second_ones_; }
 
-  /// Candidates for suggestions; none in a circuit so large that looking through them for every error would take long.
+  /// Candidates for suggestions; none in a circuit so large that a search for every error would take long.
   [[nodiscard]] std::vector<std::string> node_names() const;
-  /// Names without `prefix` of the elements that stand directly or deeper behind it.
+  /// Names, without `prefix`, of all elements whose names begin with it.
   [[nodiscard]] std::vector<std::string> element_names(std::string_view prefix = {}) const;
-  /// Some element stands inside a call of that name.
+  /// Whether some element is inside a call of that name.
   [[nodiscard]] bool is_call(std::string_view name) const;
 
  private:

@@ -218,7 +218,7 @@ class Products {
 
   static std::string what_is_left_out(const UnreadPart& part) {
     const std::string with = part.elements.empty() ? "" : fmt::format(", with {}", fmt::join(part.elements, ", "));
-    return fmt::format("nothing reads what it makes, so V({}) {} left out{}; try the expression in .meas", fmt::join(part.nodes, "), V("),
+    return fmt::format("nothing reads its output, so V({}) {} left out{}; try the expression in .meas", fmt::join(part.nodes, "), V("),
                        part.nodes.size() == 1 ? "is" : "are", with);
   }
 

@@ -46,7 +46,7 @@ class OptionReader {
     } else if (is_one_of(ignored, item.text)) {
       if (reporter_.first_time("option")) {
         reporter_.warning("W-ignored-option", item.text_span.known() ? item.text_span : item.span,
-                          fmt::format("the option {} has no effect here, and so have others of its kind", item.text));
+                          fmt::format("the option {} has no effect here, like others of its kind", item.text));
       }
     } else if (!is_one_of(silent, item.text)) {
       std::vector<std::string> names;

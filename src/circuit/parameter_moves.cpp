@@ -426,7 +426,7 @@ class Follower {
       parameter.value = instance.values.get(name);
       done = slots.element_value(name, 1.0, parameter.moves);
     }
-    if (!done) unknown(parameter, fmt::format("{} has no one value to vary{}", instance.name, values_of(instance)));
+    if (!done) unknown(parameter, fmt::format("{} has no single value to vary{}", instance.name, values_of(instance)));
   }
 
   /// "; try S1:Ron, S1:Vt"
@@ -477,7 +477,7 @@ class Follower {
       const std::string where = element.empty() ? fmt::format("'{}'", text)
                                 : text.empty()  ? element
                                                 : fmt::format("'{}' of {}", text, element);
-      parameter.failure = fmt::format("{} depends on it, which is not followed", where);
+      parameter.failure = fmt::format("{} depends on it in a way that is not followed", where);
     }
   }
 

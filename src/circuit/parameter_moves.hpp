@@ -1,5 +1,5 @@
 #pragma once
-/// What the parameters of `.sens` move in the network: element by element, from the numbers of the cards that depend on them.
+/// The changes of the network with the parameters of `.sens`: element by element, from the numbers on cards that depend on them.
 
 #include "circuit/circuit.hpp"
 #include "circuit/reporter.hpp"
@@ -7,7 +7,7 @@
 
 namespace pwlsim::circuit {
 
-/// Fills in Analyses::sensitivities of an assembled circuit. Names that are none are errors.
+/// Fills in Analyses::sensitivities of an assembled circuit. Unknown names are errors.
 void follow_parameters(Circuit& circuit, const model::Network& network, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

@@ -82,7 +82,7 @@ double threshold_of_grade(std::string_view grade) {
 std::optional<Device> infineon(std::string_view key) {
   constexpr std::array<std::string_view, 15> families{"bsc", "bsz", "bsb", "bso", "ipp", "ipb", "ipd", "ipi",
                                                       "ipa", "ipc", "ipf", "ips", "ipu", "ipt", "ipw"};
-  constexpr std::string_view source = "Infineon: resistance and voltage stand in the name";
+  constexpr std::string_view source = "Infineon: resistance and voltage from the name";
   Reading reading(key);
   if (!reading.take_one_of(families)) return std::nullopt;
   Reading of_volts = reading;
@@ -122,12 +122,12 @@ std::optional<Device> nexperia(std::string_view key) {
   if (milliohms <= 0.0 || volts < 20.0 || volts > 200.0 || !is_grade(reading.rest())) return std::nullopt;
   const bool says_low = is_psmn && reading.rest().size() > 1 && reading.rest()[1] == 'l';
   return mosfet(false, is_low || says_low ? low_threshold : normal_threshold, 1e-3 * milliohms, volts,
-                "Nexperia: resistance and voltage stand in the name");
+                "Nexperia: resistance and voltage from the name");
 }
 
 /// C3M0065090 has 65 mohm and 900 V, the diode C4D20120 20 A and 1200 V.
 std::optional<Device> wolfspeed(std::string_view key) {
-  constexpr std::string_view source = "Wolfspeed: resistance or current, and voltage, stand in the name";
+  constexpr std::string_view source = "Wolfspeed: resistance or current, and voltage, from the name";
   constexpr std::array<std::string_view, 2> mosfets{"c2m", "c3m"};
   constexpr std::array<std::string_view, 5> diodes{"c2d", "c3d", "c4d", "c5d", "c6d"};
   Reading reading(key);
@@ -150,14 +150,13 @@ std::optional<Device> other_carbide(std::string_view key) {
     if (reading.digits() != 6) return std::nullopt;
     const double volts = 10.0 * reading.number(3), milliohms = reading.number(3);
     if (milliohms <= 0.0 || volts < 600.0 || !is_grade(reading.rest())) return std::nullopt;
-    return carbide_mosfet(5.0, 1.0, 1e-3 * milliohms, volts, "UnitedSiC: voltage and resistance stand in the name");
+    return carbide_mosfet(5.0, 1.0, 1e-3 * milliohms, volts, "UnitedSiC: voltage and resistance from the name");
   }
   if (!reading.take_one_of(rohms)) return std::nullopt;
   const double milliohms = reading.number(3, 3);
   const bool is_low = reading.take("a");
   if (milliohms <= 0.0 || (!is_low && !reading.take("k")) || !is_grade(reading.rest())) return std::nullopt;
-  return carbide_mosfet(4.0, 2.5, 1e-3 * milliohms, is_low ? 650.0 : 1200.0,
-                        "Rohm: resistance and a letter for the voltage stand in the name");
+  return carbide_mosfet(4.0, 2.5, 1e-3 * milliohms, is_low ? 650.0 : 1200.0, "Rohm: resistance and a letter for the voltage from the name");
 }
 
 /// SUD50N04-8M8P has 8.8 mohm and 40 V, SUM110P04-05 is a P channel of 5 mohm.
@@ -171,7 +170,7 @@ std::optional<Device> vishay_mosfet(std::string_view key) {
   if (volts <= 0.0 || !reading.take("-")) return std::nullopt;
   const double milliohms = milliohms_of(reading, "m");
   if (milliohms <= 0.0 || !is_grade(reading.rest())) return std::nullopt;
-  return mosfet(p_channel, 2.0, 1e-3 * milliohms, volts, "Vishay: voltage and resistance stand in the name");
+  return mosfet(p_channel, 2.0, 1e-3 * milliohms, volts, "Vishay: voltage and resistance from the name");
 }
 
 /// RFN10NS3S: 10 A and 300 V, fast. RFUH20TF6S likewise.
@@ -184,12 +183,12 @@ std::optional<Device> rohm_diode(std::string_view key) {
   (void)reading.take_letter();
   const double volts = 100.0 * reading.number(1, 1);
   if (volts <= 0.0 || !is_grade(reading.rest())) return std::nullopt;
-  return diode(0.8, volts > 400.0 ? 0.6 : 0.3, amperes, volts, "Rohm: current and voltage stand in the name");
+  return diode(0.8, volts > 400.0 ? 0.6 : 0.3, amperes, volts, "Rohm: current and voltage from the name");
 }
 
 /// STTH8L06: 8 A and 600 V, fast. STPS20H100: a Schottky diode of 20 A and 100 V; STPS340 of 3 A and 40 V.
 std::optional<Device> st_diode(std::string_view key) {
-  constexpr std::string_view source = "ST: current and voltage stand in the name";
+  constexpr std::string_view source = "ST: current and voltage from the name";
   Reading reading(key);
   const bool is_fast = reading.take("stth");
   if (!is_fast && !reading.take("stps")) return std::nullopt;
@@ -211,7 +210,7 @@ std::optional<Device> st_diode(std::string_view key) {
 
 /// VS-30ETH06: 30 A and 600 V. VS-E5TH0812: 8 A and 1200 V.
 std::optional<Device> vishay_diode(std::string_view key) {
-  constexpr std::string_view source = "Vishay: current and voltage stand in the name";
+  constexpr std::string_view source = "Vishay: current and voltage from the name";
   constexpr std::array<std::string_view, 9> families{"eth", "etu", "etx", "etl", "epf", "epu", "eph", "epx", "ets"};
   constexpr std::array<std::string_view, 2> generations{"e4", "e5"};
   Reading reading(key);

@@ -1,5 +1,5 @@
 #pragma once
-/// Makers who say in the name of a part what it is: resistance and voltage of a MOSFET, current and voltage of a diode.
+/// Decodes part numbers that contain ratings: resistance and voltage of a MOSFET, current and voltage of a diode.
 
 #include <optional>
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace pwlsim::circuit {
 
-/// The device that the letters and digits of `key`, in lower case, spell; none where no maker's system reads them. Diodes get a drop that is typical of their kind.
+/// The device for the letters and digits of `key`, in lower case; none if no maker's system matches. Diodes get a drop typical of their kind.
 [[nodiscard]] std::optional<Device> read_part_number(std::string_view key);
 
 }  // namespace pwlsim::circuit

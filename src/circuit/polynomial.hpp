@@ -11,12 +11,12 @@ namespace pwlsim::circuit {
 
 class Polynomial {
  public:
-  /// Of these controls, one or more.
+  /// A polynomial of these controls, one or more.
   explicit Polynomial(std::vector<netlist::Expression> controls) : controls_(std::move(controls)) {}
 
   /// The next coefficient. False: it is not zero, and that of a term with a power.
   bool take(double coefficient, SourceSpan span);
-  /// p0 … pn, as far as they were given.
+  /// p0 … pn, as many as were given.
   [[nodiscard]] const std::vector<double>& linear() const { return linear_; }
   /// A term with two controls or more has a coefficient.
   [[nodiscard]] bool has_products() const { return products_.has_value(); }

@@ -121,7 +121,7 @@ class RawSystemReader {
     if (block->rows.size() == rows && given == columns) {
       matrix = block->rows;
     } else if (rows != 0 || columns != 0 || !block->rows.empty()) {
-      fail(block->span, fmt::format("{} is {} by {}, where {} by {} is meant: {} states, {} ports, {} inputs", keyword, block->rows.size(),
+      fail(block->span, fmt::format("{} is {} by {}, but must be {} by {}: {} states, {} ports, {} inputs", keyword, block->rows.size(),
                                     given, rows, columns, states_, ports_, inputs_));
     }
   }

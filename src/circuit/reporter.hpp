@@ -1,5 +1,5 @@
 #pragma once
-/// Messages of the circuit room on their way to the user's Diagnostics: each once, however often its card is expanded.
+/// Passes messages of the circuit room to the user's Diagnostics: each once, however often its card is expanded.
 
 #include <cstddef>
 #include <string>
@@ -14,37 +14,37 @@ namespace pwlsim::circuit {
 class Reporter {
  public:
   Reporter(Diagnostics& diagnostics, const SourceStore& sources) : diagnostics_(diagnostics), sources_(&sources) {}
-  /// For circuits that no text stands behind.
+  /// For circuits without text.
   explicit Reporter(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
   void error(std::string id, SourceSpan span, std::string text) { pass({Severity::error, std::move(id), span, std::move(text)}); }
   void warning(std::string id, SourceSpan span, std::string text) { pass({Severity::warning, std::move(id), span, std::move(text)}); }
   void note(std::string id, SourceSpan span, std::string text) { pass({Severity::note, std::move(id), span, std::move(text)}); }
   void pass(Diagnostic diagnostic);
-  /// Passes on all of `scratch`, or its errors alone.
+  /// Passes on all of `scratch`, or only its errors.
   void forward(const Diagnostics& scratch, bool errors_only = false);
 
-  /// Diagnostics::soften of what has been told so far.
+  /// Diagnostics::soften of the messages so far.
   std::size_t soften(const std::function<bool(Diagnostic&)>& accepts) { return diagnostics_.soften(accepts); }
   [[nodiscard]] std::size_t error_count() const { return diagnostics_.error_count(); }
 
-  /// Notes that stand in this text are not given: it is not the user's.
+  /// Notes about this text are dropped: the user did not write it.
   void leave_out_notes_of(FileIndex file) { without_notes_.insert(file); }
 
   /// True the first time it is called with `key`: for warnings that are given once in a deck.
   [[nodiscard]] bool first_time(std::string_view key) { return once_.insert(std::string(key)).second; }
 
-  /// A reporter that knows the same texts and writes elsewhere.
+  /// A reporter for the same texts that writes elsewhere.
   [[nodiscard]] Reporter beside(Diagnostics& diagnostics) const {
     Reporter other(diagnostics);
     other.sources_ = sources_;
     return other;
   }
 
-  /// So many errors stand that it is no use to look for more.
+  /// Whether there are so many errors that looking for more is useless.
   [[nodiscard]] bool full() const { return errors_ >= most_errors; }
   [[nodiscard]] bool failed() const { return diagnostics_.has_errors(); }
-  /// What stands at `span`; "" for an unknown place.
+  /// The text at `span`; "" for an unknown place.
   [[nodiscard]] std::string_view text(const SourceSpan& span) const { return sources_ != nullptr ? sources_->text(span) : ""; }
   /// The name of the file that holds `span`; "" for an unknown place.
   [[nodiscard]] std::string file_of(const SourceSpan& span) const {
@@ -64,7 +64,7 @@ class Reporter {
   std::size_t errors_ = 0;
 };
 
-/// "; try 'name'" for the nearest candidate, or "" where none is near.
+/// "; try 'name'" for the nearest candidate, or "" if none is near.
 [[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace pwlsim::circuit

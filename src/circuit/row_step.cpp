@@ -92,9 +92,10 @@ void resolve_last_periods(const model::Network& network, Analyses& analyses, Mea
       reporter.error("E-measurement", last.span,
                      fmt::format("measurement {}: {} is not a periodic source; try one with SIN or PULSE", measurement.name, last.source));
     } else if (from < -rounding * period) {
-      reporter.error("E-measurement", last.span,
-                     fmt::format("measurement {}: the run holds {:.6g} periods of {} ({:.6g} s), not {}; try a later Tstop or a smaller n",
-                                 measurement.name, stop / period, last.source, period, last.count));
+      reporter.error(
+          "E-measurement", last.span,
+          fmt::format("measurement {}: the run contains {:.6g} periods of {} ({:.6g} s), not {}; try a later Tstop or a smaller n",
+                      measurement.name, stop / period, last.source, period, last.count));
     } else {
       std::vector<double> moves = period_gradient(network, *source, analyses.sensitivities);
       moves.resize(std::max(moves.size(), transient.stop.gradient.size()), 0.0);

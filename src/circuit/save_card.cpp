@@ -114,7 +114,7 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     request.number = std::stoi(item.items[1].text);
   } else if (is_other_output(item)) {
     reporter.warning("W-ignored-output", item.span,
-                     fmt::format("'{}' is left out: {} are saved; .meas takes expressions", reporter.text(item.span), usage));
+                     fmt::format("'{}' is left out: only {} are saved; .meas takes expressions", reporter.text(item.span), usage));
     return std::nullopt;
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";

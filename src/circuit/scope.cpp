@@ -94,8 +94,7 @@ std::optional<double> Scope::parameter(Entry& entry, int depth) {
 
 void Scope::report_depth(const Entry& entry) {
   if (depth_is_error_) {
-    session_.reporter.error("E-too-deep", entry.text.span,
-                            fmt::format("more than {} parameters or functions within one another", Session::deepest));
+    session_.reporter.error("E-too-deep", entry.text.span, fmt::format("parameters or functions nest deeper than {}", Session::deepest));
   } else {
     session_.too_deep = true;
   }
@@ -123,9 +122,9 @@ std::vector<std::string> Scope::visible_names() const {
 void Scope::report_no_number(const netlist::Item& item) {
   const bool is_parameter = item.kind == ItemKind::word && find(item.text).second != nullptr;
   const std::string_view text = session_.reporter.text(item.span);
-  session_.reporter.error(
-      "E-not-a-number", item.span,
-      fmt::format("'{}' is not a number{}", text, is_parameter ? fmt::format("; try {{{}}}", item.text) : session_.evaluation.fix(text, *this)));
+  session_.reporter.error("E-not-a-number", item.span,
+                          fmt::format("'{}' is not a number{}", text,
+                                      is_parameter ? fmt::format("; try {{{}}}", item.text) : session_.evaluation.fix(text, *this)));
 }
 
 std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_allowed) {
@@ -143,7 +142,7 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
   --session_.numbers;
   if (!value) return std::nullopt;
   if (std::isinf(*value) && !infinity_allowed) {
-    session_.reporter.error("E-not-finite", item.span, "inf is allowed only where a limit is meant");
+    session_.reporter.error("E-not-finite", item.span, "inf is allowed only for limits");
     return std::nullopt;
   }
   number.value = *value;

@@ -90,7 +90,7 @@ class Chooser {
       reporter_.error("E-misplaced", card.items.front().span,
                       fmt::format("nothing may follow {}{}", card.name, is_named(card, ".else") ? "; try .elseif (a == 1)" : ""));
     if (is_named(card, ".endif")) return open_.pop_back();
-    if (open_.back().is_last) return reporter_.error("E-misplaced", card.name_span, fmt::format("{} behind .else", card.name));
+    if (open_.back().is_last) return reporter_.error("E-misplaced", card.name_span, fmt::format("{} after .else", card.name));
     open_.back().is_last = !has_condition;
     enter(card, has_condition);
   }

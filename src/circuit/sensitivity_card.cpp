@@ -45,7 +45,7 @@ class SensitivityReader {
   std::nullopt_t refuse_output(const Item& item) {
     return fail(
         "E-sens-no-measurement", item.span,
-        fmt::format("'{}' is no parameter: derivatives are those of measurements; try .meas tran x find {} at=..., and .sens param=R1",
+        fmt::format("'{}' is not a parameter: .sens takes derivatives of measurements; try .meas tran x find {} at=..., and .sens param=R1",
                     reporter_.text(item.span), reporter_.text(item.span)));
   }
 
@@ -53,12 +53,12 @@ class SensitivityReader {
     list_ = nullptr;
     if (same_name(item.text, "objfunc") || same_name(item.text, "objvars")) {
       (void)fail("E-sens-no-measurement", item.span,
-                 fmt::format("{}= is not read: derivatives are those of measurements; try .meas with the expression, and .sens param=R1",
+                 fmt::format("{}= is not read: .sens takes derivatives of measurements; try .meas with the expression, and .sens param=R1",
                              item.text));
       return;
     }
     if (item.items.empty()) {
-      (void)fail("E-missing-value", item.span, fmt::format("a value is missing behind {}=", item.text));
+      (void)fail("E-missing-value", item.span, fmt::format("a value is missing after {}=", item.text));
       return;
     }
     if (same_name(item.text, "param")) {
@@ -140,7 +140,7 @@ void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& 
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
     reporter.warning("W-ignored-card", cards[k]->name_span,
-                     fmt::format("this .sens is ignored: the last one counts, at {}", reporter.where(cards.back()->span)));
+                     fmt::format("this .sens is ignored: the last one is used, at {}", reporter.where(cards.back()->span)));
   circuit.analyses.sensitivities = SensitivityReader(*cards.back(), scope, reporter).read();
 }
 

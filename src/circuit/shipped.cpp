@@ -117,7 +117,7 @@ void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
   if (part == nullptr && find_type<Packaged>(packaged_types, device) == nullptr) return;
   reporter.note(
       "N-model-at-hand", name.span,
-      fmt::format("{} is not defined here, and taken from the models at hand: {} ({}){}; try a .subckt for other numbers", name.text,
+      fmt::format("{} is not defined, and is taken from the models at hand: {} ({}){}; try a .subckt for other numbers", name.text,
                   device->parameters, device->source, part != nullptr ? fmt::format(", with the nodes {}", part->words) : ""));
 }
 

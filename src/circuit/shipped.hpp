@@ -18,8 +18,8 @@ struct ShippedSubcircuit {
 /// In order of their names.
 [[nodiscard]] std::span<const ShippedSubcircuit> shipped_subcircuits();
 
-/// Adds the shipped subcircuits that `definitions` call and do not have, as if they stood at the end of the deck. Notes about what stands in
-/// them are not given. The answer holds their cards and must outlive `definitions`.
+/// Adds the shipped subcircuits that `definitions` call but do not have, as if they were at the end of the deck. Notes about their text
+/// are dropped. The result holds their cards and must outlive `definitions`.
 [[nodiscard]] std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

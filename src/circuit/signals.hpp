@@ -1,5 +1,5 @@
 #pragma once
-/// Saved signals: first as nodes and elements, which any circuit can be asked for, then as forms over its network.
+/// Saved signals: first as nodes and elements of any circuit, then as forms over its network.
 
 #include <vector>
 
@@ -16,7 +16,7 @@ struct SignalSource {
   model::NodeIndex p = model::ground, n = model::ground;
   int element = -1;       ///< -1: a voltage
   char quantity = ' ';    ///< x, u or y of a raw system
-  std::size_t index = 0;  ///< and which, from 0
+  std::size_t index = 0;  ///< and its number, from 0
 
   [[nodiscard]] bool is_same(const SignalSource& other) const {
     return p == other.p && n == other.n && element == other.element && quantity == other.quantity && index == other.index;
@@ -30,7 +30,7 @@ struct SignalSource {
 [[nodiscard]] std::vector<SignalSource> resolve_drawn(const Circuit& circuit, const NameIndex& names,
                                                       const std::vector<SignalSource>& known);
 
-/// Of what measurements read, in the order of Circuit::probes.
+/// Signals that measurements read, in the order of Circuit::probes.
 [[nodiscard]] std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
 
 [[nodiscard]] model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted);

@@ -182,7 +182,8 @@ class SweepReader {
     const double base = spacing_ == Spacing::decade ? 10.0 : 2.0;
     const bool possible = start * stop > 0.0 && points >= 1.0 && points == std::floor(points);
     if (!possible) {
-      (void)fail("E-range", card_.span, "start and stop must have one sign, and the points of a decade or octave be a whole number");
+      (void)fail("E-range", card_.span,
+                 "start and stop must have the same sign, and the points per decade or octave must be a whole number");
       return false;
     }
     const double direction = std::abs(stop) >= std::abs(start) ? 1.0 : -1.0;
@@ -283,7 +284,7 @@ void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& repor
       continue;
     } else {
       reporter.error("E-not-supported", sweep.span,
-                     fmt::format(".step: {} follows {} and has no one value to step; try a parameter in it", sweep.name,
+                     fmt::format(".step: {} follows {} and has no single value to step; try a parameter in it", sweep.name,
                                  sweep.is_source() ? "a waveform" : "an expression"));
     }
   }

@@ -10,7 +10,7 @@
 
 namespace pwlsim::circuit {
 
-/// Reports what is no proper fraction; `owner` is the element.
+/// Reports anything that is not a proper fraction; `owner` is the element.
 [[nodiscard]] std::optional<elements::Fraction> read_transfer_function(const netlist::Expression& expression, Scope& scope,
                                                                        Reporter& reporter, std::string_view owner);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of a circuit that only show something: a source of V(a)*I(b) with a resistor and a capacitor behind it, which no other element, card or measurement reads.
+/// Parts of a circuit for display only: a source of V(a)*I(b) with a resistor and a capacitor at its output, which no other element, card or measurement reads.
 
 #include <string>
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace pwlsim::circuit {
 
-/// What was left out with one source.
+/// The parts left out with one source.
 struct UnreadPart {
   int source = -1;                    ///< within Circuit::instances
   std::vector<std::string> nodes;     ///< by full name
   std::vector<std::string> elements;  ///< the others
 };
 
-/// Of sources without a form, those that only such parts hold: they become 0, and no row shows the nodes.
+/// Finds sources without a piecewise-linear form that only such parts read: they become 0, and no row shows the nodes.
 [[nodiscard]] std::vector<UnreadPart> leave_out_unread(Circuit& circuit, const std::vector<int>& sources);
 
 }  // namespace pwlsim::circuit

@@ -14,10 +14,10 @@ class ValueReader {
   /// `owner` names what the values belong to in messages: "R1", "model DX".
   ValueReader(Scope& scope, Reporter& reporter, std::string_view owner) : scope_(scope), reporter_(reporter), owner_(owner) {}
 
-  /// One `name=value`. Unknown names, values out of range and names given twice are errors; ignored ones are a warning, once for each
-  /// name in a deck, or are collected in `ignored` where that is given.
+  /// One `name=value`. Unknown names, values out of range and names given twice are errors; an ignored name gives a warning, once for each
+  /// name in a deck, or is collected in `ignored` if that is given.
   void assignment(const netlist::Item& item, elements::Values& values, std::vector<std::string>* ignored = nullptr);
-  /// From here on names that are near to none of the table are ignored, too: models of libraries hold what nobody reads (`MTBF=`, `ppPkg=`).
+  /// From now on names that resemble none of the table are ignored, too: models of libraries have parameters that nothing reads (`MTBF=`, `ppPkg=`).
   void ignore_unknown() { ignores_unknown_ = true; }
   /// A value by position.
   void positional(const netlist::Item& item, const elements::Parameter& parameter, elements::Values& values);
@@ -35,7 +35,7 @@ class ValueReader {
   bool ignores_unknown_ = false;
 };
 
-/// "1F" behind a capacitance is a femtofarad: says so.
+/// Warns that "1F" as a capacitance is a femtofarad.
 void warn_of_femto(const netlist::Item& item, const Number& number, std::string_view unit, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

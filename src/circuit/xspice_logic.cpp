@@ -230,7 +230,7 @@ class XspiceReplacement {
     if (delay == nullptr) return;
     if (!is_clocked && rise != nullptr && fall != nullptr && rise->text != fall->text)
       reporter_.warning("W-ignored-parameter", fall->span,
-                        fmt::format("fall_delay= of XSPICE's {} is ignored: rise_delay counts for both edges", block_->type));
+                        fmt::format("fall_delay= of XSPICE's {} is ignored: rise_delay applies to both edges", block_->type));
     device.is_late = true;
     assignments.push_back(assignment("td", expression_of(delay, 0.0), delay->span));
   }
@@ -443,7 +443,7 @@ class XspiceReplacement {
       reporter_.note(
           "N-idealised", span(),
           "XSPICE's digital blocks are idealised: bits are voltages of 0 and 1 V against ground, none is unknown, outputs have no edges, "
-          "and delays that no model gives are zero");
+          "and delays are zero unless a model gives them");
     }
   }
 

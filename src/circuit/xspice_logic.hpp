@@ -7,7 +7,7 @@
 
 namespace pwlsim::circuit {
 
-/// Puts calls of the subcircuits that stand for LTspice's gates in place of the A devices whose model is of such a type; the models are taken out.
+/// Replaces A devices with such a model by calls of the subcircuits for LTspice's gates; the models are removed.
 void replace_xspice_logic(Definitions& definitions, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

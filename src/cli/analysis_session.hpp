@@ -1,5 +1,5 @@
 #pragma once
-/// The analyses of a deck, as a run carries them out: one kind a file. Another one is one more file, and its line in `analysis_sessions`.
+/// The analyses of a deck: one file per kind. A new kind is a new file and its line in `analysis_sessions`.
 
 #include <memory>
 #include <vector>
@@ -8,18 +8,18 @@
 
 namespace pwlsim::cli {
 
-/// One kind of analysis. All answers are exit status.
+/// One kind of analysis. Functions return an exit status.
 class AnalysisSession {
  public:
   virtual ~AnalysisSession() = default;
   /// Whether the deck has a card of this kind.
   [[nodiscard]] virtual bool is_asked(const circuit::Analyses& analyses) const = 0;
-  /// It is left out where one before it has failed.
+  /// Whether it is skipped if an earlier one has failed.
   [[nodiscard]] virtual bool needs_those_before() const { return true; }
-  /// Files that it alone writes; the file of rows, --plot and --report are open or refused already.
+  /// Opens the files that only it writes; the file of rows, --plot and --report are already open or refused.
   [[nodiscard]] virtual int open_files(RunContext& /*run*/) { return 0; }
   [[nodiscard]] virtual int run(RunContext& run) = 0;
-  /// Pictures of its own.
+  /// Draws its own pictures.
   [[nodiscard]] virtual int write_pictures(RunContext& /*run*/) { return 0; }
 };
 
@@ -32,7 +32,7 @@ class AnalysisSession {
 [[nodiscard]] std::unique_ptr<AnalysisSession> transient_session();        ///< .tran
 [[nodiscard]] std::unique_ptr<AnalysisSession> sensitivity_session();      ///< .sens
 
-/// Commits a picture and says so; `noted` takes its name.
+/// Commits a picture and prints a line; `noted` receives its name.
 [[nodiscard]] int write_picture(PictureFile& file, const std::string& svg, RunContext& run, std::string& noted);
 
 }  // namespace pwlsim::cli

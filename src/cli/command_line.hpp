@@ -24,12 +24,12 @@ struct RunOptions {
   analysis::RowFormat format = analysis::RowFormat::csv;
   EngineChoice engine = EngineChoice::automatic;
   std::optional<double> reltol;  ///< --reltol
-  std::size_t jobs = 0;          ///< threads of a sweep; 0: one a core
+  std::size_t jobs = 0;          ///< threads of a sweep; 0: one per core
   bool no_rows = false;          ///< `output` is then /dev/null
   bool check = false;            ///< the other engine runs too: analysis/check.hpp
   bool json = false;
   bool events = false;
-  bool split = false;  ///< a file a run of .step: split_files.hpp
+  bool split = false;  ///< a file for each run of .step: split_files.hpp
   bool quiet = false;
   bool verbose = false;
   bool progress = true;
@@ -68,15 +68,15 @@ struct Information {
   std::string text;
 };
 
-/// What is wrong with the command line, in `diagnostics`.
+/// The mistakes of the command line, in `diagnostics`.
 struct Refused {
   Diagnostics diagnostics;
 };
 
 using CommandLine = std::variant<RunOptions, InspectOptions, ExportOptions, CompareOptions, Information, Refused>;
 
-/// `arguments` without the program's name. Flags may stand before or after the file; what follows `--` is no flag. The first word that is no
-/// flag and names a subcommand is one; a file of that name is reached as `./inspect` or behind `--`.
+/// `arguments` without the program's name. Flags may precede or follow the file; words after `--` are not flags. The first word that is not a
+/// flag is a subcommand if it names one; write a file of that name as `./inspect` or after `--`.
 [[nodiscard]] CommandLine read_command_line(const std::vector<std::string>& arguments, const std::string& version);
 
 /// circuit.csv, or circuit.raw, for any/path/circuit.net.

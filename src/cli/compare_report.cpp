@@ -159,7 +159,7 @@ std::string compare_verdict(const CompareReport& report) {
   const std::string own = "pwlsim " + quantity(report.seconds_window, "s", 3);
   const spice::Level* level = finest(report.study);
   if (level == nullptr)
-    return fmt::format("no verdict{}: ngspice reached the end at no setting{}; {}", window, words_of_failures(report.study), own);
+    return fmt::format("no verdict{}: ngspice did not reach the end at any setting{}; {}", window, words_of_failures(report.study), own);
   const std::string times = fmt::format("ngspice {}, {}", quantity(level->seconds, "s", 3), own);
   const auto average = [](const spice::ComparedSignal& signal) { return signal.mean; };
   const auto largest = [](const spice::ComparedSignal& signal) { return signal.difference; };

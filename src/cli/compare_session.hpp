@@ -5,7 +5,7 @@
 
 namespace pwlsim::cli {
 
-/// Runs the deck, and its smoothed equivalent in ngspice, and prints how far apart they are. Where ngspice is not installed it says so, with status 0.
+/// Runs the deck, and its smoothed equivalent in ngspice, and prints how far apart they are. If ngspice is not installed it reports this, with status 0.
 [[nodiscard]] int run_compare_session(const CompareOptions& options);
 
 }  // namespace pwlsim::cli

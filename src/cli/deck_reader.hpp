@@ -1,5 +1,5 @@
 #pragma once
-/// From a file's name to its compiled deck, with everything said that is wrong with it.
+/// From a file's name to its compiled deck; reports all its mistakes.
 
 #include <optional>
 #include <string>
@@ -14,15 +14,15 @@ namespace pwlsim::cli {
 
 struct DeckReading {
   netlist::Deck deck;
-  std::vector<std::string> files;             ///< that were read, the deck's own first
-  std::optional<circuit::Compiled> compiled;  ///< empty where the deck is wrong
-  netlist::Drawing drawing;                   ///< empty where there is none
+  std::vector<std::string> files;             ///< all files read, the deck itself first
+  std::optional<circuit::Compiled> compiled;  ///< empty if the deck has mistakes
+  netlist::Drawing drawing;                   ///< empty if there is none
   std::vector<netlist::DrawnPlace> places;    ///< of the drawing
-  Status status = Status::done;               ///< wrong_input or file_error then
+  Status status = Status::done;               ///< if it failed: wrong_input or file_error
   double seconds_parse = 0.0, seconds_flatten = 0.0;
 };
 
-/// `keep_drawing`: of a schematic, for a picture that shows the signals of all its nets and elements.
+/// `keep_drawing`: keeps the drawing of a schematic, for a picture with the signals of all nets and elements.
 [[nodiscard]] DeckReading read_deck(const std::string& name, circuit::CompileOptions options, SourceStore& sources, Messages& messages,
                                     bool keep_drawing = false);
 

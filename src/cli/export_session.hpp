@@ -5,7 +5,7 @@
 
 namespace pwlsim::cli {
 
-/// Reads and checks the deck and writes its smoothed equivalent for ngspice; of a schematic, where the output is called x.net, its netlist.
+/// Reads and checks the deck and writes its smoothed equivalent for ngspice; for a schematic and an output named x.net, its netlist.
 [[nodiscard]] int run_export_session(const ExportOptions& options);
 
 }  // namespace pwlsim::cli

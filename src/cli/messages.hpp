@@ -1,5 +1,5 @@
 #pragma once
-/// What is said on standard error, and kept for the statistics.
+/// Messages on standard error, kept for the statistics.
 
 #include <string>
 #include <vector>
@@ -9,25 +9,25 @@
 
 namespace pwlsim::cli {
 
-/// Bytes to standard error; failures have nowhere to go.
+/// Writes bytes to standard error and ignores failures.
 void say(const std::string& text);
 
 class Messages {
  public:
   explicit Messages(bool quiet) : quiet_(quiet) {}
 
-  /// Errors are said always, notes and warnings unless quiet.
+  /// Prints errors always, notes and warnings unless quiet.
   void report(const Diagnostics& diagnostics, const SourceStore& sources);
-  /// The same for one message, unless it was said before.
+  /// The same for one message, unless it was printed before.
   void report(const Diagnostic& diagnostic, const SourceStore& sources = {});
-  /// Kept for the statistics, and not said.
+  /// Kept for the statistics, and not printed.
   void keep(const Diagnostic& diagnostic);
-  /// Said unless quiet; not kept.
+  /// Printed unless quiet; not kept.
   void remark(const std::string& text) const;
 
   /// The first line of every message so far.
   [[nodiscard]] const std::vector<std::string>& heads() const { return heads_; }
-  /// Where the deck does not run as written.
+  /// The places where the deck does not run as written.
   [[nodiscard]] const std::vector<analysis::Departure>& departures() const { return departures_; }
 
  private:

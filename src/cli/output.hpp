@@ -1,5 +1,5 @@
 #pragma once
-/// Texts and files that a command writes, and what it says where that fails. Every function returns an exit status, 0 where all is well.
+/// Writes the texts and files of a command and reports failures. Every function returns an exit status, 0 for success.
 
 #include <optional>
 #include <string>
@@ -16,16 +16,16 @@ int fail(Messages& messages, Status status, std::string id, std::string text);
 
 enum class Stream { output, error };
 
-/// How many significant digits a stream is given: on a terminal those that people read, elsewhere all.
+/// The number of significant digits for a stream: few on a terminal, else all.
 [[nodiscard]] int digits_for(Stream stream);
 
-/// The text on a standard stream, whole.
+/// Writes the whole text to a standard stream.
 [[nodiscard]] int print(const std::string& text, Messages& messages, Stream stream = Stream::output);
 
-/// E-output-is-deck where writing `name` would destroy a file that was read: the deck (the first of `read`), or one that it includes.
+/// E-output-is-deck if writing `name` would destroy a file that was read: the deck (the first of `read`), or one that it includes.
 [[nodiscard]] int check_output(const std::string& name, const std::vector<std::string>& read, Messages& messages);
 
-/// Opens a file to write, which must be none of those read; "-" is standard output.
+/// Opens a file for writing, which must not be one of those read; "-" is standard output.
 [[nodiscard]] int open_output(const std::string& name, const std::vector<std::string>& read, Messages& messages,
                               std::optional<waveform::OutputFile>& file);
 

@@ -10,10 +10,10 @@ namespace pwlsim::cli {
 
 class PictureFile {
  public:
-  /// The kind goes by the name: .svg or .png. 0, or an exit status where it cannot be written.
+  /// The name decides the format: .svg or .png. Returns 0, or an exit status if it cannot be written.
   [[nodiscard]] int open(const std::string& name, const std::vector<std::string>& read, Messages& messages);
   [[nodiscard]] bool is_open() const { return file_.has_value(); }
-  /// Writes the picture and commits it; an exit status.
+  /// Writes the picture and commits it; returns an exit status.
   [[nodiscard]] int write(const std::string& svg, Messages& messages);
   [[nodiscard]] std::string name() const { return file_->name(); }
 
@@ -22,7 +22,7 @@ class PictureFile {
   std::optional<std::string> converter_;  ///< of a PNG
 };
 
-/// ".svg", ".png", in lower case, or whatever else ends the name.
+/// The ending of the name in lower case: ".svg", ".png", …
 [[nodiscard]] std::string picture_kind(const std::string& name);
 
 }  // namespace pwlsim::cli

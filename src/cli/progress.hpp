@@ -12,15 +12,15 @@ class Progress {
   Progress(bool wanted, double stop);
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// Wipes the bar off the line.
+  /// Clears the bar.
   ~Progress();
 
   [[nodiscard]] bool shown() const { return shown_; }
   /// Cheap; redraws at most ten times a second, and not in the first tenth.
   void reached(double time);
-  /// The same where the bar counts runs.
+  /// The same for a bar that counts runs.
   void finished(double runs);
-  /// The same where the bar shows how much of a budget of seconds is spent.
+  /// The same for a bar that shows the used part of a budget of seconds.
   void spent(double seconds);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// What the analyses of one run share: the deck, its engine, files, and what there is to say of it at the end.
+/// The data that the analyses of one run share: the deck, its engine, files, and the texts at its end.
 
 #include <chrono>
 #include <optional>
@@ -19,7 +19,7 @@
 
 namespace pwlsim::cli {
 
-/// Of a deck with .step: what stands beside the rows, a table for all runs each.
+/// For a deck with .step: the tables beside the rows, each with all runs.
 struct SweepFiles {
   std::optional<waveform::OutputFile> orbit, response, derivatives;
 };
@@ -34,14 +34,14 @@ struct RunContext {
   std::vector<std::string> files;  ///< that were read
   std::optional<circuit::Compiled> compiled;
   analysis::PreparedEngine engine;
-  analysis::OrbitSearch orbit_search;  ///< of a deck with nothing but `.pss` and what goes around it; else empty
+  analysis::OrbitSearch orbit_search;  ///< for a deck with only `.pss` and analyses around its orbit; else empty
   double reltol = 0.0;
   std::optional<waveform::OutputFile> rows_file, report_file;
   SweepFiles sweep_files;
   PictureFile plot_file;
-  std::optional<analysis::RunRecorder> recorder;  ///< of the rows that --plot and --report show
+  std::optional<analysis::RunRecorder> recorder;  ///< of the run that --plot and --report show
   measure::Record measured_run, measured_orbit;   ///< of .tran and of .pss, for .sens
-  double seconds_search = 0.0;                    ///< of what .pss simulates on its way to the orbit
+  double seconds_search = 0.0;                    ///< for the simulations of .pss before the orbit
   analysis::RunReport report;
   analysis::RunOutcome outcome;
 
@@ -50,23 +50,23 @@ struct RunContext {
   [[nodiscard]] bool has_pictures() const { return plot_file.is_open() || report_file.has_value(); }
   /// The name of the file of rows, or of the table of a split sweep.
   [[nodiscard]] std::string rows_name() const;
-  /// Where tables go: not between rows.
+  /// The stream for tables, so that they do not mix with rows.
   [[nodiscard]] Stream table_stream() const { return options.output == "-" ? Stream::error : Stream::output; }
   [[nodiscard]] double seconds() const;
 
   int fail(Status status, std::string id, std::string text) { return cli::fail(messages, status, std::move(id), std::move(text)); }
-  /// An output file beside those that were read.
+  /// An output file, which must not be one of those read.
   [[nodiscard]] int open(const std::string& name, std::optional<waveform::OutputFile>& file) {
     return open_output(name, files, messages, file);
   }
   /// Remarks, jumps and sums of a run.
   void take_remarks(const engine::Answer& answer);
-  /// Measurements that failed do not make the run one that failed. The answer is the exit status of printing them.
+  /// A failed measurement does not fail the run. Returns the exit status of printing them.
   int report_measurements(const measure::Results& results, bool is_complete);
   void note_rows(bool write_failed, bool complete, double end);
-  /// What a run of rows ends with; `file` holds them.
+  /// Ends a run of rows, which are in `file`.
   int conclude(const analysis::TransientRun& run, const waveform::OutputFile& file);
-  /// What stands behind the summary.
+  /// Prints the lines after the summary.
   void tell_details();
 
  private:

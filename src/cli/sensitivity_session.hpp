@@ -1,5 +1,5 @@
 #pragma once
-/// What there is to say about derivatives, of a run or of a sweep.
+/// Messages about derivatives, of a run or of a sweep.
 
 #include <string>
 
@@ -8,7 +8,7 @@
 
 namespace pwlsim::cli {
 
-/// `where`: " in the run with …", or nothing.
+/// `where`: " in the run with …", or "".
 void report_derivatives(const analysis::DerivativeTable& table, Messages& messages, const std::string& where = "");
 
 }  // namespace pwlsim::cli

@@ -171,7 +171,7 @@ int Session::check_one_table() {
   const bool has_another = (deck.transient && !run_.is_stepped()) || (deck.small_signal && !deck.transient);
   if (!goes_to_pipe || !deck.steady_state || !has_another) return 0;
   return run_.fail(Status::wrong_input, "E-option-conflict",
-                   "the analyses of the deck have rows of their own each, and standard output takes one table; try -o with a file name");
+                   "each analysis of the deck has its own rows, and standard output takes one table; try -o with a file name");
 }
 
 int Session::open_files() {

@@ -5,7 +5,7 @@
 
 namespace pwlsim::cli {
 
-/// Reads, checks and runs the deck, writes its results, and says on standard error what there is to say.
+/// Reads, checks and runs the deck, writes its results, and prints messages on standard error.
 [[nodiscard]] int run_session(const RunOptions& options);
 
 }  // namespace pwlsim::cli

@@ -1,5 +1,5 @@
 #pragma once
-/// The files of --split: of out.csv those of the runs, out.1.csv, out.2.csv, …, and the table of them, out.runs.csv.
+/// The files of --split: for out.csv those of the runs, out.1.csv, out.2.csv, …, and their table, out.runs.csv.
 
 #include <cstddef>
 #include <string>
@@ -8,17 +8,17 @@ namespace pwlsim::cli {
 
 /// `run`: from 0.
 [[nodiscard]] std::string split_file(const std::string& output, std::size_t run);
-/// Of out.csv out.pss.csv: the rows of the steady state, beside those of .tran.
+/// out.pss.csv for out.csv: the rows of the steady state, if .tran has rows too.
 [[nodiscard]] std::string orbit_file_name(const std::string& output);
-/// Of out.csv out.ac.csv: small signals.
+/// out.ac.csv for out.csv: small signals.
 [[nodiscard]] std::string small_signal_file_name(const std::string& output);
-/// That of the derivatives of .sens.
+/// The file of the derivatives of .sens.
 [[nodiscard]] std::string sensitivity_file_name(const std::string& output);
-/// Of out.svg out.ac.svg: their picture.
+/// out.ac.svg for out.svg: the picture of small signals.
 [[nodiscard]] std::string bode_file_name(const std::string& plot);
-/// CSV, whatever the format of the rows.
+/// Always CSV, for any format of the rows.
 [[nodiscard]] std::string split_table(const std::string& output);
-/// Whether `name` is that table or, of however many runs, one of the files.
+/// Whether `name` is that table or one of the files, for any number of runs.
 [[nodiscard]] bool is_split_file(const std::string& output, const std::string& name);
 
 }  // namespace pwlsim::cli

@@ -1,5 +1,5 @@
 #pragma once
-/// Exit status of the process, as the reference has it (docs/reference/command-line.md).
+/// Exit status of the process (docs/reference/command-line.md).
 
 namespace pwlsim::cli {
 

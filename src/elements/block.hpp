@@ -1,5 +1,5 @@
 #pragma once
-/// Blocks of A elements: from inputs to one output.
+/// Blocks of A elements: several inputs, one output.
 
 #include <string>
 #include <vector>
@@ -12,15 +12,15 @@ namespace pwlsim::elements {
 
 struct Block {
   bool takes_vector = false;  ///< any number of inputs
-  /// A block without memory: its output as a formula of its inputs. Else null.
+  /// For a block without memory: its output as a formula of its inputs. Else null.
   AffineSum (*law)(FormulaBuilder& builder, const Values& values, const std::vector<AffineSum>& inputs) = nullptr;
-  /// A block with states: adds them and gives its output.
+  /// For a block with states: adds them and returns its output.
   model::LinearForm (*dynamics)(Emission& emission, const model::LinearForm& input) = nullptr;
-  /// The same for ngspice: its output as an expression.
+  /// The same for ngspice: returns its output as an expression.
   std::string (*smooth_dynamics)(Twin& twin, const std::string& input) = nullptr;
 };
 
-/// What the values of models of type int and s_xfer describe.
+/// The integrals and fractions described by models of type int and s_xfer.
 [[nodiscard]] Integral integral_of(const Values& values);
 [[nodiscard]] Fraction fraction_of(const Values& values);
 
@@ -31,7 +31,7 @@ struct Block {
 extern const ModelKind gain_model, summer_model, limit_model, hyst_model, pwl_model, relay_model, deadzone_model, friction_model;
 extern const ModelKind integrator_model, transfer_model, derivative_model;
 
-/// Rounded corners of other simulators: here the corners are sharp.
+/// Parameters of other simulators for rounded corners; here corners are sharp.
 inline constexpr Parameter limit_range{"limit_range", "", 1e-6, Range::any, false, "Width of rounded corners.", Use::ignored};
 inline constexpr Parameter fraction{"fraction", "", 0.0, Range::any, false, "Whether that width is relative.", Use::ignored};
 inline constexpr Parameter input_domain{"input_domain", "", 0.01, Range::any, false, "Width of rounded corners.", Use::ignored};

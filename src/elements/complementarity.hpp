@@ -1,5 +1,5 @@
 #pragma once
-/// Nonlinearities of one form each, as complementarity ports and driven switches. All carry the name of the element.
+/// Nonlinearities of one linear form, as complementarity ports and driven switches. All have the name of the element.
 
 #include "elements/emission.hpp"
 
@@ -8,16 +8,16 @@ namespace pwlsim::elements {
 /// max(x, 0) = u with 0 ≤ u ⊥ u − x ≥ 0.
 [[nodiscard]] model::LinearForm add_positive_part(Emission& emission, const model::LinearForm& x);
 
-/// 1 above x = 0, 0 below, anything between at 0: 1 − λ with 0 ≤ λ ⊥ x + μ ≥ 0, 0 ≤ μ ⊥ 1 − λ ≥ 0
+/// 1 for x > 0, 0 for x < 0, any value between for x = 0: 1 − λ with 0 ≤ λ ⊥ x + μ ≥ 0, 0 ≤ μ ⊥ 1 − λ ≥ 0
 /// (van der Schaft & Schumacher 1996, the relay of section 2, for levels 0 and 1).
-/// Where a source alone decides, a function of time instead, `at_zero` where it rests at 0; decide_steps puts switches in place of others.
+/// If only a source decides, it is a function of time instead, `at_zero` while the source stays at 0; decide_steps replaces others by switches.
 [[nodiscard]] model::LinearForm add_step(Emission& emission, const model::LinearForm& x, double at_zero);
 
 struct Choice {
   model::LinearForm control;
   double on_level = 0.0, off_level = 0.0;
 };
-/// `above` from when the control rises above on_level until it falls below off_level, else `below`.
+/// `above` after the control has risen above on_level until it falls below off_level, else `below`.
 [[nodiscard]] model::LinearForm add_choice(model::Builder& builder, const model::Label& label, const Choice& choice,
                                            const model::LinearForm& above, const model::LinearForm& below);
 

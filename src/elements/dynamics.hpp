@@ -1,6 +1,6 @@
 #pragma once
-/// Integrals, derivatives and rational functions of s: of what A elements and expressions compute. A state is the voltage of 1 F at an inner node, whose
-/// derivative is what is injected there. `part` names the inner nodes of an element that has several of them.
+/// Integrals, derivatives and rational functions of s in A elements and expressions. A state is the voltage of 1 F at an inner node, whose
+/// derivative is the injected current. `part` names the inner nodes of an element that has several of them.
 
 #include <optional>
 #include <string>
@@ -18,12 +18,12 @@ namespace pwlsim::elements {
 struct Integral {
   double start = 0.0, least = -infinite, most = infinite;
 };
-/// The integral stands at its start while `control` is above the level.
+/// The integral stays at its start value while `control` is above the level.
 struct Hold {
   model::LinearForm control;
   double level = 0.0;
 };
-/// Where an integral jumps: held, or at the end of a range, where it goes on at the other end. Equal ends are none.
+/// The jumps of an integral: to its start value, or from one end of a range to the other. Equal ends mean no range.
 struct Resets {
   std::optional<Hold> hold{};
   double from = 0.0, to = 0.0;
@@ -42,7 +42,7 @@ struct CanonicalForm {
 };
 [[nodiscard]] CanonicalForm canonical_form(const Fraction& fraction);
 
-/// A proper fraction, s in units of `unit` 1/s; its states start at rest.
+/// A proper fraction, s in units of `unit` 1/s; its states start at their DC values.
 [[nodiscard]] model::LinearForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit,
                                              const model::LinearForm& input);
 [[nodiscard]] std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fraction, double unit, std::string_view input);

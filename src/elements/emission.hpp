@@ -1,5 +1,5 @@
 #pragma once
-/// What an element sees while it emits itself into the model: its own values, and the builder.
+/// What an element uses to emit itself into the model: its own values, and the builder.
 
 #include <string_view>
 #include <vector>
@@ -13,22 +13,22 @@ namespace pwlsim::elements {
 using Quantity = model::Term::Kind;
 [[nodiscard]] inline model::LinearForm quantity(Quantity kind, int index) { return {{kind, index, 1.0}}; }
 
-/// The quantities of a raw system, as far as it has been emitted.
+/// The emitted quantities of a raw system.
 struct RawSignals {
   std::vector<model::LinearForm> x, u, y;
 };
 
-/// What an emitted element offers to others.
+/// The quantities of an emitted element that others may use.
 struct Emitted {
   model::LinearForm current;  ///< into its first node and out of its second
   int item = -1;              ///< its main item in the network, for the second pass
-  int inductor = -1;          ///< its inductor, where it has one that can be coupled
+  int inductor = -1;          ///< its inductor, if it has one that can be coupled
   RawSignals raw;
 };
 
 class Emission {
  public:
-  /// `emitted` holds one entry an instance of the circuit; the lists outlive the Emission.
+  /// `emitted` has one entry per instance of the circuit; the lists outlive the Emission.
   Emission(const std::vector<Instance>& instances, const std::vector<Model>& models, std::vector<Emitted>& emitted, model::Builder& builder,
            Diagnostics& diagnostics)
       : instances_(instances),
@@ -46,7 +46,7 @@ class Emission {
   [[nodiscard]] const Model& model() const { return models_[static_cast<std::size_t>(instance().model)]; }
   [[nodiscard]] double value(std::string_view parameter) const { return instance().values.get(parameter); }
   [[nodiscard]] bool has(std::string_view parameter) const { return instance().values.has(parameter); }
-  /// Where a parameter was written, else the element's name.
+  /// The span of a parameter, else of the element's name.
   [[nodiscard]] SourceSpan span_of(std::string_view parameter) const;
 
   [[nodiscard]] model::NodeIndex p() const { return instance().nodes[0]; }
@@ -56,7 +56,7 @@ class Emission {
   [[nodiscard]] model::NodeIndex inner_node(std::string_view part) { return builder_.inner_node(label(part)); }
 
   [[nodiscard]] Emitted& result() { return emitted_[index_]; }
-  /// Whether another element, or this one itself, follows the element's current.
+  /// Whether another element, or this one itself, reads the element's current.
   [[nodiscard]] bool is_referenced() const { return followed_[index_] != 0; }
   [[nodiscard]] const Instance& referenced(std::size_t k) const { return instances_[reference(k)]; }
   [[nodiscard]] const Emitted& referenced_result(std::size_t k) const { return emitted_[reference(k)]; }
@@ -74,7 +74,7 @@ class Emission {
   std::vector<Emitted>& emitted_;
   model::Builder& builder_;
   Diagnostics& diagnostics_;
-  std::vector<char> followed_;  ///< instances whose current another follows
+  std::vector<char> followed_;  ///< instances whose current another one reads
   std::size_t index_ = 0;
 };
 

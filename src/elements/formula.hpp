@@ -1,14 +1,14 @@
 #pragma once
 /// Piecewise-linear functions of voltages, currents and time, in a form that maps one to one onto complementarity ports.
 ///
-/// A value is an affine sum of parts. A part is a signal, a function of time, or one nonlinearity of an affine sum of earlier parts:
+/// A value is an affine sum of parts. A part is a signal, a function of time, or a nonlinearity of an affine sum of earlier parts:
 ///
 ///     positive   max(x, 0)                                        one port
-///     step       1 above x = 0, 0 below, anything between at 0    two ports
-///     choice     one of two sums, as a control with thresholds says (a driven switch, no port)
-///     integral, derivative, transfer   of an affine sum, in time: states; an integral may be held at a value while a control says so,
-///                and may go on at the other end of a range where it comes to its end
-///     product, quotient, call   of sums whose signals may turn out to be numbers or to take two values: without_products replaces them
+///     step       1 for x > 0, 0 for x < 0, any value between at 0 two ports
+///     choice     one of two sums, chosen by a control with thresholds (a driven switch, no port)
+///     integral, derivative, transfer   of an affine sum, in time: states; a control may hold an integral at a value,
+///                and an integral that reaches the end of a range may continue at the other end
+///     product, quotient, call   of sums whose signals may prove to be numbers or to take two values: without_products replaces them
 ///
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
@@ -39,13 +39,13 @@ struct AffineSum {
 [[nodiscard]] AffineSum operator-(const AffineSum& a, const AffineSum& b);
 [[nodiscard]] AffineSum operator*(double factor, const AffineSum& a);
 
-/// A proper rational function of s; the highest power first, whose coefficient in the denominator is not zero.
+/// A proper rational function of s, the highest power first; the denominator's first coefficient is not zero.
 struct Fraction {
   std::vector<double> num{0.0}, den{1.0};
   bool operator==(const Fraction&) const = default;
 };
 
-/// A function that has no piecewise-linear form, except of numbers and, some of them, of time.
+/// A function without a piecewise-linear form, except for numbers and, in some cases, for functions of time.
 struct SmoothFunction {
   enum class Form { other, sine, cosine, exponential, arc_sine, arc_cosine };
   std::string_view name{};
@@ -60,44 +60,44 @@ struct FormulaPart {
   Kind kind = Kind::voltage;
   int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
-  AffineSum argument{};              ///< what a nonlinearity or a part with states acts on; the control of a choice
+  AffineSum argument{};              ///< the argument of a nonlinearity or a part with states; the control of a choice
   AffineSum above{},
       below{};  ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product, of a quotient its two terms, the arguments of a call
   double on_level = 0.0, off_level = 0.0;
-  double at_zero = 0.5;         ///< step: its value where the argument, in no loop, rests at 0
+  double at_zero = 0.5;         ///< step outside of loops: its value while the argument stays at 0
   double start = 0.0;           ///< integral: its value at the start, and while it is held
-  bool is_held = false;         ///< integral: it stands at `start` while `above` is above on_level
-  double from = 0.0, to = 0.0;  ///< integral: its range, none where they are equal
+  bool is_held = false;         ///< integral: it stays at `start` while `above` is above on_level
+  double from = 0.0, to = 0.0;  ///< integral: its range, none if they are equal
   Fraction fraction{};          ///< transfer
   SmoothFunction called{};      ///< call
 
   bool operator==(const FormulaPart&) const = default;
 };
 
-/// What an element computes. A part refers only to parts before it.
+/// The formula of an element. A part refers only to earlier parts.
 struct Formula {
   std::vector<FormulaPart> parts;
   AffineSum value;
-  std::vector<std::pair<int, SourceSpan>> open_products;  ///< parts of kind product, quotient or call, and where they stand
+  std::vector<std::pair<int, SourceSpan>> open_products;  ///< parts of kind product, quotient or call, and their spans
 };
 
-/// What a voltage is at any time: one of the two, or the one number that both are.
+/// The values of a voltage: one of the two at any time, or a constant if both are equal.
 struct Levels {
   double low = 0.0, high = 0.0;
 };
-/// Of a pair of control nodes; empty where it takes other values, too.
+/// For a pair of control nodes; empty if the voltage takes other values, too.
 using LevelsOf = std::function<std::optional<Levels>(int control_pair)>;
-/// Of a pair of control nodes; empty where it is no number.
+/// For a pair of control nodes; empty if the voltage is not constant.
 using ConstantOf = std::function<std::optional<double>(int control_pair)>;
 
 struct TablePoint {
   double x = 0.0, y = 0.0;
 };
 
-/// A truth value: 1 or 0, set-valued where a comparison holds with equality.
+/// A truth value: 1 or 0, set-valued if the sides of a comparison are equal.
 struct Condition {
   AffineSum value;
-  std::optional<AffineSum> margin;  ///< of a single comparison: it holds where the margin is positive
+  std::optional<AffineSum> margin;  ///< of a single comparison: true if the margin is positive
 
   [[nodiscard]] bool is_constant() const { return value.is_constant(); }
   [[nodiscard]] bool holds() const { return value.constant > 0.5; }
@@ -117,7 +117,7 @@ class FormulaBuilder {
   [[nodiscard]] AffineSum minimum(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] AffineSum absolute(const AffineSum& x) { return 2.0 * positive(x) - x; }
   [[nodiscard]] AffineSum sign(const AffineSum& x) { return 2.0 * step(x, 0.5) - constant_sum(1.0); }
-  /// x within the two bounds, in either order: their median.
+  /// x limited by two bounds, in either order: their median.
   [[nodiscard]] AffineSum limit(const AffineSum& x, const AffineSum& a, const AffineSum& b);
   /// Straight lines between the points, whose x must not decrease; equal ones are a jump. Beyond the ends constant, or extrapolated.
   [[nodiscard]] AffineSum table(const AffineSum& x, const std::vector<TablePoint>& points, bool extrapolated);
@@ -127,42 +127,42 @@ class FormulaBuilder {
   [[nodiscard]] Condition either(const Condition& a, const Condition& b);
   [[nodiscard]] static Condition negation(const Condition& a);
   [[nodiscard]] AffineSum choose(const Condition& condition, const AffineSum& yes, const AffineSum& no);
-  /// `above` from when the control passes on_level until it falls below off_level ≤ on_level, else `below`.
+  /// `above` after the control has risen above on_level until it falls below off_level ≤ on_level, else `below`.
   [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above,
                                      const AffineSum& below);
 
-  /// In time. What is no motion is no state: the derivative of a number, the derivative of an integral, a fraction without s.
+  /// In time. Some need no state: the derivative of a number, the derivative of an integral, a fraction without s.
   [[nodiscard]] AffineSum integral(const AffineSum& x, double start);
-  /// Held at `start` while `held` holds.
+  /// Stays at `start` while `held` is true.
   [[nodiscard]] AffineSum integral(const AffineSum& x, double start, const Condition& held);
-  /// Less as many widths of the range as put it there.
+  /// Shifted into the range by whole multiples of its width.
   [[nodiscard]] std::optional<AffineSum> wrapped_integral(const AffineSum& x, double start, double from, double to);
-  /// Of max(x, 0): that of x where x is positive. Empty where a comparison or a choice may jump: impulses have no place in a value.
+  /// For max(x, 0): that of x while x is positive. Empty if a comparison or a choice may jump, because a value cannot contain impulses.
   [[nodiscard]] std::optional<AffineSum> derivative(const AffineSum& x);
   [[nodiscard]] AffineSum transfer(const AffineSum& x, const Fraction& fraction);
 
   [[nodiscard]] AffineSum time();
-  /// Whether nothing but time enters, as a sum of constants, exponentials, sinusoids and a straight line.
+  /// Whether it is a function of time only: a sum of constants, exponentials, sinusoids and a linear function.
   [[nodiscard]] bool is_of_time(const AffineSum& x) const;
-  /// floor(x) of a straight line in time: x less a sawtooth. Empty otherwise.
+  /// floor(x) of a linear function of time: x minus a sawtooth. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> floor(const AffineSum& x);
-  /// Whether x is a straight line in time that is never negative.
+  /// Whether x is a linear function of time that is never negative.
   [[nodiscard]] bool rises_from_zero(const AffineSum& x) const;
   /// Of two sums of which one is constant, both are of time, or one is a sum of parts that take two values each (comparisons, choices between numbers, voltages
   /// of two levels): switched forms of the other. Empty where the product leaves that class.
   [[nodiscard]] std::optional<AffineSum> product(const AffineSum& a, const AffineSum& b);
-  /// Of two sums that product() has no form for, as long as nothing is known of the levels of voltages.
+  /// For two sums without a form by product(), until the levels of voltages are known.
   [[nodiscard]] AffineSum open_product(const AffineSum& a, const AffineSum& b);
   [[nodiscard]] AffineSum open_quotient(const AffineSum& a, const AffineSum& b);
-  /// Of sums of which call() has no form, as long as nothing is known of voltages.
+  /// For sums without a form by call(), until voltages are known.
   [[nodiscard]] AffineSum open_call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b);
-  /// Of numbers, and where its form is one of time; empty otherwise, and where a number is not finite.
+  /// For numbers, and if the result is a function of time; empty otherwise, and if a number is not finite.
   [[nodiscard]] std::optional<AffineSum> call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b);
   using Translation = std::function<AffineSum(const AffineSum&)>;
   [[nodiscard]] std::optional<AffineSum> same_part(const FormulaPart& part, const Translation& now);
-  /// 1/x of a sum of few parts that take two values each: a choice of reciprocals. Empty otherwise, and where a value is zero.
+  /// 1/x of a sum of few parts that take two values each: a choice of reciprocals. Empty otherwise, and if a value is zero.
   [[nodiscard]] std::optional<AffineSum> reciprocal(const AffineSum& x);
-  /// sin(x + phase) and exp(x), x a straight line in time. Empty otherwise.
+  /// sin(x + phase) and exp(x), x a linear function of time. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
   [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
   /// asin(x), x a sinusoid in time of amplitude 1: a triangle. Empty otherwise.
@@ -179,7 +179,7 @@ class FormulaBuilder {
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
   [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);
   using Values = std::function<std::optional<AffineSum>(const AffineSum&)>;
-  /// A part that takes two values, or is a choice, with `of_value` of what it takes in place of that.
+  /// For a part that takes two values, or is a choice: each value replaced by `of_value` of it.
   [[nodiscard]] std::optional<AffineSum> switched(int part, const Values& of_value);
   /// Where a part steps from one value to another: in time, with the sign of its argument, or because a voltage does. Then the part is below + (above − below)·condition.
   struct TwoValued {
@@ -188,7 +188,7 @@ class FormulaBuilder {
   };
   [[nodiscard]] std::optional<TwoValued> two_valued(int part);
   [[nodiscard]] std::optional<AffineSum> switched_sum(const AffineSum& a, const AffineSum& x);
-  /// c and t0 where x = c·(t − t0), c ≠ 0.
+  /// c and t0 if x = c·(t − t0), c ≠ 0.
   struct Line {
     double slope = 0.0, zero = 0.0;
   };
@@ -200,7 +200,7 @@ class FormulaBuilder {
   ConstantOf constant_;
 };
 
-/// The formula with switched forms in place of its products. Empty where part number `failed` has none.
+/// The formula with switched forms in place of its products. Empty if part number `failed` has none.
 [[nodiscard]] std::optional<Formula> without_products(const Formula& formula, const LevelsOf& levels, const ConstantOf& constant,
                                                       int& failed);
 

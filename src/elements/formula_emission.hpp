@@ -1,5 +1,5 @@
 #pragma once
-/// A formula as linear forms, complementarities and switches of the network; and the sources that a formula drives.
+/// Emits a formula as linear forms, complementarities and switches of the network, and the sources that it drives.
 
 #include <functional>
 
@@ -9,7 +9,7 @@ namespace pwlsim::elements {
 
 using Signals = std::function<model::LinearForm(const FormulaPart&)>;
 
-/// Second pass only: the currents it reads must be there. Each part is emitted once, and only where the value needs it.
+/// Second pass only: the currents it reads must exist. Each part is emitted once, and only if the value needs it.
 [[nodiscard]] model::LinearForm emit_formula(Emission& emission, const Formula& formula);
 /// With `signals` for the voltages and currents.
 [[nodiscard]] model::LinearForm emit_formula(Emission& emission, const Formula& formula, const Signals& signals);

@@ -27,28 +27,28 @@ struct Model;
 
 /// Deck-wide numbers that elements depend on.
 struct Settings {
-  double tangent_current = 1.0;     ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
-  bool finds_currents = true;       ///< `.options i0=` is not given: runs find each diode's current
-  double gate_drive = 10.0;         ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
-  bool finds_drives = true;         ///< neither `.options vdrive=` nor `i0=` is given: runs find the gate voltage of each MOSFET
+  double tangent_current = 1.0;  ///< `.options i0=`, A: where exponential characteristics are replaced by their tangent
+  bool finds_currents = true;    ///< `.options i0=` is not given: preliminary runs find each diode's current
+  double gate_drive = 10.0;      ///< `.options vdrive=`, V: gate voltage at which the resistance of a channel is taken
+  bool finds_drives = true;      ///< neither `.options vdrive=` nor `i0=` is given: preliminary runs find the gate voltage of each MOSFET
   bool written_by_ltspice = false;  ///< the deck has cards that LTspice adds by itself
   bool keeps_gates = false;         ///< `.options gatecap`: resistances and capacitances of gates stay, the latter linear
 };
 
-/// A `.model` type: "D", or "SW" and its like.
+/// A `.model` type: "D", "SW", …
 struct ModelKind {
-  std::string_view type;  ///< as written behind the model's name
+  std::string_view type;  ///< as written after the model's name
   std::string_view text;  ///< what it is, for messages and tables
   ParameterTable parameters;
-  /// Turns what was written into what emit reads, and says what was changed. May be null.
+  /// Converts the written values to those that emit reads, and reports changes. May be null.
   void (*complete)(Model& model, const Settings& settings, Diagnostics& diagnostics) = nullptr;
-  const Block* block = nullptr;      ///< of an A element: from its input to its output
-  bool is_idealised = false;         ///< stands for something else than its elements become: may lie in a deck unread while nothing uses it
-  std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all where there are none
-  bool has_optional_nodes = true;    ///< else what stands behind the nodes that its element needs is no part of the circuit
+  const Block* block = nullptr;      ///< of an A element: the block between input and output
+  bool is_idealised = false;         ///< its elements become something else: it is not read if nothing uses it
+  std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all if empty
+  bool has_optional_nodes = true;    ///< else nodes after those that its element needs are not part of the circuit
 };
 
-/// What leads to a gate, and what charges it: ohm, F.
+/// Resistance and capacitances of a gate: ohm, F.
 struct GateParts {
   double resistance = 0.0, to_source = 0.0, to_drain = 0.0;
 };
@@ -61,18 +61,18 @@ struct Model {
   std::vector<Written> written{};              ///< of its values, those that depend on varied parameters
   std::optional<model::ExponentialLaw> law{};  ///< of a diode whose tangent is at a current to be found
   std::optional<GateParts> gate{};             ///< of a transistor, with `.options gatecap`; of planar ones a metre of width
-  bool finds_drive = false;                    ///< of a MOSFET: runs find the gate voltage at which its resistance is taken
+  bool finds_drive = false;                    ///< of a MOSFET: preliminary runs find the gate voltage at which its resistance is taken
 };
 
-/// What stands between the terminals and the rest of a card.
+/// The control of a card, between the terminals and the tail.
 enum class Control {
   none,
   node_pair,    ///< nc+ nc-; with Tail::gain also POLY(n) and n pairs
-  element,      ///< the name of an element whose current is meant; with Tail::gain also POLY(n) and n names
+  element,      ///< the name of an element whose current controls; with Tail::gain also POLY(n) and n names
   element_list  ///< two or more names (K)
 };
 
-/// What stands behind terminals and control.
+/// The tail of a card, after terminals and control.
 enum class Tail {
   value,     ///< the first parameter of the table, with or without its name; then `name=value`
   gain,      ///< one gain, or the coefficients of POLY, or a formula behind value= or TABLE
@@ -89,7 +89,7 @@ struct Kind {
   std::string_view text;   ///< one sentence for the tables
   int terminals = 2;
   int optional_terminals = 0;             ///< that may follow before the model
-  std::span<const int> tied_terminals{};  ///< which of more than two tie potentials to one another
+  std::span<const int> tied_terminals{};  ///< of more than two terminals, those that tie potentials to one another
   Control control = Control::none;
   Tail tail = Tail::value;
   ParameterTable parameters;
@@ -97,15 +97,15 @@ struct Kind {
   bool takes_flag = false;                   ///< on / off behind the model
   bool has_current = true;                   ///< i(X) may be saved
   bool controls_others = true;               ///< i(X) may control F, H and W: it is known when X has been emitted
-  /// Whether this instance ties its two terminals together, as far as potentials go. Null: it always does.
+  /// Whether this instance ties the potentials of its two terminals. Null: always.
   bool (*joins_terminals)(const Instance&) = nullptr;
   bool saved_by_default = false;  ///< i(X) is among the columns of a deck without .save
   void (*emit)(Emission&) = nullptr;
-  /// Second pass, when every element has been emitted: forms that need the current of another. May be null.
+  /// Second pass, after every element has been emitted: forms that read the current of another. May be null.
   void (*connect)(Emission&) = nullptr;
   /// Writes its cards for ngspice, with rounded corners.
   void (*smooth_twin)(Twin&) = nullptr;
-  /// Where those change sides. Null: they do not.
+  /// Where these cards change sides. Null: they do not.
   std::optional<TwinEvent> (*twin_event)(const Twin&) = nullptr;
 };
 
@@ -120,7 +120,7 @@ struct Reference {
   int index = -1;
 };
 
-/// What an A element reads: a voltage, the current through a short circuit of its own, or that of another element.
+/// An input of an A element: a voltage, the current through its own short circuit, or that of another element.
 struct BlockInput {
   bool is_current = false;
   NodePair nodes;
@@ -148,7 +148,7 @@ struct Instance {
   int model = -1;                                                      ///< index within the circuit's models
   std::optional<bool> flag;                                            ///< on / off as written
   bool drive_is_apart =
-      false;  ///< of a MOSFET or JFET: its gate is driven against another node than its source, whose potential its own current moves
+      false;  ///< of a MOSFET or JFET: its gate is driven against a node other than its source, so that its current changes v(gate, source)
 };
 
 }  // namespace pwlsim::elements

@@ -1,5 +1,5 @@
 #pragma once
-/// Parameters as data: what an element, a model or a waveform takes, and the values one of them was given.
+/// Parameters as data: those of an element, a model or a waveform, and the values given for one of them.
 
 #include <limits>
 #include <span>
@@ -14,7 +14,7 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
 enum class Range { any, not_negative, positive, whole_positive, minus_one_to_one };
 
-/// honoured: the simulation follows it. ignored: read over with one warning. refused: an error, for it would change the answer.
+/// honoured: the simulation uses it. ignored: skipped with one warning. refused: an error, because it would change the answer.
 enum class Use { honoured, ignored, refused };
 
 struct Parameter {
@@ -25,7 +25,7 @@ struct Parameter {
   bool infinity_allowed = false;
   std::string_view text;  ///< one sentence
   Use use = Use::honoured;
-  bool is_list = false;  ///< takes [ … ] too; every member keeps to the range
+  bool is_list = false;  ///< accepts [ … ] too; the range applies to every member
   bool is_flag = false;  ///< a word without a value
 };
 
@@ -33,25 +33,25 @@ using ParameterTable = std::span<const Parameter>;
 
 [[nodiscard]] const Parameter* find_parameter(ParameterTable table, std::string_view name);
 
-/// Whether `value` may stand for `parameter`; a nan never may.
+/// Whether `value` is allowed for `parameter`; never for a nan.
 [[nodiscard]] bool in_range(const Parameter& parameter, double value);
 
-/// What the range asks for, in words: "must not be negative".
+/// The range as text: "must not be negative".
 [[nodiscard]] std::string_view range_words(Range range);
 
-/// A number of the deck that depends on parameters, and how.
+/// A number of the deck that depends on parameters, with its derivatives.
 struct Written {
   SourceSpan span;
   double value = 0.0;
   std::vector<double> gradient;
 };
 
-/// Values given for the parameters of one table; the others have their fallback.
+/// Values given for the parameters of one table; others have their fallback.
 class Values {
  public:
   struct Given {
     const Parameter* parameter = nullptr;
-    double value = 0.0;  ///< of a list its first member
+    double value = 0.0;  ///< the first member of a list
     SourceSpan span;
     std::vector<double> list;
   };
@@ -67,7 +67,7 @@ class Values {
   /// `name` must be in the table.
   [[nodiscard]] double get(std::string_view name) const;
   [[nodiscard]] std::vector<double> list(std::string_view name) const;
-  /// Where the value stands; unknown where the fallback rules.
+  /// The span of the value; unknown if it is the fallback.
   [[nodiscard]] SourceSpan span(std::string_view name) const;
   [[nodiscard]] const std::vector<Given>& all() const { return given_; }
   [[nodiscard]] ParameterTable table() const { return table_; }

@@ -107,7 +107,7 @@ bool apply_repeat(const PwlCard& card, int parameter, Track& track, Diagnostics&
   if (!card.repeat_from || *card.repeat_from < 0.0) return true;
   if (*card.repeat_from >= track.points.back().time.value || track.repeats != 0.0) {
     diagnostics.error("E-pwl", card.repeat_span,
-                      track.repeats != 0.0 ? "r= and REPEAT exclude each other" : "r= must lie before the last time of the PWL");
+                      track.repeats != 0.0 ? "r= and REPEAT exclude each other" : "r= must be less than the last time of the PWL");
     return false;
   }
   track.repeat_from = {*card.repeat_from, entry(card.repeat_gradient, parameter)};

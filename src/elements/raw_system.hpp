@@ -3,7 +3,7 @@
 ///
 ///     x' = A x + B u + E w,   y = C x + D u + F w,   0 ≤ u ⊥ y ≥ 0,   x(0) = x0.
 ///
-/// States are voltages of 1 F at inner nodes, rows are injections and complementarities: the engine knows no other path.
+/// States are voltages of 1 F at inner nodes, rows are injections and complementarities; the engine needs no special case.
 
 #include <vector>
 

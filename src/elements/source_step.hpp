@@ -1,6 +1,6 @@
 #pragma once
-/// Steps of what a source alone decides. In no loop, a step is no complementarity but a function of time, with one value where the source
-/// rests on the threshold.
+/// Steps decided by a source alone. Outside of loops such a step is not a complementarity but a function of time, with one value while the source
+/// stays at the threshold.
 
 #include <optional>
 
@@ -8,7 +8,7 @@
 
 namespace pwlsim::elements {
 
-/// 1 where x > 0, 0 where x < 0, `at_zero` where x rests at 0: as a constant or another source, if x is an affine function of one DC, PULSE or
+/// 1 for x > 0, 0 for x < 0, `at_zero` while x stays at 0: as a constant or another source, if x is an affine function of one DC, PULSE or
 /// PWL source, read directly or from a node that it holds against ground. Second pass only.
 [[nodiscard]] std::optional<model::LinearForm> step_of_source(Emission& emission, const model::LinearForm& x, double at_zero);
 

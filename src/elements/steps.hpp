@@ -5,8 +5,8 @@
 
 namespace pwlsim::elements {
 
-/// Puts a switch in place of every Step of the builder's whose value no loop leads back to its argument (model::steps_in_loops), and leaves the
-/// others, which are set-valued at 0. The last thing done to a network: the numbers of its complementarities change.
+/// Replaces every Step of the builder without a loop from its value back to its argument (model::steps_in_loops) by a switch, and keeps the
+/// others, which are set-valued at 0. Call it last: the numbers of the network's complementarities change.
 void decide_steps(model::Builder& builder);
 
 }  // namespace pwlsim::elements

@@ -14,7 +14,7 @@ inline constexpr Parameter switch_level{"level", "", 1.0, Range::any, false, "Va
 inline constexpr Parameter switch_one_way{"oneway", "", 0.0, Range::any, false, "Conduction in one direction.", Use::refused};
 inline constexpr Parameter switch_corner{"epsilon", "V", 0.0, Range::any, false, "Width of a rounded corner.", Use::refused};
 
-/// `complete` of models with a threshold and a hysteresis: a negative hysteresis becomes zero, with a note.
+/// `complete` for models with a threshold and a hysteresis: a negative hysteresis becomes zero, with a note.
 void complete_hysteresis(Model& model, std::string_view threshold, std::string_view hysteresis, Diagnostics& diagnostics);
 
 /// Closed while scale·control is above `on`; opens below `off`, off ≤ on.
@@ -24,7 +24,7 @@ struct Thresholds {
 /// From a model with Vt/Vh, It/Ih, or an on and an off level (off above on: inverted).
 [[nodiscard]] Thresholds thresholds(const Model& model);
 
-/// Adds the switch and what its model puts around it. The control is `control`, which is given in the second pass by set_control.
+/// Adds the switch and the parts that its model adds. set_control sets its control in the second pass.
 void add_switch(Emission& emission);
 void set_control(Emission& emission, const model::LinearForm& control);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Exponential characteristics by their tangents.
+/// Replaces exponential characteristics by tangents.
 
 #include <span>
 #include <string>
@@ -17,7 +17,7 @@ using model::Tangent;
 /// Its tangent at i = `current`.
 [[nodiscard]] model::Tangent tangent(double saturation, double emission, double series, double current);
 
-/// Those of `names` that the model was given, "IS, N"; "" for none.
+/// Those of `names` that the model gives, "IS, N"; "" for none.
 [[nodiscard]] std::string written(const Model& model, std::span<const std::string_view> names);
 
 }  // namespace pwlsim::elements

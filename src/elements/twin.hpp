@@ -1,9 +1,9 @@
 #pragma once
-/// What an element writes as its smoothed twin: cards that stock ngspice reads, with numbers expanded and every ideal corner rounded.
+/// Writes the smoothed twin of an element: cards that stock ngspice reads, with numbers expanded and every ideal corner rounded.
 ///
-/// `sharpness` X says how far from ideal: a contact without Ron has X ohm, one without Roff 1e5/X ohm, a step or a corner is X wide in the
+/// `sharpness` X is the deviation from ideal: a contact without Ron has X ohm, one without Roff 1e5/X ohm, a step or a corner is X wide in the
 /// unit of its argument, and a true jump of a source lasts 1e-3·√X of the shortest piece of its waveform. The error of contacts and corners is of first order in X.
-/// A current that somebody reads flows through a meter: a source of 0 V in series with the element.
+/// A current that is read flows through a meter: a source of 0 V in series with the element.
 
 #include <optional>
 #include <string>
@@ -19,11 +19,11 @@ namespace pwlsim::elements {
 
 struct TwinSettings {
   double sharpness = 1e-3;
-  double stop = 0.0;                    ///< s; how far repeated waveforms are written out. 0 where nothing runs
-  bool use_initial_conditions = false;  ///< uic: a source that jumps at t = 0 starts behind its jump
+  double stop = 0.0;                    ///< s; the end of written-out repeated waveforms. 0 without a run
+  bool use_initial_conditions = false;  ///< uic: a source that jumps at t = 0 starts after its jump
 };
 
-/// Names that ngspice takes, one for each node of a circuit and each element.
+/// Names that ngspice accepts, for each node of a circuit and each element.
 class TwinNames {
  public:
   TwinNames(const std::vector<std::string>& nodes, const std::vector<Instance>& instances);
@@ -31,7 +31,7 @@ class TwinNames {
   [[nodiscard]] const std::string& node(model::NodeIndex index) const;
   /// A node inside an element.
   [[nodiscard]] std::string inner(std::size_t instance, std::string_view part) const;
-  /// The device of kind `letter` that stands for the element or a part of it.
+  /// The device of kind `letter` that represents the element or a part of it.
   [[nodiscard]] std::string device(char letter, std::size_t instance, std::string_view part = {}) const;
 
  private:
@@ -51,11 +51,11 @@ struct TwinDiode {
 
 class Twin {
  public:
-  /// `observed`: one entry an instance, whether its current is read from outside. All lists outlive the Twin.
+  /// `observed`: one entry per instance, whether its current is read from outside. All lists outlive the Twin.
   Twin(const std::vector<Instance>& instances, const std::vector<Model>& models, const TwinNames& names, std::vector<char> observed,
        const TwinSettings& settings, Diagnostics& diagnostics);
 
-  /// Writes the element's meter, if it has one; what follows is the element's.
+  /// Writes the element's meter, if it has one; the following cards belong to the element.
   void select(std::size_t index);
   /// Selects without writing.
   void look_at(std::size_t index) { index_ = index; }
@@ -67,7 +67,7 @@ class Twin {
   [[nodiscard]] const TwinSettings& settings() const { return settings_; }
   [[nodiscard]] double sharpness() const { return settings_.sharpness; }
 
-  /// Where the element belongs: its terminals, or behind its meter.
+  /// The nodes of the element: its terminals, or those after its meter.
   [[nodiscard]] TwinEnds ends() const;
   [[nodiscard]] const std::string& node(model::NodeIndex index) const { return names_.node(index); }
   [[nodiscard]] std::string inner(std::string_view part) const { return names_.inner(index_, part); }
@@ -81,7 +81,7 @@ class Twin {
   /// The V device whose current is that of an element.
   [[nodiscard]] std::string meter_of(std::size_t instance) const;
   [[nodiscard]] std::string meter_of(const Reference& reference) const { return meter_of(static_cast<std::size_t>(reference.index)); }
-  /// Whether a V card alone says what the node's potential is.
+  /// Whether a single V card determines the node's potential.
   [[nodiscard]] bool is_held(const NodePair& pair) const;
 
   void line(std::string text) { lines_.push_back(std::move(text)); }
@@ -91,9 +91,9 @@ class Twin {
   /// 0 V between the ends.
   void short_circuit(std::string_view part, const TwinEnds& ends);
   void behaviour(std::string_view part, const TwinEnds& ends, bool is_current, std::string_view expression);
-  /// A V or I card that follows `function`, or its like where SPICE has none.
+  /// A V or I card that follows `function`, or an equivalent if SPICE has no such card.
   void source(std::string_view part, const TwinEnds& ends, bool is_current, const model::SourceFunction& function);
-  /// From p to n; a resistance of 0 or infinity is replaced by what `sharpness` says.
+  /// From p to n; `sharpness` replaces a resistance of 0 or infinity.
   void diode(std::string_view part, const TwinEnds& ends, const TwinDiode& diode);
   struct Contact {
     double on_resistance = 0.0, off_resistance = infinite;
@@ -108,7 +108,7 @@ class Twin {
   [[nodiscard]] std::string positive(std::string_view part, std::string_view x);
   [[nodiscard]] std::string step(std::string_view part, std::string_view x);
 
-  /// Says by name what ngspice cannot have.
+  /// Reports an element without an equivalent in ngspice.
   void refuse(std::string_view what, SourceSpan span = {});
 
   [[nodiscard]] std::vector<std::string> take_lines() { return std::move(lines_); }
@@ -132,10 +132,10 @@ class Twin {
 [[nodiscard]] std::string voltage_text(const TwinEnds& ends);
 /// "i(V1)"
 [[nodiscard]] std::string current_text(std::string_view meter);
-/// "+2*(x)", or nothing for a coefficient of zero.
+/// "+2*(x)", or "" for a coefficient of zero.
 [[nodiscard]] std::string term_text(double coefficient, std::string_view x);
 
-/// Where the twin of a diode or a switch changes sides: on from when v(control) passes on_level until it falls below off_level.
+/// Where the twin of a diode or a switch changes sides: on after v(control) has risen above on_level until it falls below off_level.
 struct TwinEvent {
   TwinEnds control;
   double on_level = 0.0, off_level = 0.0;
@@ -147,7 +147,7 @@ void twin_of_parallel_parts(Twin& twin);
 /// `control` as an expression.
 void twin_of_switch(Twin& twin, const std::string& control);
 [[nodiscard]] std::optional<TwinEvent> event_of_switch(const Twin& twin);
-/// How much the control of a switch is amplified.
+/// The amplification of a switch's control.
 [[nodiscard]] double twin_control_gain(const Twin& twin);
 void twin_of_controlled(Twin& twin, bool is_current);
 void twin_of_formula(Twin& twin, bool is_current);

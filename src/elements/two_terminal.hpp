@@ -20,7 +20,7 @@ inline constexpr Parameter maker{"mfg", "", 0.0, Range::any, true, "Manufacturer
 inline constexpr Parameter part_number{"pn", "", 0.0, Range::any, true, "Part number.", Use::ignored};
 inline constexpr Parameter part_type{"type", "", 0.0, Range::any, true, "Type of the part.", Use::ignored};
 
-/// Adds Rser and Lser; the nodes between which the core belongs.
+/// Adds Rser and Lser; returns the nodes of the core.
 [[nodiscard]] NodePair add_series_parts(Emission& emission);
 
 /// Adds Rpar and Cpar across the terminals, and their currents to that of the element.

@@ -125,7 +125,7 @@ Function make_exp(const Values& v, SourceSpan span, Diagnostics& diagnostics) {
     return std::nullopt;
   }
   if (v.get("Td2") < v.get("Td1")) {
-    diagnostics.error("E-range", v.span("Td2"), "Td2 must not lie before Td1");
+    diagnostics.error("E-range", v.span("Td2"), "Td2 must not be less than Td1");
     return std::nullopt;
   }
   return model::Exp{v.get("V1"), v.get("V2"), v.get("Td1"), v.get("Tau1"), v.get("Td2"), v.get("Tau2")};

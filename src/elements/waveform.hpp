@@ -1,5 +1,5 @@
 #pragma once
-/// The waveforms of V and I cards: positional parameters as data, and what becomes of them.
+/// The waveforms of V and I cards: positional parameters as data, and their conversion to source functions.
 
 #include <optional>
 #include <span>
@@ -15,10 +15,10 @@ namespace pwlsim::elements {
 /// SIN, PULSE, EXP: numbers by position.
 struct WaveformKind {
   std::string_view name;
-  std::string_view other_name;  ///< "" where there is none
+  std::string_view other_name;  ///< "" if there is none
   std::string_view usage;
   ParameterTable parameters;  ///< in the order of the card
-  std::size_t required = 0;   ///< as many must be given
+  std::size_t required = 0;   ///< this many must be given
   std::optional<model::SourceFunction> (*make)(const Values&, SourceSpan, Diagnostics&) = nullptr;
 };
 
@@ -35,7 +35,7 @@ struct PwlPoint {
   SourceSpan span;
   std::vector<double> time_gradient{}, value_gradient{};  ///< to the parameters of .sens
 };
-/// Points passed through `passes` times (infinite: for ever). Times count from the end of the part before.
+/// Points that are repeated `passes` times (infinite: forever). Times count from the end of the part before.
 struct PwlPart {
   std::vector<PwlPoint> points;
   double passes = 1.0;
@@ -50,9 +50,9 @@ struct PwlCard {
   std::vector<double> repeat_gradient{}, delay_gradient{};
 };
 
-/// Errors: no point, times that are negative or decrease, a part for ever that is not the last, a repetition without length.
+/// Errors: no point, times that are negative or decrease, an endless part that is not the last, a repetition without length.
 [[nodiscard]] std::optional<model::SourceFunction> make_pwl(const PwlCard& card, Diagnostics& diagnostics);
-/// The derivatives of what make_pwl has made of the card to each parameter; empty to those that do not move it.
+/// The derivatives of the result of make_pwl to each parameter; empty for parameters without effect on it.
 [[nodiscard]] std::vector<std::optional<model::SourceFunction>> pwl_derivatives(const PwlCard& card);
 
 }  // namespace pwlsim::elements

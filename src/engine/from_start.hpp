@@ -1,5 +1,5 @@
 #pragma once
-/// A run from where it starts, the same way for every engine.
+/// A run from its start, the same for every engine.
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 
 namespace pwlsim::engine {
 
-/// From the DC operating point, or with uic from initial values. Where a part has no operating point the run says so; where it cannot go on from there
-/// either, that is part of its error. `start`: with its Answer `answer` and `missing`; `run_from(start)`: the run.
+/// From the DC operating point, or with uic from initial values. If a part has no operating point the run reports this; if it cannot continue from there
+/// either, its error includes this. `start`: with its Answer `answer` and `missing`; `run_from(start)`: the run.
 template <class Start, class RunFrom>
 Answer run_from_start(const Request& request, std::chrono::steady_clock::time_point began, const Start& start, RunFrom run_from) {
   constexpr double at_start = 1e-9;  ///< of the run

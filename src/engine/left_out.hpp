@@ -1,5 +1,5 @@
 #pragma once
-/// Parts that no saved signal needs: which of them run anyway, and what is reported about the others. The rule of every engine.
+/// Parts that no saved signal needs: decides which of them run anyway, and reports the others. The same for every engine.
 
 #include <optional>
 #include <set>
@@ -11,7 +11,7 @@
 
 namespace pwlsim::engine {
 
-/// Whether an island may be without a solution, which is an error even where nobody looks at it. Builds its dense model.
+/// Whether an island may be without a solution, which is an error even if nothing reads it. Builds its dense model.
 [[nodiscard]] bool must_run(const model::Island& island);
 
 /// Names of the sources in the islands that are needed.

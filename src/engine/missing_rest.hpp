@@ -1,5 +1,5 @@
 #pragma once
-/// What has no DC operating point, in words.
+/// The text about parts without a DC operating point.
 
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ struct MissingRest {
   std::vector<std::string> elements;  ///< switches among them
 
   [[nodiscard]] bool empty() const { return parts.empty(); }
-  /// Switches that answer one another for ever.
+  /// Switches that keep toggling each other.
   void add_restless(const std::vector<std::string>& names);
   void add(const MissingRest& other);
   /// "no DC operating point: …; …"; long lists are cut.

@@ -1,5 +1,5 @@
 #pragma once
-/// Remarks of every engine, and why its runs end early, in the same words.
+/// Remarks and failures of runs, worded once for every engine.
 
 #include <string>
 #include <vector>
@@ -24,11 +24,11 @@ struct Ending {
   std::string id, text;
   std::vector<std::string> elements{};
 };
-/// Takes it into the answer of the run; Answer::mode stays.
+/// Sets it in the answer of the run; Answer::mode stays.
 void end_run(Answer& answer, Ending ending);
 /// E-interrupted
 [[nodiscard]] Ending interrupted(double time);
-/// E-no-settle: switches that no round of changes satisfies.
+/// E-no-settle: switches for which no round of changes is valid.
 [[nodiscard]] Ending keeps_toggling(double time, std::vector<std::string> switches);
 /// Events closer together than the run can follow.
 struct Crowd {

@@ -20,7 +20,7 @@ class RowSource {
 
 class RowFeed {
  public:
-  /// `signals`: those that a row has before the unsaved ones are left out of it. Instants closer than `tolerance`, s, are one.
+  /// `signals`: number of signals of a row, including unsaved ones, which are removed. Instants closer than `tolerance`, s, are one.
   RowFeed(const Request& request, RowSink& sink, std::size_t signals, std::size_t rows_per_block, double tolerance);
 
   /// Whether the block of a row waits for more, went to the sink with it, or went there and was refused.
@@ -44,13 +44,13 @@ class RowFeed {
   [[nodiscard]] double* room() { return &rows_[buffered_ * width_]; }
   [[nodiscard]] std::size_t width() const { return width_; }
   Pushed push();
-  /// Hands over what there is. False: the sink refuses it.
+  /// Passes on the waiting rows. False: the sink refuses them.
   bool flush();
-  /// The same where rows have waited for 0.1 s: those of a large circuit are there when the run is ended from outside.
+  /// The same if rows have waited for 0.1 s, so that the rows of a large circuit are delivered before the run is ended from outside.
   bool flush_in_time();
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// Time that the sink has taken.
+  /// Time spent in the sink.
   [[nodiscard]] double seconds() const { return seconds_; }
 
  private:

@@ -36,18 +36,18 @@ struct Event {
 class EventWatcher {
  public:
   virtual ~EventWatcher() = default;
-  /// Right of t = 0: the elements whose ports the engine runs, one per port, and which ports conduct (a switch: is closed).
+  /// Just after t = 0: the elements whose ports the engine runs, one per port, and which ports conduct (a switch: is closed).
   virtual void begin(std::span<const std::string> elements, std::span<const char> on) = 0;
-  /// Which ports conduct right of the event. Events come in the order of their times.
+  /// Which ports conduct after the event. Events come in the order of their times.
   virtual void happened(const Event& event, std::span<const char> on) = 0;
 };
 
 /// An interval of the run without an event, on which the probed signals are polynomials: to rounding (exact engine), or as its rows (sparse).
 struct Piece {
   double from = 0.0, to = 0.0;       ///< the interval, s
-  double begin = 0.0, length = 0.0;  ///< where its points lie, s: [begin, begin + length] holds [from, to] and may reach beyond
+  double begin = 0.0, length = 0.0;  ///< interval of its points, s: [begin, begin + length] contains [from, to] and may be longer
   std::span<const double> values;    ///< probe by probe, at the sixteen Gauss–Legendre points (linalg/legendre.hpp)
-  /// Where in −1 … 1 of its points a time lies.
+  /// The place of a time in the interval −1 … 1 of its points.
   [[nodiscard]] double place(double time) const { return 2.0 * (time - begin) / length - 1.0; }
   std::span<const double> noise{};  ///< of each probe: smaller values may be rounding; empty if the values themselves show it
 };
@@ -76,7 +76,7 @@ struct Request {
   double stop = 0.0;  ///< seconds
   RowGrid grid;
   bool events = false;                  ///< a row before and after every event
-  bool jumps = false;                   ///< keep what jumped (Answer::jumps)
+  bool jumps = false;                   ///< keep the jumps (Answer::jumps)
   bool use_initial_conditions = false;  ///< uic
   NonUnique non_unique = NonUnique::error;
   EventWatcher* watcher = nullptr;  ///< may be null
@@ -85,7 +85,7 @@ struct Request {
   Sampler* sampler = nullptr;                   ///< sets held sources; may be null. The exact engine only
   std::function<void(double)> progress;         ///< called from time to time with the time reached; may be empty
   const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
-  /// For tests of the certificate: faults made on purpose, in each part.
+  /// For tests of the certificate: deliberate faults, in each part.
   struct Faults {
     std::uint64_t dropped_event = 0;      ///< this event of a port (from 1) is skipped, as if it had been missed
     std::uint64_t disturbed_segment = 0;  ///< this segment (from 1) begins with a state that is `disturbance` of itself too large
@@ -118,7 +118,7 @@ struct Statistics {
   double seconds_model = 0.0, seconds_simulate = 0.0, seconds_certificate = 0.0;
 };
 
-/// A jump of states: what happened in one part of the circuit at one instant.
+/// A jump of states in one part of the circuit at one instant.
 struct Jump {
   struct Impulse {
     std::string element;

@@ -1,5 +1,5 @@
 #pragma once
-/// How switches that drive one another settle at an operating point: together until their positions repeat, then one by one.
+/// Settles switches that drive each other at an operating point: together until their positions repeat, then one by one.
 
 #include <set>
 #include <vector>
@@ -10,7 +10,7 @@ class SwitchRounds {
  public:
   explicit SwitchRounds(std::size_t switches) : most_alone_(64 + 2 * switches) {}
 
-  /// Else only the first of them changes sides, for a latch that would do so for ever.
+  /// Else only the first of them changes sides, for a latch that would toggle forever.
   [[nodiscard]] bool together() const { return together_; }
   [[nodiscard]] bool exhausted() const { return alone_ > most_alone_; }
   /// After a round that led to these positions. True: from now on one by one.
@@ -21,7 +21,7 @@ class SwitchRounds {
     if (!together_) ++alone_;
     return was_together && !together_;
   }
-  /// What they answer has changed.
+  /// Their inputs have changed.
   void start_anew() { seen_.clear(); }
 
  private:

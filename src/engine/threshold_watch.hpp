@@ -1,6 +1,6 @@
 #pragma once
 /// The controls of switches and their thresholds over a run: messages for controls that stop at a threshold, and for those that never cross one although
-/// they move.
+/// they vary.
 
 #include <cmath>
 #include <limits>
@@ -31,7 +31,7 @@ class ThresholdWatch {
   ThresholdWatch(const std::vector<WatchedSwitch>& switches, double stop);
 
   [[nodiscard]] bool asks_anything() const { return open_ > 0; }
-  /// Whether values of this control are still of interest: it has not changed its switch.
+  /// Whether values of this control are still needed: it has not changed its switch.
   [[nodiscard]] bool asks_range(int number) const { return is_open(number) && !of(number).changed; }
   [[nodiscard]] bool asks_rest(int number) const { return is_open(number) && std::isnan(of(number).rest_time); }
   /// The control has this value.
@@ -44,7 +44,7 @@ class ThresholdWatch {
   [[nodiscard]] double stop() const { return stop_; }
   /// The switch has changed sides after t = 0.
   void changed(int number);
-  /// All that a clock's sources do.
+  /// The whole control of a clock.
   void trace(const model::Clock& clock, int number);
   /// At the end; `is_on` as the control has it. A run that did not complete reports nothing about switches that have not changed yet.
   [[nodiscard]] std::vector<Remark> remarks(const std::vector<char>& is_on, bool completed) const;

@@ -28,7 +28,7 @@ class PrincipalTableau {
 };
 
 /// Murty's least-index method (1974; Cottle, Pang, Stone, Algorithm 4.2.2 ff.): exchanges the smallest index with w' < 0. Ends for every P-matrix,
-/// without any comparison of ratios and hence without ties; exponential at worst, so that it gives up after 20k + 200 pivots.
+/// without comparing ratios and hence without ties; in the worst case exponential, so it gives up after 20k + 200 pivots.
 [[nodiscard]] Solution least_index(const linalg::Matrix& m, const linalg::Vector& q);
 
 }  // namespace pwlsim::lcp

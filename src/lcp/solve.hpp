@@ -1,5 +1,5 @@
 #pragma once
-/// Solvers of the linear complementarity problem in turn, each answer assessed by its residuals.
+/// Tries solvers of the linear complementarity problem in turn and assesses each answer by its residuals.
 
 #include "lcp/problem.hpp"
 
@@ -11,12 +11,12 @@ enum class Method {
   lemke,
   newton_min,
   least_index,
-  regularised,  ///< Lemke for M + 10⁻⁸, its basis then solved with M: where rounding left a singular problem without a solution
-  enumeration   ///< of all bases, smaller ones first; only of up to ten ports that nothing is known of
+  regularised,  ///< Lemke for M + 10⁻⁸, then its basis with M: for a singular problem that rounding left without a solution
+  enumeration   ///< of all bases, smaller ones first; only for up to ten ports without a known class
 };
 
 struct Answer {
-  Status status = Status::solved;  ///< of no solver: `ray` where Lemke ended so
+  Status status = Status::solved;  ///< if no solver answered: `ray` if Lemke's method ended so
   Method method = Method::none;
   linalg::Vector z, w;     ///< w_i or z_i is exactly zero at every port
   std::vector<int> basis;  ///< of the solver that answered
@@ -24,7 +24,7 @@ struct Answer {
   Assessment assessment;   ///< of the diagonally scaled problem, by recomputation from z
 };
 
-/// Residuals (Assessment::worst of the diagonally scaled problem) above this are no solution.
+/// An answer with a residual (Assessment::worst of the diagonally scaled problem) above this is not a solution.
 inline constexpr double acceptable_residual = 1e-10;  ///< Of: the scaled data. Why: answers in double have residuals near 1e-15.
 
 [[nodiscard]] Answer solve(const linalg::Matrix& m, const linalg::Vector& q);

@@ -5,7 +5,7 @@
 namespace pwlsim::lcp::tolerance {
 
 /// Of: the largest entry of its kind (q', w or z).
-/// Why: some thousand roundings of double: a negative entry above its negative counts as zero.
+/// Why: some thousand roundings of double: a negative entry of smaller magnitude counts as zero.
 inline constexpr double sign = 1e-12;
 /// Of: the largest entry of z.
 /// Why: some hundred roundings of double, after a solution with a regular basis.
@@ -21,7 +21,7 @@ inline constexpr double pivot = 1e-11;
 /// Why: below the pivot tolerance, so that a tie is decided by the lexicographic rule.
 inline constexpr double tie = 1e-12;
 /// Of: the largest entry of M in double.
-/// Why: what an exchange leaves of an entry that is a difference; small entries of a column make large ratios of it.
+/// Why: the rounding error of an entry that is a difference after an exchange; small entries of a column turn it into large ratios.
 inline constexpr double entry_rounding = 1e-15;
 /// Of: the largest entry of the tableau in extended precision.
 /// Why: as `pivot`, for the longer fraction.

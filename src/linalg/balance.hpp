@@ -1,12 +1,12 @@
 #pragma once
-/// Scales that make the rows and columns of a matrix alike (Osborne 1960; Parlett & Reinsch 1969).
+/// Scales that make the rows and columns of a matrix equally large (Osborne 1960; Parlett & Reinsch 1969).
 
 #include "linalg/dense.hpp"
 
 namespace pwlsim::linalg {
 
-/// Powers of two s with which S⁻¹MS has rows and columns of like size; M becomes that. Empty, and M as it was, where its logarithmic norm does not get
-/// much smaller by it.
+/// Powers of two s for which rows and columns of S⁻¹MS have similar norms; M becomes that matrix. Empty, with M unchanged, if its logarithmic norm does not become
+/// much smaller.
 [[nodiscard]] Vector balance(Matrix& m);
 
 }  // namespace pwlsim::linalg

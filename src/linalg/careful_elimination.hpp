@@ -1,9 +1,9 @@
 #pragma once
 /// Gaussian elimination that decides by its own rounding whether a pivot is zero.
 ///
-/// Each number carries twice the digits of extended precision and a bound on its error: `doubt` of M's entries, which says how exactly they are
-/// known, and the rounding of each step (Higham 2002, Accuracy and Stability of Numerical Algorithms, §3.3, running error analysis). What is not
-/// above its bound is zero. Sizes as such decide nothing: incidence numbers, which are exact, give exact ranks beside entries of 1e-20.
+/// Each number has twice the digits of extended precision and a bound on its error: that of M's entries, `doubt`, and
+/// the rounding of each step (Higham 2002, Accuracy and Stability of Numerical Algorithms, §3.3, running error analysis). A number that is not
+/// above its bound is zero. Sizes alone decide nothing: incidence numbers, which are exact, give exact ranks even with entries of 1e-20.
 
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace pwlsim::linalg {
 
 class CarefulElimination {
  public:
-  /// Of M + M_rest (m × n), M_rest what rounding left of M's entries; `doubt` (m × n) ≥ 0, or empty: M is exact.
+  /// Factorises M + M_rest (m × n), M_rest the rounding errors of M's entries; `doubt` (m × n) ≥ 0, or empty if M is exact.
   CarefulElimination(const WideMatrix& m, const WideMatrix& rest, const WideMatrix& doubt);
 
   [[nodiscard]] Eigen::Index rank() const { return rank_; }
@@ -24,7 +24,7 @@ class CarefulElimination {
   [[nodiscard]] WideMatrix left_kernel() const;
   [[nodiscard]] std::vector<Eigen::Index> free_rows() const { return {row_.begin() + rank_, row_.end()}; }
   [[nodiscard]] std::vector<Eigen::Index> free_columns() const { return {column_.begin() + rank_, column_.end()}; }
-  /// X with M X = right where that has a solution; unknowns beyond the rank are zero.
+  /// X with M X = right if that has a solution; unknowns beyond the rank are zero.
   [[nodiscard]] WideMatrix solve(const WideMatrix& right) const;
 
  private:

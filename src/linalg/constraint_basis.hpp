@@ -1,5 +1,5 @@
 #pragma once
-/// What linear constraints leave free.
+/// The free directions of linear constraints.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace pwlsim::linalg {
 
-/// Of rows H (k × n, independent): an orthonormal basis of {x : H x = 0} that leaves unknowns alone which no constraint holds. Each
+/// For independent rows H (k × n): an orthonormal basis of {x : H x = 0} that keeps unknowns that no constraint reads as they are. Each
 /// Householder reflection is about an unknown in which its constraint is large, so that small entries of the basis keep their digits.
 class ConstraintBasis {
  public:

@@ -8,7 +8,7 @@ namespace pwlsim::linalg {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// Extended precision (64 bits of fraction) for what is computed once and decides ranks: what cancels there must be seen to cancel.
+/// Extended precision (64 bits of fraction) for results that are computed once and decide ranks: cancellation must be visible there.
 using Wide = long double;
 using WideMatrix = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
 using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
@@ -19,7 +19,7 @@ void multiply(const Matrix& m, const double* x, double* y);
 /// z = M x + N y; z must not alias x or y.
 void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z);
 
-/// A x, A² x, … Aᵏ x one behind the other, behind x itself, which `powers` begins with; A is square.
+/// Writes A x, A² x, … Aᵏ x one after the other after x, with which `powers` begins; A is square.
 void multiply_repeatedly(const Matrix& a, int k, double* powers);
 
 /// Row `i` of M times x.
@@ -31,7 +31,7 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   return sum;
 }
 
-/// Of the terms of that sum, their magnitudes.
+/// The sum of the magnitudes of its terms.
 inline double absolute_row_times(const Matrix& m, Eigen::Index i, const double* x) {
   const Eigen::Index rows = m.rows();
   const double* a = m.data() + i;
@@ -62,11 +62,11 @@ void copy(const double* x, Eigen::Index n, double* y);
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
 [[nodiscard]] WideMatrix product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y);
-/// The same by the entries that are not zero, where one of the two has few.
+/// The same, skipping zeros, if one of the two has few nonzero entries.
 [[nodiscard]] WideMatrix sparse_product(const WideMatrix& x, const WideMatrix& y);
 [[nodiscard]] WideMatrix sparse_absolute_product(const WideMatrix& x, const WideMatrix& y);
 
-/// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: what is left of an exact cancellation is rounding.
+/// X·Y with every entry below `clean_tolerance`·(|X||Y|) set to zero: such an entry is the rounding error of an exact cancellation.
 inline constexpr double clean_tolerance = 1e-14;  ///< Of: the sum of the absolute terms of an entry. Why: 45 units of rounding of double.
 [[nodiscard]] Matrix clean_product(const Matrix& x, const Matrix& y);
 /// B + X·Y with every entry below clean_tolerance·(|B| + |X||Y|) set to zero.
@@ -96,7 +96,7 @@ inline constexpr Wide wide_clean_tolerance = 1e-16L;  ///< Of: the same in exten
 /// Largest singular value; 0 for an empty matrix.
 [[nodiscard]] double spectral_norm(const Matrix& m);
 
-/// Rate of the system x' = A x: ‖A‖₂, or 1 where A is zero. In units of its inverse time makes A of order one.
+/// Rate of the system x' = A x: ‖A‖₂, or 1 if A is zero. With its inverse as the unit of time A is of order one.
 [[nodiscard]] double rate_of(const Matrix& a);
 
 /// Largest eigenvalue of (M + Mᵀ)/2; 0 for an empty matrix.

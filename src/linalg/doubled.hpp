@@ -8,7 +8,7 @@
 
 namespace pwlsim::linalg {
 
-/// value + rest, of which the second is what rounding left of the first.
+/// value + rest, where `rest` is the rounding error of `value`.
 struct Doubled {
   Wide value = 0, rest = 0;
 

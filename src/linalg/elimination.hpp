@@ -8,20 +8,20 @@
 
 namespace pwlsim::linalg {
 
-/// P M Q = L U for a square M (q × q), up to the first pivot that is not above `tolerance` in magnitude; what is left then counts as zero.
+/// P M Q = L U for a square M (q × q), up to the first pivot whose magnitude is not above `tolerance`; the remainder counts as zero.
 class WideElimination {
  public:
   WideElimination(WideMatrix m, Wide tolerance);
 
   [[nodiscard]] int rank() const { return rank_; }
-  /// |first pivot| and |last pivot above the tolerance|; 0 without one.
+  /// |first pivot| and |last pivot above the tolerance|; 0 if there is none.
   [[nodiscard]] Wide largest_pivot() const { return rank_ > 0 ? std::abs(lu_(0, 0)) : 0; }
   [[nodiscard]] Wide smallest_pivot() const { return rank_ > 0 ? std::abs(lu_(rank_ - 1, rank_ - 1)) : 0; }
-  /// X (q × columns of `right`) with M X = right where that has a solution; unknowns behind the rank are zero.
+  /// X (q × columns of `right`) with M X = right if that has a solution; unknowns beyond the rank are zero.
   [[nodiscard]] WideMatrix solve(const WideMatrix& right) const;
   /// M⁻¹; rank() must be q.
   [[nodiscard]] WideMatrix inverse() const { return solve(WideMatrix::Identity(lu_.rows(), lu_.rows())); }
-  /// Columns that span {x : M x = 0} and {y : yᵀ M = 0}, each with an entry 1 at a pivot that was none (q × (q − rank)).
+  /// Columns that span {x : M x = 0} and {y : yᵀ M = 0}, each with an entry 1 at a place without a pivot (q × (q − rank)).
   [[nodiscard]] WideMatrix kernel() const;
   [[nodiscard]] WideMatrix left_kernel() const;
 

@@ -22,12 +22,12 @@ class Exponential {
 
   /// y := e^{Aτ} y, τ ≥ 0. `work` holds 2·n doubles.
   void apply(double tau, double* y, double* work) const;
-  /// The same for a τ that is not expected again.
+  /// The same for a τ that is not expected to recur.
   void apply_once(double tau, double* y, double* work) const;
-  /// The same for a short τ of either sign; false, and y as it was, where rate·|τ| is beyond the reach of the series.
+  /// The same for a short τ of either sign; false, with y unchanged, if rate·|τ| is beyond the reach of the series.
   bool shift(double tau, double* y, double* work) const;
-  /// out := e^{Aτ} y for a short τ ≥ 0, from y, Ay, … A^k y one behind the other, k ≥ 1; false, and nothing done, where τ is beyond the reach of the
-  /// series or there are too many states for it to be worth while.
+  /// out := e^{Aτ} y for a short τ ≥ 0, from y, Ay, … A^k y one after the other, k ≥ 1; false, without any change, if τ is beyond the reach of the
+  /// series or there are too many states for it to pay.
   bool continue_series(const double* powers, int k, double tau, double* out) const;
   /// e^{Aτ} − I.
   [[nodiscard]] Matrix minus_identity(double tau) const;
@@ -36,7 +36,7 @@ class Exponential {
   [[nodiscard]] double rate() const { return rate_; }
 
  private:
-  /// The leading block, which moves by itself while all behind it is zero, as sources at rest and the inputs of derivatives are. Null where it is not much
+  /// The leading block, which evolves alone while all entries after it are zero, as constant sources and the inputs of derivatives are. Null if it is not much
   /// smaller.
   [[nodiscard]] const Exponential* lead(const double* y) const;
   void taylor(double tau, double* y, double* work) const;
@@ -47,11 +47,11 @@ class Exponential {
   double rate_ = 0.0;
   int base_ = 0;  ///< 2^base·rate ≤ radius
   mutable std::map<int, Matrix> powers_;
-  /// Intervals that recur up to rounding (a switching period) get a matrix of their own; the rounding is made up for to first order.
+  /// Intervals that recur up to rounding (a switching period) get their own matrix; the rounding is corrected to first order.
   struct Recurring {
     double tau = 0.0;
-    Eigen::Index uses = 0;    ///< up to those that are worth a matrix
-    std::uint32_t worth = 0;  ///< by its uses, less of those long ago; 0: none yet
+    Eigen::Index uses = 0;    ///< counted until a matrix is built
+    std::uint32_t worth = 0;  ///< by its uses, older ones count less; 0: unused
     Matrix x;
   };
   [[nodiscard]] bool apply_recurring(double tau, double* y, double* work) const;
@@ -62,7 +62,7 @@ class Exponential {
   mutable Eigen::Index lead_size_ = 0;
 };
 
-/// A norm bound that is cheap and not too pessimistic: the least of the 1-, ∞- and Frobenius norms.
+/// A cheap bound of ‖A‖₂ that is not too pessimistic: the least of the 1-, ∞- and Frobenius norms.
 [[nodiscard]] double norm_bound(const Matrix& m);
 
 }  // namespace pwlsim::linalg

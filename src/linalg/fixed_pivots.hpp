@@ -1,9 +1,9 @@
 #pragma once
-/// Sparse LU factors with pivots and blocks that are given:
+/// Sparse LU factors with given pivots and blocks:
 ///    P R⁻¹ A Q  =  blocks L U along the diagonal and entries above them,    R the largest entry of each row.
 ///
-/// Where the pivots and the block triangular form come from KLU, this is what klu_refactor and klu_solve do. The pattern of the factors does not depend on
-/// values, so that several of them share one, and a solution walks through two lists.
+/// With the pivots and the block triangular form of KLU, this does what klu_refactor and klu_solve do. The pattern of the factors does not depend on
+/// values, so that several factors share one, and a solution walks through two lists.
 
 #include <memory>
 #include <vector>
@@ -17,7 +17,7 @@ struct Pivots {
   std::vector<int> row, column;  ///< of A, of each pivot
   std::vector<int> place;        ///< of a row of A among the pivots
   std::vector<int> block;        ///< bounds of the diagonal blocks
-  /// By columns, in the order of the pivots. Above the diagonal first what lies outside the block, in the order of A's entries, then
+  /// By columns, in the order of the pivots. Above the diagonal first the entries outside the block, in the order of A's entries, then those inside,
   /// in an order in which it can be eliminated.
   std::vector<int> lower_start{0}, lower_row, upper_start{0}, upper_row;
 };
@@ -29,10 +29,10 @@ class FixedPivotFactor {
     std::vector<double> row_factor;  ///< 1/R
   };
   FixedPivotFactor() = default;
-  /// Of values that are known; its growth is taken for good.
+  /// The pivots of known values, whose growth is accepted.
   FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values);
 
-  /// `values`: of the pattern that the pivots belong to. False: a pivot is zero, or nothing finite comes out.
+  /// `values`: of the pattern that the pivots belong to. False if a pivot is zero or a factor is not finite.
   [[nodiscard]] bool factor(const SparsePattern& pattern, const std::vector<double>& values, std::shared_ptr<const Pivots> pivots,
                             std::vector<double>& work);
   /// b := A⁻¹ b

@@ -1,9 +1,9 @@
 #pragma once
 /// Sparse LU of SuiteSparse KLU (Davis and Palamadai Natarajan, ACM TOMS 37, 2010, Algorithm 907), owned and counted.
 ///
-/// The ordering is found once for a pattern. A matrix of that pattern is factored anew with pivoting, or with the pivots of an earlier one, which
-/// is faster and as good where these pivots still are: pivot growth, then the ratio of pivots, then an estimate of the condition decide that,
-/// and it is factored anew where they speak against it. Of KLU's factorisation only the pivots are kept (fixed_pivots.hpp).
+/// The ordering is found once for a pattern. A matrix of that pattern is factored with pivoting, or with the pivots of an earlier one, which
+/// is faster and as good if these pivots still are: pivot growth, then the ratio of pivots, then an estimate of the condition decide this;
+/// otherwise it is factored with new pivots. Of KLU's factorisation only the pivots are kept (fixed_pivots.hpp).
 
 #include <cstdint>
 #include <memory>
@@ -24,11 +24,11 @@ class KluOrdering {
   KluOrdering& operator=(const KluOrdering&) = delete;
 
   [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
-  /// False where no choice of values gives a regular matrix; it cannot be factored then.
+  /// False if no values give a regular matrix; it cannot be factored then.
   [[nodiscard]] bool structurally_regular() const;
-  /// What all factors of this ordering did.
+  /// Counts of all factors of this ordering.
   struct Counts {
-    std::uint64_t factorizations = 0;    ///< anew, with pivoting
+    std::uint64_t factorizations = 0;    ///< with pivoting
     std::uint64_t refactorizations = 0;  ///< with kept pivots
     std::uint64_t solves = 0;            ///< right-hand sides
   };
@@ -47,18 +47,18 @@ class KluFactor {
   /// The ordering must outlive the factor.
   explicit KluFactor(const KluOrdering& ordering) : ordering_(&ordering) {}
 
-  /// `values`: one an entry of the pattern.
+  /// `values`: one per entry of the pattern.
   [[nodiscard]] Factored factor(const std::vector<double>& values);
-  /// With the pivots of the last `factor`, where there was one and they are still good.
+  /// With the pivots of the last `factor`, if there was one and they are still good.
   [[nodiscard]] Factored refactor(const std::vector<double>& values);
   /// With the pivots of another factor of the same ordering, in the same way.
   [[nodiscard]] Factored refactor_as(const KluFactor& other, const std::vector<double>& values);
-  /// b := A⁻¹ b for `columns` columns, one after the other. Only after a factorisation that was good.
+  /// b := A⁻¹ b for `columns` columns, one after the other. Only after a successful factorisation.
   void solve(double* b, int columns = 1) const;
 
   /// Smallest over largest pivot of the last factorisation.
   [[nodiscard]] double pivot_ratio() const { return numeric_.pivot_ratio(); }
-  /// After `singular`: the column where it was found out, −1: unknown.
+  /// After `singular`: the column where this was found, −1: unknown.
   [[nodiscard]] int singular_column() const { return singular_column_; }
   /// Entries of L and U.
   [[nodiscard]] std::size_t entries() const { return numeric_.entries(); }

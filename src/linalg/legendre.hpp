@@ -1,8 +1,8 @@
 #pragma once
 /// Polynomials of degree 15 on [−1, 1] by their values at the sixteen Gauss–Legendre points, or as series Σ c_k P_k.
 ///
-/// ∫ f = 2 c_0; of a product of two such polynomials the points and weights give the integral exactly too (degree 31). |f − c_0| ≤ Σ_{k≥1} |c_k|,
-/// by which intervals without a zero are known (Abramowitz & Stegun, chapters 22 and 25.4).
+/// ∫ f = 2 c_0; the points and weights also give the integral of a product of two such polynomials exactly (degree 31). |f − c_0| ≤ Σ_{k≥1} |c_k|
+/// shows intervals without a zero (Abramowitz & Stegun, chapters 22 and 25.4).
 
 #include <algorithm>
 #include <array>
@@ -38,15 +38,15 @@ class LegendreSeries {
   [[nodiscard]] const LegendreValues& coefficients() const { return c_; }
   /// Bound of |f − mean|.
   [[nodiscard]] double variation() const;
-  /// Size of the last three coefficients: rounding, where the points resolve what is interpolated.
+  /// Size of the last three coefficients: rounding, if the points resolve the function.
   [[nodiscard]] double tail() const;
 
  private:
   LegendreValues c_{};
 };
 
-/// Points of [−1, 1] at which f changes sign, ascending; parts of size below `noise` are passed over. Where f touches zero to rounding there may be a pair
-/// of points, with nothing but rounding between them.
+/// Points of [−1, 1] at which f changes sign, ascending; parts of size below `noise` are ignored. Where f touches zero to rounding there may be a pair
+/// of points, with only rounding between them.
 [[nodiscard]] std::vector<double> sign_changes(const LegendreSeries& f, double noise);
 
 /// The least and the largest value on [−1, 1] and where they are.

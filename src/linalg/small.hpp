@@ -57,7 +57,7 @@ class Small {
   std::array<Pair, (length + 1) / 2> pairs_{};  ///< of an odd length the last entry is zero
 };
 
-/// From so many entries on it pays to ask whether one is zero: derivatives of constant and piecewise linear sources are.
+/// From this many entries on it pays to test for zeros: derivatives of constant and piecewise-linear sources are zero.
 inline constexpr int worth_asking = 7;
 
 /// A·x for a square column-major A.

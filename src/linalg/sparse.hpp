@@ -29,7 +29,7 @@ class PatternBuilder {
   std::vector<Place> places_;
 };
 
-/// A matrix by itself.
+/// A matrix with its pattern.
 struct SparseMatrix {
   SparsePattern pattern;
   std::vector<double> values;

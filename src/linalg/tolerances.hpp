@@ -7,10 +7,10 @@
 namespace pwlsim::linalg::tolerance {
 
 /// Of: the terms of one operation in doubled extended precision.
-/// Why: 2^-91, for which a machine that emulates the extended format in doubles has room as well.
+/// Why: 2^-91, which a machine that emulates the extended format in doubles can also represent.
 inline constexpr long double doubled_rounding = std::numeric_limits<long double>::epsilon() * 0x1p-28L;
 /// Of: an entry of a refined solution.
-/// Why: an entry of which the last refinement may have changed more is zero in exact arithmetic.
+/// Why: an entry that the last refinement may have changed by more is zero in exact arithmetic.
 inline constexpr long double unsettled_entry = 1e-3L;
 
 /// Of: the largest term of the series of an exponential.
@@ -27,7 +27,7 @@ inline constexpr double series_rounding = 2.3e-16;
 /// Why: below the rounding of extended precision: no further step changes the point.
 inline constexpr long double last_root_step = 1e-20L;
 
-/// Of: the largest entry of U, for the largest entry of a column of the matrix.
+/// Of: the largest entry of a column of U, for the largest entry of that column of the matrix.
 /// Why: below it the kept pivots have let entries grow by 10^4, and four digits are lost.
 inline constexpr double least_growth = 1e-4;
 /// Of: the pivot ratio that pivoting reached.

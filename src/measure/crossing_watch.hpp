@@ -1,8 +1,8 @@
 #pragma once
-/// Counts the passages of an expression through zero.
+/// Counts the zero crossings of an expression.
 ///
-/// A passage is a change of side, also by a jump. What arrives at zero and rests there has passed; leaving to the other side is then no second passage,
-/// and leaving to where it came from is one. What starts at zero has not passed it.
+/// A crossing is a change of side, also by a jump. A value that reaches zero and stays there has crossed; leaving to the other side is then not a second crossing,
+/// but leaving to the side that it came from is one. A value that starts at zero has not crossed.
 
 #include <cstdint>
 #include <functional>
@@ -19,12 +19,12 @@ class CrossingWatch {
 
   /// The side before the search begins.
   void start(double value, double noise);
-  /// The expression on the next part of time. `passed(time)` is called at the passage that is asked for; of the last one, at each so far.
-  /// `noise`: what is smaller counts as zero.
+  /// The expression on the next interval. Calls `passed(time)` at the requested crossing; for the last one, at each so far.
+  /// `noise`: smaller values count as zero.
   void take(const Part& part, double noise, const std::function<void(double)>& passed);
-  /// The value at the end: what arrives there to rounding has passed.
+  /// The value at the end: a value that reaches zero there to rounding has crossed.
   void finish(double value, double noise, double time, const std::function<void(double)>& passed);
-  /// Nothing more is to be found.
+  /// Whether all requested crossings are found.
   [[nodiscard]] bool is_done() const { return !last_ && seen_ >= count_; }
   [[nodiscard]] std::uint64_t seen() const { return seen_; }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What diodes carry over a run: where to take the tangents of exponential ones.
+/// The currents of diodes over a run, at which the tangents of exponential ones are taken.
 
 #include <array>
 #include <vector>
@@ -17,9 +17,9 @@ class ChargeSpectrum {
   };
 
   void add(double current, double charge);
-  /// All of another's charges times `factor`.
+  /// Adds all charges of another one times `factor`.
   void add(const ChargeSpectrum& other, double factor);
-  /// Those that hold more than a ten-thousandth of all charge, ascending.
+  /// Bins with more than a ten-thousandth of all charge, ascending.
   [[nodiscard]] std::vector<Bin> bins() const;
 
  private:
@@ -32,7 +32,7 @@ class ChargeSpectrum {
 };
 
 /// Probes come in pairs, a diode's current and the voltage across it. The run up to `stop` is divided into sixteen windows of equal length, each of which
-/// counts the same for a diode that conducts in it: an inrush is not all that a rectifier does, though it may move most of the charge.
+/// counts equally for a diode that conducts in it: an inrush must not decide, although it may carry most of a rectifier's charge.
 class DiodeCurrents : public engine::PieceSink {
  public:
   DiodeCurrents(std::size_t diodes, double stop) : stop_(stop), diodes_(diodes) {}
@@ -40,12 +40,12 @@ class DiodeCurrents : public engine::PieceSink {
   void before_start(std::span<const double>) override {}
   void take(const engine::Piece& piece) override;
 
-  /// The mean of a diode's current over the windows, in each weighted by the charge it carries: ∫i² dt / ∫i dt, A. Zero where it carries none.
+  /// The mean of a diode's current over the windows, in each weighted by charge: ∫i² dt / ∫i dt, A. Zero if it carries no charge.
   [[nodiscard]] double mean(std::size_t diode) const;
   [[nodiscard]] std::size_t pieces() const { return pieces_; }
   /// The charge of each window is 1.
   [[nodiscard]] ChargeSpectrum spectrum(std::size_t diode) const;
-  /// The highest and the lowest voltage across it, V; 0 where it has the other sign.
+  /// The highest and the lowest voltage across it, V; 0 if it has the other sign.
   [[nodiscard]] double highest_voltage(std::size_t diode) const { return diodes_[diode].highest; }
   [[nodiscard]] double lowest_voltage(std::size_t diode) const { return diodes_[diode].lowest; }
 
@@ -59,7 +59,7 @@ class DiodeCurrents : public engine::PieceSink {
     double highest = 0.0, lowest = 0.0;
     std::vector<Window> windows{DiodeCurrents::windows};
   };
-  /// Those in which the diode conducts, as far as the others go.
+  /// The windows in which the diode conducts.
   [[nodiscard]] std::vector<const Window*> counted(std::size_t diode) const;
 
   double stop_;

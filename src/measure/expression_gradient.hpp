@@ -1,5 +1,5 @@
 #pragma once
-/// The gradient of a measured expression, exact: what it reads, one by one.
+/// The exact gradient of a measured expression to each quantity that it reads.
 
 #include <span>
 #include <vector>
@@ -14,7 +14,7 @@ struct GradientValue {
   std::vector<double> results;  ///< of each measurement of the list
   std::vector<double> numbers;  ///< of each parameter that numbers of the expression depend on
   double time = 0.0;
-  bool has_kink = false;  ///< the value is at a corner of a function: the gradient is that of one side
+  bool has_kink = false;  ///< the value is at a corner of a function; the gradient is that of one side
 };
 
 class ExpressionGradient {

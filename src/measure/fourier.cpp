@@ -37,7 +37,7 @@ FourierMeter::FourierMeter(const circuit::FourierAnalysis& analysis, std::size_t
   if (periods_ == 0.0) periods_ = std::floor((stop - start) * analysis.frequency * (1.0 + rounding));
   from_ = stop - periods_ / analysis.frequency;
   if (periods_ < 1.0 || from_ < -rounding * stop)
-    failure_ = fmt::format("the run of {} s holds no {} of {} Hz", stop, periods_ > 1.0 ? fmt::format("{} periods", periods_) : "period",
+    failure_ = fmt::format("the run of {} s contains no {} of {} Hz", stop, periods_ > 1.0 ? fmt::format("{} periods", periods_) : "period",
                            analysis.frequency);
   from_ = std::max(from_, 0.0);
   sums_.resize(analysis.harmonics);
@@ -138,8 +138,8 @@ std::string fourier_text(const FourierResult& result) {
   if (!result.failure.empty()) return fmt::format("Fourier analysis for {}: failed\n", result.column);
   const std::string all =
       std::isinf(result.total_distortion) ? "infinite (there are impulses)" : fmt::format("{:.6g} %", 100.0 * result.total_distortion);
-  std::string text = fmt::format("Fourier analysis for {}:\n  No. Harmonics: {}, THD: {:.6g} %, THD of all harmonics: {}\n\n", result.column,
-                                 result.harmonics.size(), 100.0 * result.listed_distortion, all);
+  std::string text = fmt::format("Fourier analysis for {}:\n  No. Harmonics: {}, THD: {:.6g} %, THD of all harmonics: {}\n\n",
+                                 result.column, result.harmonics.size(), 100.0 * result.listed_distortion, all);
   text += "Harmonic Frequency     Magnitude        Phase       Norm. Mag        Norm. Phase\n";
   text += "-------- ---------     ---------        -----       ---------        -----------\n";
   const Harmonic first = result.harmonics.size() > 1 ? result.harmonics[1] : Harmonic{};

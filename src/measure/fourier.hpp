@@ -1,9 +1,9 @@
 #pragma once
-/// Fourier coefficients over whole periods, exact like integrals.
+/// Fourier coefficients over whole periods, as exact as integrals.
 ///
 /// y(t) = a_0 + Σ A_k sin(2πk f (t − t_0) + φ_k), t_0 the begin of the window (Tstop − periods/f), as SPICE counts phases. Two distortions:
-/// of the harmonics listed, √(Σ_{k≥2} A_k²)/A_1, and of all there are, √(2(y_rms² − a_0²) − A_1²)/A_1 (Parseval). An impulse in the window has a share
-/// in every harmonic, and makes the latter infinite.
+/// of the listed harmonics, √(Σ_{k≥2} A_k²)/A_1, and of all harmonics, √(2(y_rms² − a_0²) − A_1²)/A_1 (Parseval). An impulse in the window contributes
+/// to every harmonic and makes the latter infinite.
 
 #include <complex>
 #include <string>
@@ -16,15 +16,15 @@ namespace pwlsim::measure {
 
 struct Harmonic {
   double frequency = 0.0;  ///< Hz
-  double magnitude = 0.0;  ///< of number 0: the mean
+  double magnitude = 0.0;  ///< the mean for number 0
   double phase = 0.0;      ///< degrees
 };
 
 struct FourierResult {
   std::string column;
-  std::string failure;  ///< "" where there are coefficients
+  std::string failure;  ///< "" if there are coefficients
   std::vector<Harmonic> harmonics;
-  double listed_distortion = 0.0, total_distortion = 0.0;  ///< of the fundamental; 0.1 is ten percent
+  double listed_distortion = 0.0, total_distortion = 0.0;  ///< relative to the fundamental; 0.1 is ten percent
 };
 
 class FourierMeter {
@@ -52,7 +52,7 @@ class FourierMeter {
   bool has_impulse_ = false;
 };
 
-/// A table a signal, as ngspice prints them.
+/// A table for each signal, in ngspice's format.
 [[nodiscard]] std::string fourier_text(const FourierResult& result);
 
 }  // namespace pwlsim::measure

@@ -169,7 +169,7 @@ Diagnostic failure_warning(const Result& result, const std::string& where) {
 
 Diagnostic left_out_warning(const Result& result, const std::string& where) {
   return {Severity::warning, "W-impulse-left-out", result.span,
-          fmt::format("measurement {} leaves out{} {}; try a small resistance in the way of the impulse, which gives it a shape",
+          fmt::format("measurement {} leaves out{} {}; try a small resistance in the path of the impulse, which gives it a shape",
                       result.name, where, result.left_out)};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 /// All measurements of a deck.
 ///
-/// A measurement that needs results of others (FROM= the time of a crossing) is taken in a later pass over the run, when those are known; most decks
+/// A measurement that needs results of others (FROM= the time of a crossing) is computed in a later pass over the run, when these are known; most decks
 /// need one pass. Use:
 ///
 ///     Measuring measuring(measurements, start, stop);
@@ -21,9 +21,9 @@ namespace pwlsim::measure {
 struct Result {
   std::string name;
   double value = 0.0;
-  std::string unit;      ///< "V", "W", "s", …; "" where it has none or it is not known
-  std::string failure;   ///< why there is no value; else ""
-  std::string left_out;  ///< impulses that the value holds nothing of, and why; else ""
+  std::string unit;      ///< "V", "W", "s", …; "" if it has none or it is not known
+  std::string failure;   ///< why there is no value; "" if there is one
+  std::string left_out;  ///< impulses that the value excludes, and why; "" if none
   SourceSpan span;
 };
 
@@ -38,22 +38,22 @@ struct Results {
   }
 };
 
-/// What is known of every measurement, hidden ones too, when all passes are over.
+/// The data of every measurement, including hidden ones, after all passes.
 struct Record {
   std::vector<double> values;
   std::vector<std::string> failures;
   std::vector<Place> places;
-  std::vector<char> impulses;  ///< whether the value leaves impulses out, or holds some
+  std::vector<char> impulses;  ///< whether the value excludes impulses, or includes some
 };
 
 class Measuring : public engine::PieceSink {
  public:
-  /// `start`, `stop`: of the rows, s; `end`: of what windows may reach, s (a periodic run goes on behind `stop`). The measurements must outlive this.
+  /// `start`, `stop`: of the rows, s; `end`: the latest end of windows, s (a periodic run continues after `stop`). The measurements must outlive this.
   Measuring(const circuit::Measurements& measurements, double start, double stop, double end);
 
-  /// Prepares the next pass over the run; false where none is needed.
+  /// Prepares the next pass over the run; false if none is needed.
   bool begin_pass();
-  /// The number of the pass begun last, from 1.
+  /// The number of the current pass, from 1.
   [[nodiscard]] int pass() const { return pass_; }
   [[nodiscard]] engine::Probes probes();
   void end_pass(double reached);
@@ -85,14 +85,14 @@ class Measuring : public engine::PieceSink {
   std::vector<std::pair<std::size_t, Meter>> meters_;  ///< of this pass
   std::vector<FourierMeter> fourier_;
   std::vector<FourierResult> fourier_results_;
-  double from_ = 0.0, to_ = 0.0;  ///< what the meters of this pass need to see
+  double from_ = 0.0, to_ = 0.0;  ///< the interval that the meters of this pass need
 };
 
-/// The warning of a result that failed, or of one that leaves impulses out; `where`: " in the run with …", or nothing.
+/// The warning for a result that failed or excludes impulses; `where`: " in the run with …", or "".
 [[nodiscard]] Diagnostic failure_warning(const Result& result, const std::string& where = "");
 [[nodiscard]] Diagnostic left_out_warning(const Result& result, const std::string& where = "");
 
-/// `name = value`, one a line, to so many significant digits (0: all), `name = failed` where there is none; then the tables of .four.
+/// `name = value` lines with this many significant digits (0: all), `name = failed` if there is no value; then the tables of .four.
 [[nodiscard]] std::string results_text(const Results& results, int digits = 0);
 
 }  // namespace pwlsim::measure

@@ -22,9 +22,7 @@ constexpr double equality = 1e-13;
 constexpr double steady = 1e-6;
 constexpr const char* not_finite = "the expression is not finite everywhere in its window";
 
-std::string too_fast(double from, double to) {
-  return fmt::format("the expression moves too fast to be followed from {} s to {} s", from, to);
-}
+std::string too_fast(double from, double to) { return fmt::format("the expression varies too fast from {} s to {} s", from, to); }
 
 circuit::MeasuredExpression difference_of(const circuit::Crossing& crossing) {
   circuit::MeasuredExpression difference = crossing.left;
@@ -176,7 +174,7 @@ std::string Meter::left_out() const {
                                   : fmt::format("impulses at {} instants, first at t = {} s", left_out_, first_left_out_);
   if (integrates()) return fmt::format("{}: {} has no integral over {}", what, measurement_.expression.text, is_one ? "it" : "them");
   if (measurement_.kind == Kind::rms) return fmt::format("{}: {} no integral", what, is_one ? "its square has" : "their squares have");
-  return fmt::format("{}: {} beyond any number", what, is_one ? "it is" : "they are");
+  return fmt::format("{}: {} infinite", what, is_one ? "it is" : "they are");
 }
 
 /// The value on the right of an instant counts; at the end of the run that on its left.

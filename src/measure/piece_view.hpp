@@ -1,5 +1,5 @@
 #pragma once
-/// A piece of the run, and expressions of its signals on any part of it.
+/// Evaluates expressions of signals on any part of a piece of the run.
 
 #include <functional>
 #include <span>
@@ -24,7 +24,7 @@ struct Part {
 class PieceView {
  public:
   explicit PieceView(std::size_t probes);
-  /// The piece that the next calls mean; its values must stay where they are.
+  /// The piece for the next calls; its values must stay where they are.
   void set(const engine::Piece& piece);
   [[nodiscard]] const engine::Piece& piece() const { return piece_; }
 
@@ -33,12 +33,12 @@ class PieceView {
   [[nodiscard]] double value(const Program& program, const std::vector<double>& results, double time);
   /// Of each probe that the expression reads.
   [[nodiscard]] std::vector<double> signals(const Program& program, double time) const;
-  /// What the noise of its signals makes of an expression at most, at the points of [from, to].
+  /// Bounds of the error of an expression from the noise of its signals, at the points of [from, to].
   [[nodiscard]] double noise_of(const Program& program, const std::vector<double>& results, double from, double to);
 
-  /// Hands parts of [from, to] to `take`, in order, on each of which the expression is a polynomial to `resolution` of `scale`. An expression that is no
-  /// polynomial of its signals is halved until it is one: towards a corner or a jump as far as halving goes. False: it moves too fast for that, and what
-  /// was handed over is none.
+  /// Passes parts of [from, to] to `take`, in order, on each of which the expression is a polynomial to `resolution` of `scale`. An expression that is not a
+  /// polynomial of its signals is subdivided until it is one, towards a corner or a jump as far as possible. False: it varies too fast, and the parts that
+  /// were passed are not valid.
   bool resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
                const std::function<void(const Part&)>& take);
 
@@ -63,7 +63,7 @@ class PieceView {
     double error = 0.0;  ///< 0: resolved
     int depth = 0;
   };
-  std::vector<Open> parts_;  ///< of the expression at hand: a heap, the farthest from resolved first
+  std::vector<Open> parts_;  ///< of the expression: a heap, the least resolved first
 };
 
 }  // namespace pwlsim::measure

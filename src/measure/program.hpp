@@ -10,10 +10,10 @@
 
 namespace pwlsim::measure {
 
-/// What an expression reads: `count` instants each.
+/// The inputs of an expression: `count` instants each.
 struct Inputs {
   const double* times = nullptr;  ///< s
-  /// Of a probe; null for one that the expression does not read.
+  /// The values of a probe; null for one that the expression does not read.
   std::vector<const double*> signals;
   const std::vector<double>* results = nullptr;
 };
@@ -25,18 +25,18 @@ class Program {
 
   /// Probes it reads, each once.
   [[nodiscard]] const std::vector<int>& probes() const { return probes_; }
-  /// A sum or product of signals: as well resolved by the points of a piece as these.
+  /// Whether it is a sum or product of signals, which the points of a piece resolve as well as the signals.
   [[nodiscard]] bool is_polynomial() const { return polynomial_; }
-  /// Whether it is a sum of signals with factors that are no signals.
+  /// Whether it is a sum of signals with factors without signals.
   [[nodiscard]] bool is_linear() const { return linear_; }
   /// Whether it is such a sum of the probes that have an impulse: their factors may be other signals.
   [[nodiscard]] bool is_affine_in(std::span<const double> impulses) const;
-  /// What its integral takes of the impulses of the probes at an instant at which the others have these values, where it is affine in those.
+  /// The contribution of impulses of probes to its integral at an instant with these values of the others, if it is affine in the impulses.
   [[nodiscard]] double impulse(std::span<const double> impulses, std::span<const double> others, const std::vector<double>& results,
                                double time) const;
   /// `values`: `count` of them.
   void evaluate(const Inputs& inputs, std::size_t count, double* values) const;
-  /// Of an expression that reads results alone.
+  /// The value of an expression that reads only results.
   [[nodiscard]] double value(const std::vector<double>& results) const;
 
  private:

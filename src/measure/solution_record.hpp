@@ -1,9 +1,9 @@
 #pragma once
 /// The solution of a run for pictures and pages, in bounded memory: not its rows, but the polynomials between events.
 ///
-/// While they are few, all pieces are kept, each signal as a Legendre series that is cut where the rest is below rounding. Beyond that the oldest make room: of
-/// them remain, for each of many equal bins of time, the least and the largest value, the mean and the mean square of each signal, all exact. So the end of a
-/// long run is there in every detail, and what is before it as far as a picture shows.
+/// While they are few, all pieces are kept, each signal as a Legendre series that is cut where the remainder is below rounding. Later the oldest pieces are reduced:
+/// for each of many equal bins of time the exact least and largest value, mean and mean square of each signal are kept. So the end of a
+/// long run is complete, and the time before it is kept as far as a picture shows it.
 
 #include <cstdint>
 #include <deque>
@@ -20,18 +20,18 @@ class SolutionRecord {
   /// Of `signals` signals from `from` to `to`; `sharers`: how many records share the memory that one may take.
   SolutionRecord(double from, double to, std::size_t signals, std::size_t sharers = 1);
 
-  /// A piece behind those before it. `values`: signal by signal, at the Gauss–Legendre points of [begin, begin + length].
+  /// Appends a piece. `values`: signal by signal, at the Gauss–Legendre points of [begin, begin + length].
   void take(const engine::Piece& piece);
 
   [[nodiscard]] std::size_t signals() const { return signals_; }
   [[nodiscard]] bool empty() const { return pieces_.empty() && bins_.empty(); }
-  /// Whether bins stand for the begin of the run.
+  /// Whether bins replace the beginning of the run.
   [[nodiscard]] bool is_thinned() const { return !bins_.empty(); }
 
   struct Piece {
     double from = 0.0, to = 0.0;
     std::vector<std::uint8_t> lengths;  ///< of each signal's series
-    std::vector<double> coefficients;   ///< of all signals, one behind the other
+    std::vector<double> coefficients;   ///< of all signals, one after the other
   };
   [[nodiscard]] const std::deque<Piece>& pieces() const { return pieces_; }
 
@@ -42,12 +42,12 @@ class SolutionRecord {
     double from = 0.0, to = 0.0;
     std::vector<Share> shares;  ///< of each signal
   };
-  /// Ascending, without gaps, up to the first piece. At most `most`: neighbours are joined.
+  /// Ascending, without gaps, up to the first piece. At most `most`; neighbours are joined.
   [[nodiscard]] std::vector<Bin> bins(std::size_t most) const;
-  /// How many bins a page of these signals holds.
+  /// The number of bins for a page of these signals.
   [[nodiscard]] std::size_t bins_of_page() const;
 
-  /// A signal as a polyline that a picture of the whole run cannot tell from the solution: extremes are among its points, and each bin is a line between its
+  /// A signal as a polyline that a picture of the whole run does not distinguish from the solution: it contains the extremes, and each bin is a line between its
   /// extremes. A jump is two points at one time.
   struct Line {
     std::vector<double> times, values;

@@ -8,7 +8,7 @@
 
 namespace pwlsim::measure {
 
-/// "V", "A", "W", "Ω", "S", "s", "Vs", "C", "J", …; "" where the value has none or its parts do not fit together.
+/// "V", "A", "W", "Ω", "S", "s", "Vs", "C", "J", …; "" if the value has none or the units of its parts do not match.
 [[nodiscard]] std::string unit_of(const circuit::Measurements& measurements, std::size_t index);
 
 }  // namespace pwlsim::measure

@@ -17,8 +17,8 @@ namespace pwlsim::model {
 /// sum += factor·form
 void accumulate(LinearForm& sum, const LinearForm& form, double factor = 1.0);
 
-/// Two complementarities, `first` and the next, of which 1 − u(first) is 1 where `argument` > 0, 0 where it is < 0, and anything between at 0.
-/// Where no loop leads from that value back to the argument, elements::decide_steps puts switches in their place, and `at_zero` is the value at 0.
+/// Two complementarities, `first` and the next: 1 − u(first) is 1 for `argument` > 0, 0 for `argument` < 0, and any value between at 0.
+/// If no loop leads from that value back to the argument, elements::decide_steps replaces them by switches, and `at_zero` is the value at 0.
 struct Step {
   int first = 0;
   LinearForm argument;
@@ -52,7 +52,7 @@ class Builder {
   /// Items whose forms need currents of elements added later are completed in place.
   [[nodiscard]] Network& network() { return network_; }
   [[nodiscard]] const Network& network() const { return network_; }
-  /// Those added since they were last taken.
+  /// The steps added since the last call.
   [[nodiscard]] std::vector<Step> take_steps() { return std::exchange(steps_, {}); }
   [[nodiscard]] Network take() { return std::move(network_); }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Which waves of ports are given.
+/// Chooses the given quantity of each port.
 
 #include "linalg/dense.hpp"
 

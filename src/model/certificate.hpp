@@ -1,5 +1,5 @@
 #pragma once
-/// What certifies that a system has one solution: passivity in energy coordinates, or positive principal minors.
+/// Certificates that a system has one solution: passivity in energy coordinates, or positive principal minors.
 
 #include "model/network.hpp"
 #include "model/system.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// A switch that nothing but piecewise linear sources drives: the times at which it changes sides follow from the sources alone,
+/// A switch that only piecewise-linear sources drive: the times at which it changes sides follow from the sources alone,
 ///
 ///     v(t) = constant + Σ gain_k · track_k(t),   on -> off where v falls below off_level, off -> on where v rises above on_level,
 ///
@@ -19,7 +19,7 @@ class Clock {
   /// Time at which the sources are on a threshold and cross it, or jump.
   struct Instant {
     double time = forever;
-    double late = 0.0;  ///< what rounding took off the time
+    double late = 0.0;  ///< rounding error of the time
     bool flips = false;
     bool is_edge = false;  ///< a source jumps
   };
@@ -32,7 +32,7 @@ class Clock {
     Track::Cursor cursor{};
   };
 
-  /// Whether all that the control reads is piecewise linear sources: no state, no port, of these sources no derivative, and none
+  /// Whether the control reads only piecewise-linear sources: no state, no port, no derivative of these sources, and none
   /// that is held.
   [[nodiscard]] static bool can_drive(const System& system, const Control& control);
 
@@ -43,7 +43,7 @@ class Clock {
   /// From the left limit at `time`; a switch on the wrong side there flips at once.
   void start(bool is_on, double time = 0.0);
   [[nodiscard]] bool is_on() const { return is_on_; }
-  /// The next instant that is to be taken: a flip, a jump of a source, or after very many corners without either an empty one.
+  /// The next instant to take: a flip, a jump of a source, or an empty one after very many corners without either.
   [[nodiscard]] const Instant& next() const { return next_; }
   /// Takes it and finds the next one.
   void take();
@@ -68,7 +68,7 @@ class Clock {
     [[nodiscard]] bool departs() const { return value < -noise || (value <= noise && (slope < 0.0 || (slope == 0.0 && passes_at_rest))); }
   };
 
-  /// What comes next from a place in the period that repeats: every period it is the same.
+  /// The next instant from a place in the repeating period: the same in every period.
   struct Recurrence {
     bool is_known = false;
     int passed = 0;    ///< corners, before it

@@ -1,5 +1,5 @@
 #pragma once
-/// What both engines say about couplings that no windings can have.
+/// The message of both engines about impossible couplings.
 
 #include "base/diagnostic.hpp"
 #include "model/network.hpp"

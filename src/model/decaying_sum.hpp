@@ -19,7 +19,7 @@ struct DecayingSum {
   /// values at both ends, and so does each term of df/ds. A part where f may be below is halved, unless f rises or falls throughout; so
   /// are its halves, a few times.
   [[nodiscard]] bool stays_above(double level) const;
-  /// Whether no sum of the rest and some of the terms has another sign than all others.
+  /// Whether all sums of `rest` and any of the terms have the same sign.
   [[nodiscard]] bool keeps_sign() const;
 };
 

@@ -37,13 +37,13 @@ class Track {
   struct Cursor {
     double start = 0.0, value = 0.0, slope = 0.0;
     double next = forever;
-    double start_late = 0.0, next_late = 0.0;  ///< what rounding took off `start` and `next`
+    double start_late = 0.0, next_late = 0.0;  ///< rounding errors of `start` and `next`
     double period_index = 0.0;
     std::size_t item = 0;  ///< of the next segment; counts through prefix, then loop
     /// A ramp meets the segment behind it up to the rounding of its value and of the times it runs between.
     [[nodiscard]] double rounding_at(double time) const;
     [[nodiscard]] double at(double time) const { return slope == 0.0 ? value : value + slope * (time - start); }
-    /// At `time` + `late`, where `late` is what rounding took off the time, from the segment's true start.
+    /// At `time` + `late`, with `late` the rounding error of the time, from the segment's exact start.
     [[nodiscard]] double at(double time, double late) const {
       return slope == 0.0 ? value : value + slope * ((time - start) + (late - start_late));
     }
@@ -55,7 +55,7 @@ class Track {
   void advance(Cursor& cursor) const;
   /// Takes every breakpoint up to time + tolerance, one at least; true if the value jumped there.
   bool pass(Cursor& cursor, double time, double tolerance) const;
-  /// Takes so many corners (one at least), all of them within the repetitions, and leaves `next` to `set_next`.
+  /// Takes this many corners (one at least), all within the repetitions, and leaves `next` to `set_next`.
   void pass_in_loop(Cursor& cursor, int corners) const;
   void set_next(Cursor& cursor) const;
 
@@ -81,7 +81,7 @@ class Exosystem {
     double frequency = 0.0, omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none
-    /// Moves by a rate of its own: no constant, level or ramp.
+    /// Whether it has a rate of its own: not a constant, level or ramp.
     [[nodiscard]] bool is_curved() const { return kind == Kind::oscillation || kind == Kind::decay; }
     [[nodiscard]] int size() const { return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1; }
     /// Bound of |ζ_block^{(order)}(t + s)|₂ for 0 ≤ s ≤ h from the block's state now; for a ramp only its value counts.
@@ -110,12 +110,12 @@ class Exosystem {
   /// The same where held sources begin with these values, by channel.
   [[nodiscard]] Exosystem with_held(std::span<const double> values) const;
 
-  /// Where every piecewise source stands.
+  /// The place of every piecewise source.
   struct Phase {
     std::vector<Track::Cursor> cursors;           ///< one a track
     std::vector<std::pair<double, int>> pending;  ///< (time, block) of starts and ends of oscillations and decays to come, ascending
     std::vector<signed char> stage;               ///< a block: 0 not started, 1 alive, 2 ended
-    std::vector<double> held;                     ///< a track: what a held source changes to at its cursor's `next`
+    std::vector<double> held;                     ///< one per track: the value of a held source from its cursor's `next` on
     double next = forever;                        ///< time of the next breakpoint
   };
   /// Left limit at `time`.
@@ -124,9 +124,9 @@ class Exosystem {
   bool advance(Phase& phase, double time, double tolerance) const;
   /// The held sources of this channel change to `value` at `time`, which is a breakpoint then where it is another value.
   void hold(Phase& phase, int channel, double value, double time) const;
-  /// ζ at `time` within the segments where the phase stands.
+  /// ζ at `time` within the segments of the phase.
   void evaluate(const Phase& phase, double time, double* zeta) const;
-  /// The same of oscillations and decays alone, at time + late, where `late` is what rounding took off the time.
+  /// The same for oscillations and decays alone, at time + late, with `late` the rounding error of the time.
   void evaluate_curved(const Phase& phase, double time, double late, double* zeta) const;
   /// Magnitudes of the terms that these ζ are sums of.
   void sizes(const Phase& phase, double time, const double* zeta, double* size) const;

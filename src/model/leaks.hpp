@@ -1,5 +1,5 @@
 #pragma once
-/// Resistors that hold a potential which nothing but inductors would leave open.
+/// Resistors at potentials to which otherwise only inductors connect.
 ///
 /// A leak R from such a potential to the rest makes a rate R/L of 10¹⁵ s⁻¹ and more in A itself: in extended precision its rounding is a voltage, that of a current
 /// times R, and the slow rates of a mode lose as many digits. As a port that never conducts, with R beside it, the leak is in D instead: A has the rates of a

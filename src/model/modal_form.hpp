@@ -1,7 +1,7 @@
 #pragma once
 /// A mode in the coordinates of its eigenvectors.
 ///
-/// What moves by a rate of its own is x = (c, ζ of oscillations and decays):  x' = M x + L l,  l the levels and ramps, l'' = 0 up to the next corner of a source.
+/// The part with rates of its own is x = (c, ζ of oscillations and decays):  x' = M x + L l,  l the levels and ramps, l'' = 0 up to the next corner of a source.
 /// With M V = V Λ every coordinate of z = V⁻¹ x moves alone, and so does its part of a guard p·x + q·l, p V = (p_k):
 ///
 ///     g(τ) = g + q·l' τ + Σ_k Re p_k (z_k' e₁(λ_k, τ) + f_k' e₂(λ_k, τ)),   f' = V⁻¹ L l',   e₁ = (e^{λτ} − 1)/λ,  e₂ = (e₁ − τ)/λ,
@@ -38,7 +38,7 @@ struct ModalForm {
   mutable int segments_at_once = 0;
 };
 
-/// Null where the eigenvectors are too near to one another, or too many, for it to be worth having. Computed in extended precision.
+/// Null if the eigenvectors are too close to parallel, or too many, for it to be useful. Computed in extended precision.
 [[nodiscard]] std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode);
 
 }  // namespace pwlsim::model

@@ -22,15 +22,15 @@ struct ModalForm;
 /// A decay of e^-40 is rounding.
 inline constexpr double time_constants_to_rest = 40.0;
 
-/// What a mode on its slow manifold (slow_manifold.hpp) leaves out: plain decays ψ_k e^{−τ/T_k} beside the slow motion.
+/// The decays ψ_k e^{−τ/T_k} beside the slow motion that a mode on its slow manifold (slow_manifold.hpp) leaves out.
 struct Decays {
   double slowest = 0.0;     ///< the largest T_k, s
   Vector time_constants;    ///< T_k, s; 0: a jump
   Matrix coordinates;       ///< ψ = coordinates·x (r × size)
-  Matrix guards;            ///< what ψ adds to each guard (guards × r)
-  Matrix guard_doubt;       ///< what rounding of its terms may make of each of these
+  Matrix guards;            ///< contribution of ψ to each guard (guards × r)
+  Matrix guard_doubt;       ///< their possible rounding errors
   Vector guard_rounding;    ///< of the sum, which is the guard in the mode itself, for a state of norm 1
-  double rate_doubt = 0.0;  ///< what rounding of A may make of the slow rates, 1/s
+  double rate_doubt = 0.0;  ///< possible error of the slow rates from rounding of A, 1/s
 };
 
 struct Mode {
@@ -73,21 +73,21 @@ struct Mode {
   Vector input_block_norm;                              ///< ‖E₁ restricted to a block‖
   Vector scaled_guard_c_norm, scaled_input_block_norm;  ///< of row·S and S⁻¹E₁; empty without `scale`
   Matrix outputs;                                       ///< signals in y
-  std::unique_ptr<Decays> decays;                       ///< where the mode is the slow motion of its active set; null: it is all of it
+  std::unique_ptr<Decays> decays;                       ///< if the mode is the slow motion of its active set; null: it is the whole mode
 
   mutable std::uint64_t visits = 0;
-  mutable const Mode* slow = nullptr;  ///< the mode of its slow motion, if it has one and it was requested
-  bool piecewise_linear = false;       ///< nothing but constants, levels and ramps: every guard is a straight line within a segment
-  mutable double reach = 1.5;          ///< rate·h that the locator's series decided last in this mode
+  mutable const Mode* slow = nullptr;             ///< the mode of its slow motion, if it has one and it was requested
+  bool piecewise_linear = false;                  ///< only constants, levels and ramps: every guard is linear in time within a segment
+  mutable double reach = 1.5;                     ///< rate·h that the locator's series decided last in this mode
   mutable std::unique_ptr<ModalForm> modal_form;  ///< likewise
   mutable bool modal_form_known = false;
-  mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is no use
+  mutable bool stiff = false;  ///< its segments are long against 1/‖A‖: the locator's high-order series is useless
 };
 
 /// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
 void finish_mode(const System& system, Mode& mode, Matrix a);
 
-/// What the errors of a guard's entries make of it at y, by `guard_noise` or, where that tells less, by `guard_error`. `size`: of its terms; `least`: the least noise.
+/// The error of a guard at y from the errors of its entries, by `guard_noise` or, if that is smaller, by `guard_error`. `size`: of its terms; `least`: the least noise.
 [[nodiscard]] double guard_rounding(const Mode& mode, int row, const double* y, double size, double least);
 
 /// x -> y and back. x has system.size() entries, y has mode.ny.

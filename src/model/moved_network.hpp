@@ -1,5 +1,5 @@
 #pragma once
-/// Networks whose numbers have moved along a parameter.
+/// Networks whose numbers have changed with a parameter.
 
 #include "model/network.hpp"
 #include "model/network_move.hpp"
@@ -9,7 +9,7 @@ namespace pwlsim::model {
 /// += factor·other, number by number; both are of one kind.
 void add(SourceFunction& sum, const SourceFunction& other, double factor = 1.0);
 
-/// Every number that a parameter moves, moved by `by` times its derivative.
+/// Changes every number that depends on the parameter by `by` times its derivative.
 void move(Network& network, const NetworkMoves& moves, double by);
 
 }  // namespace pwlsim::model

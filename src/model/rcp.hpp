@@ -4,8 +4,8 @@
 ///
 ///     ŷ(s) = T(s) x + G(s) û(s),   0 ≤ û(s) ⊥ ŷ(s) ≥ 0   for all sufficiently large s.
 ///
-/// At a fixed s it is a linear complementarity problem, whose solution names candidates for the mode. They are to be verified: what counts as
-/// sufficiently large depends on x.
+/// At a fixed s it is a linear complementarity problem, whose solution gives candidates for the mode. They must be verified: how large s must be
+/// depends on x.
 
 #include <cstdint>
 #include <vector>

@@ -1,10 +1,10 @@
 #pragma once
-/// Which mode follows from a state, and the jump into it.
+/// Selects the mode that follows from a state, and the jump into it.
 ///
-/// Warm mode first, then modes that followed it before (these first where the solution is known to be unique), then one flip,
-/// then candidates from the rational complementarity problem (RCP) at growing s (Lemke), at last the neighbourhood of the
-/// previous mode. A mode is taken only when verified in its own differential equation (Verifier), so that any relative degree is
-/// decided right.
+/// Candidates, in this order: the current mode and modes that followed it before (these first if the solution is known to be unique); the port whose
+/// guard reached zero flipped, then all ports with falling guards; candidates of the rational complementarity problem (RCP) at growing s (Lemke); the
+/// neighbourhood of the current mode. A mode is taken only when verified in its own differential equation (Verifier), which is correct for any
+/// relative degree.
 
 #include <array>
 #include <memory>
@@ -23,14 +23,14 @@ namespace pwlsim::model {
 /// `several`: `mode` is one of different continuations.
 enum class Choice { found, none, several, too_many_jumps };
 
-/// Which of several different continuations is taken: the first in the order of the ports, or the previous mode where it is one.
+/// The choice among different continuations: the first in the order of the ports, or the previous mode if it is one of them.
 enum class Several { first, stay };
 
-/// Results that are seldom needed.
+/// Further results.
 struct Details {
   Vector impulse;                          ///< of the jumps: ∫u dt of all ports over the instant, in u·s; first order, least norm
-  bool higher_order = false;               ///< derivatives of impulses acted too
-  int order = 0;                           ///< of the highest; where it is not known, the largest there can be
+  bool higher_order = false;               ///< derivatives of impulses occurred, too
+  int order = 0;                           ///< order of the highest; if not known, the largest possible
   std::vector<const Mode*> continuations;  ///< with `several`: one mode of each different continuation
 };
 
@@ -46,7 +46,7 @@ struct Selected {
 /// The last rounding level of the verification: `Selected::relaxation` of a mode that no finer level accepts.
 inline constexpr double coarsest_relaxation = 1e4;
 
-/// With so many ports all modes are tried where nothing else helps, and for further continuations.
+/// With up to this many ports all modes are tried if nothing else helps, and for further continuations.
 inline constexpr int few_ports = 6;
 
 class Selector {
@@ -59,21 +59,21 @@ class Selector {
   const Selected& select(double* x, const IndexSet& wanted, int trigger);
   /// The answer of the last selection.
   [[nodiscard]] const Selected& selected() const { return selected_; }
-  /// The answer where there is nothing to select.
+  /// The answer if there is nothing to select.
   const Selected& stay_in(const Mode& mode);
 
   /// The mode of a set, built at its first visit.
   const Mode& mode(const IndexSet& set);
-  /// Its slow motion, where it leaves decays that are much faster; else null.
+  /// Its slow motion, if it has much faster decays; else null.
   const Mode* slow_mode(const IndexSet& set);
-  /// Decays that are over within `time`, s, and take no guard to zero, are not followed: x goes to the slow manifold at once.
+  /// Decays that end within `time`, s, and take no guard to zero, are not followed: x moves to the slow manifold at once.
   /// The next state to select for comes from this mode after its decays have ended, so it lies in its slow motion; null: none.
   void set_settled(const Mode* mode) { settled_mode_ = mode; }
   void set_unseen(double time) {
     unseen_ = time;
     verifier_.set_unseen(time);
   }
-  /// Ports that share freely all count as conducting, although no signal reads their share.
+  /// Ports whose shares are free all count as conducting, although no signal reads the shares.
   void share_in_any_case() { ports_are_read_ = true; }
   /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
   void rational_only(bool only) { rational_only_ = only; }
@@ -81,13 +81,13 @@ class Selector {
   [[nodiscard]] const std::vector<const Mode*>& jumped_into() const { return jumped_into_; }
   [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
-  /// At the level of rounding that the last selection needed.
+  /// The verifier, at the rounding level that the last selection needed.
   [[nodiscard]] Verifier& verifier() { return verifier_; }
   void mark_visited(const Mode& mode);
   /// The rule J = (I \ Γ2) ∪ Γ1 of van der Schaft & Schumacher's earlier paper: from I every port changes sides whose guard is about to fall
   /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: if it implies a jump, the jump may be adhesive.
   [[nodiscard]] IndexSet by_rule(const double* x, const IndexSet& set);
-  /// Numbers of the system's outputs that some visited mode leaves open (their least-norm value is what rows hold).
+  /// Numbers of the system's outputs that some visited mode does not determine (rows have their least-norm value).
   [[nodiscard]] std::vector<std::size_t> open_outputs() const;
   /// The largest doubt of a rate (Decays::rate_doubt) of the visited modes, 1/s.
   [[nodiscard]] double rate_doubt() const;
@@ -142,17 +142,17 @@ class Selector {
   bool ports_are_read_ = false;  ///< by a signal or a control
   RationalProblem rational_;
   double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
-  /// What is known of a set.
+  /// The data of a set.
   struct Known {
     std::unique_ptr<Mode> mode;  ///< empty: not built yet
     std::unique_ptr<Mode> slow;  ///< its slow motion; empty: not built yet, or there is none
     bool slow_is_known = false;
-    std::vector<const Mode*> successors;  ///< what followed where the set was wanted, the last one first
+    std::vector<const Mode*> successors;  ///< modes that followed this wanted set, the last one first
     std::vector<Way> ways;                ///< what followed by way of another mode
-    const Mode* richer = nullptr;         ///< the mode with its free ports active, where that is another one
+    const Mode* richer = nullptr;         ///< the mode with its free ports active, if that is another one
     bool richer_is_known = false;
     std::unique_ptr<Mode>
-        brief;  ///< all but the decays that are not followed, where `slow` leaves out others, too; empty: there are none of these
+        brief;  ///< the mode without only those decays that are not followed, if `slow` leaves out others, too; else empty
   };
   using Entry = std::pair<const IndexSet, Known>;
   Known& known(const IndexSet& wanted);

@@ -1,6 +1,6 @@
 #pragma once
-/// On which side of a level a sum of sources is about to be: the first of row·ζ − level and its derivatives row·S^k ζ that is not rounding. A sum
-/// that passes the level within the time that counts as one instant, before or after, is on it.
+/// The side of a level on which a sum of sources is about to be: the sign of the first of row·ζ − level and its derivatives row·S^k ζ that is not rounding. A sum
+/// that crosses the level within the time that counts as one instant, before or after, is on it.
 
 #include <vector>
 

@@ -50,7 +50,7 @@ struct Exp {
   bool operator==(const Exp&) const = default;
 };
 
-/// `value` until the run is told another (engine::Sampler), then that; `channel` is its name there.
+/// `value` until the run sets another one (engine::Sampler); `channel` is its name there.
 struct Held {
   double value = 0.0;
   int channel = 0;

@@ -1,6 +1,6 @@
 #pragma once
-/// The equations of a network as the dense model (assembly.hpp) and the sparse engine write them: which unknowns there are, what a linear form is a sum of,
-/// and which element puts what into which row. Where the sums go, and in which precision, is up to each of them.
+/// The equations of a network for the dense model (assembly.hpp) and the sparse engine: the unknowns, the terms of linear forms,
+/// and the entries of each element. Each of the two adds them up in its own storage and precision.
 ///
 /// Rows: Kirchhoff's current law of each node, then one equation for each further unknown. Everything is in volts: an unknown current is R0 times the current.
 
@@ -26,7 +26,7 @@ class Unknowns {
   /// Refers to the network.
   Unknowns(const Network& network, const Choice& choice);
 
-  /// −1: its current is no unknown.
+  /// −1: its current is not an unknown.
   [[nodiscard]] int low_resistor(std::size_t i) const { return low_resistor_[i]; }
   [[nodiscard]] int capacitor(std::size_t i) const { return capacitor_[i]; }
   [[nodiscard]] int inductor(int i) const { return first_inductor_ + i; }
@@ -113,7 +113,7 @@ void write_form(const Network& network, const Unknowns& unknowns, double r0, con
   }
 }
 
-/// Rows take what an element puts into them:
+/// The entries of an element in the rows:
 ///   kcl(p, n, column, c)          the current c·z[column] flows from p to n
 ///   voltage(row, p, n, sign)      sign·(v(p) − v(n))
 ///   resistance(column, c)         −c·z[column] in the row of that current

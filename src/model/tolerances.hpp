@@ -11,7 +11,7 @@ namespace pwlsim::model::tolerance {
 /// Of: one; the distance of one to the next number of double.
 /// Why: 2^-52.
 inline constexpr double unit_rounding = 2.220446049250313e-16;
-/// Of: one; the same of the extended format of x86-64.
+/// Of: one; the same for the extended format of x86-64.
 /// Why: 2^-63.
 inline constexpr double wide_unit_rounding = 1.084202172485504e-19;
 /// Of: a number of the netlist.
@@ -35,17 +35,17 @@ inline constexpr double unit_vector_entry = 1e-12;
 /// Of: the largest entry of a row (of a control or of an output).
 /// Why: both sides were rounded to double after different sums of up to a thousand terms.
 inline constexpr double row_entry = 1e-12;
-/// Of: the terms of a guard row on a slow manifold, against the row of C that it is a sum with.
+/// Of: the terms of a guard row on a slow manifold, relative to the row of C in the same sum.
 /// Why: five units of rounding of double.
 inline constexpr double guard_row_rounding = 1e-15;
 /// Of: the largest diode row of a mode.
-/// Why: five units of rounding: a smaller row is what cancellation left, and two rows that differ by less are one.
+/// Why: five units of rounding: a smaller row is an error of cancellation, and two rows that differ by less are equal.
 inline constexpr double diode_row_rounding = 1e-15;
-/// Of: the state of a run, against the largest there was.
-/// Why: 30 units of rounding: what a jump or an exponential leaves.
+/// Of: the state of a run, relative to the largest so far.
+/// Why: 30 units of rounding: the rounding error of a jump or an exponential.
 inline constexpr double state_rounding = 30.0 * unit_rounding;
-/// Of: the largest guard there ever was, at relaxed levels only.
-/// Why: rounding of a rounding error: what a decay to zero leaves.
+/// Of: the largest guard so far, at relaxed levels only.
+/// Why: rounding of a rounding error: the remainder of a decay to zero.
 inline constexpr double remainder_of_decay = 1e-18;
 /// Of: the state, for derivatives that are zero; of u and y, times the largest row that gives them.
 /// Why: five units of rounding of double.
@@ -57,13 +57,13 @@ inline constexpr double burst_end = 1e3 * unit_rounding;
 // Ranks and pivots
 
 /// Of: singular values of equilibrated rows (Markov parameters, D + Dᵀ, impulses, stores).
-/// Why: far above rounding, and below the ratio of elements of one kind that still counts as different from zero.
+/// Why: far above rounding, and below the ratios of elements of one kind that must count as different from zero.
 inline constexpr double rank = 1e-9;
 /// Of: unit vectors and equilibrated rows, in extended precision.
-/// Why: subspaces of a mode are compared to each other: the rounding of extended precision times the condition that is allowed.
+/// Why: subspaces of a mode are compared with each other: the rounding of extended precision times the allowed condition number.
 inline constexpr double subspace_rank = 1e-10;
 /// Of: rows and columns after scaling to a largest entry of one.
-/// Why: below it a row is what cancellation left, and takes no part in a rank.
+/// Why: a smaller row is an error of cancellation, and does not count in a rank.
 inline constexpr double noise_row = 1e-12;
 /// Of: one, as the condition number of [V T].
 /// Why: beyond it fewer than seven digits of extended precision are left for a jump.
@@ -81,7 +81,7 @@ inline constexpr double jump_rank = 1e-9;
 /// Why: as `subspace_rank`.
 inline constexpr double free_input_rank = 1e-10;
 /// Of: one, as an entry of a unit direction of free inputs.
-/// Why: a larger entry means that the port takes part in what is left open.
+/// Why: a larger entry means that the port belongs to the open direction.
 inline constexpr long double free_input_entry = 1e-9L;
 /// Of: the largest pivot of G in double.
 /// Why: a network whose pivots are above it is regular without further examination.
@@ -90,16 +90,16 @@ inline constexpr double regular_network = 1e-9;
 /// Why: a block whose pivots are above it is regular without further examination.
 inline constexpr long double regular_block = 1e-10L;
 /// Of: one, as an entry of a null vector of order one.
-/// Why: a larger entry takes part; rounding leaves entries below 1e-9.
+/// Why: a larger entry belongs to the null vector; rounding errors are below 1e-9.
 inline constexpr double null_vector_entry = 1e-6;
 /// Of: the largest entry of a row-equilibrated G, for a whole column.
-/// Why: a quantity that is small beside the others of its equations (an integrator's current) is not an undetermined one.
+/// Why: a quantity with small coefficients in its equations (an integrator's current) is not undetermined.
 inline constexpr double small_column = 1e-3;
 /// Of: the same.
 /// Why: five units of rounding of double: the column is zero.
 inline constexpr double rounding_column = 1e-15;
 /// Of: the parts of an entry of a hidden constraint.
-/// Why: some thousand roundings of double: a smaller entry is what cancellation left.
+/// Why: some thousand roundings of double: a smaller entry is an error of cancellation.
 inline constexpr double constraint_entry = 1e-12;
 /// Of: the larger of two pivots of ports.
 /// Why: pivots that differ by less count as equal, and the order of the deck decides.
@@ -108,7 +108,7 @@ inline constexpr double same_pivot = 1e-9;
 /// Why: |k| = 1 to the digits that a coupling is written with.
 inline constexpr double coupling_rank = 1e-12;
 /// Of: R0 of the part.
-/// Why: as a conductance a smaller resistance would drown its node's row; it carries its current as an unknown.
+/// Why: the conductance of a smaller resistance would dominate its node's row; its current is an unknown instead.
 inline constexpr double low_resistance = 1e-3;
 /// Of: the larger of two potentials, each as the sum of the magnitudes of its sources.
 /// Why: sums of a few sources differ by their rounding only.
@@ -117,7 +117,7 @@ inline constexpr double same_potential = 1e-12;
 /// Why: a hundred units of its rounding.
 inline constexpr long double manifold_pivot = 1e-17L;
 /// Of: terms of order one, in extended precision.
-/// Why: an equation that holds of itself leaves less.
+/// Why: the residual of an equation that is an identity is smaller.
 inline constexpr long double manifold_identity = 1e-13L;
 /// Of: one, as the last change of the iteration for the slow subspace.
 /// Why: a hundred units of rounding of extended precision: further steps change nothing.
@@ -129,7 +129,7 @@ inline constexpr double eigenvector = 1e-9;
 /// Why: rates are followed over up to 10^4 of their periods: six digits of a root are left.
 inline constexpr long double rate_error = 1e-10L;
 /// Of: ‖M‖.
-/// Why: a slower rate is what rounding leaves of zero, and is not the smallest that counts.
+/// Why: a slower rate is the rounding error of zero, and is not taken as the smallest rate.
 inline constexpr long double slowest_rate = 1e-14L;
 /// Of: its terms, for an entry of M in the search for further solutions.
 /// Why: a smaller entry counts as zero, and is not pivoted on.
@@ -146,32 +146,32 @@ inline constexpr double noise_floor = 3e-14;
 /// Of: the terms of a guard, for each unit of the condition number.
 /// Why: 30 units of rounding of double.
 inline constexpr double noise_per_condition = 30.0 * unit_rounding;
-/// Of: the same where D was not rounded to double.
+/// Of: the same if D was not rounded to double.
 /// Why: 30 units of rounding of extended precision.
 inline constexpr double wide_noise_per_condition = 30.0 * wide_unit_rounding;
 /// Of: the bound of a solution of D_JJ u = −C_J x, D rounded to double.
 /// Why: 45 units of rounding of double.
 inline constexpr long double solution_noise = 1e-14L;
-/// Of: the same where D was not rounded to double.
+/// Of: the same if D was not rounded to double.
 /// Why: 37 units of rounding of extended precision.
 inline constexpr long double wide_solution_noise = 4e-18L;
-/// Of: an entry of D, of its own size, where it was not rounded to double.
+/// Of: an entry of D, if it was not rounded to double.
 /// Why: the numbers of a netlist are known to that.
 inline constexpr long double entry_doubt = 1e-15L;
-/// Of: an entry of D, of order one, where it was rounded to double.
-/// Why: some 10^5 units of rounding: elements far apart cancel in it.
+/// Of: an entry of D, of order one, if it was rounded to double.
+/// Why: some 10^5 units of rounding: elements of very different size cancel in it.
 inline constexpr long double rounded_doubt = 1e-10L;
 /// Of: the terms of a constraint or a jump direction, in extended precision.
-/// Why: 10^5 units of its rounding: what is left of zero, and the port is not determined.
+/// Why: 10^5 units of its rounding: below it the terms cancel, and the port is not determined.
 inline constexpr long double cancelled_norm = 1e-14L;
 /// Of: the terms of a guard.
-/// Why: beyond it a guard counts as if it had these digits: a potential that leaks of 10^13 Ω hold is not worth a missed event.
+/// Why: a guard with more noise counts as if it had this: a potential held by leaks of 10^13 Ω does not justify a missed event.
 inline constexpr double largest_guard_noise = 1e-9;
 /// Of: the terms of a row, from the entries of D_JJ and C_J.
-/// Why: that bound is decades above what rounding does: more would let a guard stay below zero.
+/// Why: that bound is decades above the actual rounding: a larger value would let a guard stay below zero.
 inline constexpr double largest_row_noise = 1e-12;
 /// Of: the terms of a guard, in the verification of a mode.
-/// Why: beyond it the sign of a guard is decided as if it had these digits.
+/// Why: the sign of a guard with more noise is decided as if it had this.
 inline constexpr double most_guard_noise = 1e-11;
 /// Of: the terms of a power series of the rational problem.
 /// Why: as `noise_floor`.
@@ -189,28 +189,28 @@ inline constexpr double growth = 1e-10;
 // Passivity, uniqueness, jumps
 
 /// Of: the terms of a signal along an open direction of u.
-/// Why: a signal moves along it where its terms do not cancel.
+/// Why: a signal changes along it if its terms do not cancel.
 inline constexpr double open_signal = 1e-9;
 /// Of: ‖row‖·‖y‖ of a guard.
-/// Why: a mode that is violated by more is no continuation.
+/// Why: a mode with a larger violation is not a continuation.
 inline constexpr double clearly_violated = 1e-6;
 /// Of: the mode's own rounding level.
-/// Why: as `clearly_violated`, where rounding is larger.
+/// Why: as `clearly_violated`, if rounding is larger.
 inline constexpr double clearly_above_noise = 1e3;
 /// Of: the larger of two derivatives.
-/// Why: continuations of two modes are the same where all derivatives agree to this.
+/// Why: continuations of two modes are the same if all derivatives agree to this.
 inline constexpr double same_derivative = 1e-9;
 /// Of: the derivative before it.
-/// Why: a derivative that vanishes is compared to the one before, with three digits less.
+/// Why: a derivative that vanishes is compared with the one before, with three digits less.
 inline constexpr double vanishing_derivative = 1e-3;
 /// Of: the terms of q, in the search for further solutions.
-/// Why: far above its rounding: what excludes a mode must be certain.
+/// Why: far above its rounding: a mode may be excluded only with certainty.
 inline constexpr double neighbour_value = 1e-9;
 /// Of: the largest state so far.
 /// Why: far above the rounding of a state.
 inline constexpr double neighbour_state = 1e-12;
 /// Of: a mode's rounding level, for ‖P x − x‖ against ‖x‖.
-/// Why: a smaller distance is no jump.
+/// Why: a smaller distance is not a jump.
 inline constexpr double consistency_per_noise = 30.0;
 /// Of: the largest impulse.
 /// Why: products of ranks and of states: a smaller impulse is rounding.

@@ -1,8 +1,8 @@
 #pragma once
 /// Diodes that conduct only while one of their switches is closed (Diode::enabled_by): otherwise they block at any voltage.
 ///
-/// With its switches open such a port is no complementarity but an open contact: its current is zero, and no sign ends that. In a set of active
-/// ports it stands on the side on which it blocks; in a mode its guard is identically zero.
+/// With its switches open such a port is not a complementarity but an open contact: its current is zero, and no sign condition ends this. In a set of active
+/// ports it is on its blocking side; in a mode its guard is identically zero.
 
 #include <vector>
 

@@ -16,23 +16,23 @@ struct Departure {
 class Verifier {
  public:
   /// Departures of guard rows `rows` of the mode at y into out[0 … rows.size()). Rounding level: mode.noise times the size
-  /// of the terms, where an error of a tenth of the state's norm in every entry of c counts too. (An error in proportion to the largest
-  /// row of the mode, as least squares would make, is not allowed for: u comes from factors of incidence-like matrices, row by row
-  /// exact; allowing for it lets a diode with a finite Roff pass unseen beside one with a small Ron.)
+  /// of the terms, including an error of a tenth of the state's norm in every entry of c. (An error in proportion to the largest
+  /// row of the mode, as of least squares, is not assumed: u comes from factors of incidence-like matrices, row by row
+  /// exact; assuming it would hide a diode with a finite Roff beside one with a small Ron.)
   /// A mode that is the slow motion beside decays of time constant T resolves no time below that: a guard that is below zero by no more than it rises within a few
-  /// T has not crossed where the decays hold it until then: they are not followed, or what was left of them is enough.
+  /// T has not crossed if the decays hold it until then: they are not followed, or their remainder is enough.
   void departures(const Mode& mode, const double* y, const std::vector<int>& rows, Departure* out);
 
-  /// Factor on the rounding level, for a state that no mode accepts at the ordinary one; above 1, what is left of a state that once had
+  /// Factor on the rounding level, for a state that no mode accepts at the ordinary one; above 1, the remainder of a state that once had
   /// the norm `largest` counts as rounding too. It stays until set again.
   void relax(double factor, double largest) {
     relaxation_ = factor;
     largest_ = largest;
   }
   [[nodiscard]] double relaxation() const { return relaxation_; }
-  /// What was left of the decays beside a slow motion when it was entered (Decays::coordinates); valid until set again.
+  /// The remainder of the decays beside a slow motion when it was entered (Decays::coordinates); valid until set again.
   void set_left(const Vector* left) { left_ = left; }
-  /// Decays that are over within this time, s, are not followed.
+  /// Decays that end within this time, s, are not followed.
   void set_unseen(double time) { unseen_ = time; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// The smallest piece of the X3 grammars, and the classes of bytes they agree on.
+/// The basic parser of the X3 grammars, and their classes of bytes.
 
 #include <boost/spirit/home/x3.hpp>
 #include <string_view>

@@ -6,10 +6,10 @@
 
 namespace pwlsim::netlist {
 
-/// False, with an error reported, where the line does not even begin with a name. Other errors leave a damaged card.
+/// False, with an error reported, if the line does not begin with a name. Other errors give a damaged card.
 [[nodiscard]] bool parse_card(const ParseContext& context, Card& card);
 
-/// The first word of a line as `parse_card` takes it for a card's name.
+/// The first word of a line, which `parse_card` takes as a card's name.
 [[nodiscard]] std::string_view card_name(std::string_view line);
 
 }  // namespace pwlsim::netlist

@@ -95,7 +95,7 @@ const auto take = [](auto& context) { x3::_val(context) = std::move(x3::_attr(co
 
 const auto report_unexpected = [](auto& context) {
   const std::string_view text = view_of(x3::_attr(context));
-  if (text == ")") return state_of(context).context.note("N-parenthesis", text, "')' closes nothing and is passed over");
+  if (text == ")") return state_of(context).context.note("N-parenthesis", text, "')' closes nothing and is ignored");
   const char* const why = text.front() == '=' ? "' has nothing before it that could take a value" : "' closes nothing";
   state_of(context).context.report("E-syntax-unexpected", text, "'" + std::string(text) + why);
 };
@@ -368,7 +368,7 @@ bool parse_card(const ParseContext& context, Card& card) {
   if (name_text.empty()) {
     const std::string_view character = first_character(line.begin(), line.end());
     if (line.text() == ")") {
-      context.note("N-parenthesis", character, "')' closes nothing and is passed over");
+      context.note("N-parenthesis", character, "')' closes nothing and is ignored");
       return false;
     }
     context.report("E-syntax-card", character, "a card begins with a name, not with '" + std::string(character) + "'");

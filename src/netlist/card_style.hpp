@@ -1,5 +1,5 @@
 #pragma once
-/// What the first word of a card tells about its syntax: all that the grammar knows of keywords.
+/// The syntax that the first word of a card implies: all that the grammar knows about keywords.
 
 #include <string_view>
 
@@ -15,15 +15,15 @@ class CardStyle {
   [[nodiscard]] bool is_unread() const { return unread_; }
   /// The card holds one expression: .if, .elseif.
   [[nodiscard]] bool is_condition() const { return condition_; }
-  /// Braces around parameters are taken for parentheses.
+  /// Braces around parameters count as parentheses.
   [[nodiscard]] bool is_model() const { return model_; }
-  /// The card measures: keywords and expressions without braces stand in a row.
+  /// The card measures: keywords and expressions without braces in a row.
   [[nodiscard]] bool is_measurement() const { return measurement_; }
-  /// `params:` is a word of its own, even without a blank behind it.
+  /// `params:` is a separate word, even without a blank after it.
   [[nodiscard]] bool takes_params() const { return takes_params_; }
-  /// What is assigned to `left` may be an expression without braces.
+  /// The value assigned to `left` may be an expression without braces.
   [[nodiscard]] bool open_expression(std::string_view left) const;
-  /// A blank may part `word` from the parenthesis that makes a group of it.
+  /// A blank may separate `word` from the parenthesis that makes it a group.
   [[nodiscard]] bool joins_parenthesis(std::string_view word) const;
 
  private:
@@ -39,9 +39,9 @@ class CardStyle {
   bool is_resistor_ = false;
 };
 
-/// A word of a card that measures, where an expression might stand too: AVG, FROM, WHEN, …
+/// A keyword on a card that measures, in a place where an expression is possible, too: AVG, FROM, WHEN, …
 [[nodiscard]] bool is_measurement_keyword(std::string_view word);
-/// The analysis that a card that measures may name first: tran, ac, …
+/// The analysis that such a card may name first: tran, ac, …
 [[nodiscard]] bool is_analysis_name(std::string_view word);
 
 }  // namespace pwlsim::netlist

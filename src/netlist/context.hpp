@@ -1,5 +1,5 @@
 #pragma once
-/// What the grammars of one card share.
+/// The context that the grammars of one card share.
 
 #include <string>
 #include <string_view>

@@ -32,7 +32,7 @@ const char* behind_closing(const char* first, const char* last) {
 
 bool report_unexpected(const char* at, const char* last, const ParseContext& context) {
   const std::string_view character = first_character(at, last);
-  context.report("E-syntax-expression", character, "'" + std::string(character) + "' does not belong into an expression");
+  context.report("E-syntax-expression", character, "'" + std::string(character) + "' does not belong in an expression");
   return false;
 }
 

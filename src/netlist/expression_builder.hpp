@@ -1,5 +1,5 @@
 #pragma once
-/// Tokens -> Expression by operator precedence with stacks of its own, so that no nesting exhausts the program's stack.
+/// Tokens -> Expression by operator precedence with explicit stacks, so that deep nesting does not exhaust the program's stack.
 ///
 /// From weak to strong: ?: (right), || |, && &, == !=, < > <= >=, + -, * /, prefix - + !, ^ ** (left).
 
@@ -17,28 +17,28 @@ class ExpressionBuilder {
 
   enum class Outcome {
     taken,
-    ended,  ///< the expression is complete and this token is no part of it
+    ended,  ///< the expression is complete and this token is not part of it
     failed  ///< an error has been reported
   };
   Outcome take(const Token& token);
 
-  /// What was taken so far is an expression.
-  /// Behind `par(`, where a quoted expression may come (ngspice, HSPICE).
+  /// Whether the tokens so far are an expression.
+  /// Whether this is after `par(`, where a quoted expression may follow (ngspice, HSPICE).
   [[nodiscard]] bool at_quote() const;
   [[nodiscard]] bool complete() const { return !operand_expected_ && parentheses_ == 0; }
 
-  /// Nothing more follows; `end` is where it would stand. False, with an error reported, where something is missing.
+  /// Call at the end, which is at `end`. False, with an error reported, if something is missing.
   bool finish(const char* end, Expression& result);
 
  private:
-  /// What waits on the stack for an operand to its right.
+  /// An operator on the stack that waits for its right operand.
   struct Pending {
     enum class Kind { parenthesis, call, question, colon, prefix, infix };
     Kind kind = Kind::parenthesis;
     int precedence = 0;
     std::string_view text;
     std::string_view whole;
-    std::size_t operands_before = 0;  ///< of a call: where its arguments begin
+    std::size_t operands_before = 0;  ///< for a call: where its arguments begin
   };
   struct Operand {
     Expression expression;

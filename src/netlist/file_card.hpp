@@ -1,5 +1,5 @@
 #pragma once
-/// The arguments of `.include` and `.lib`, which are file names and so follow rules of their own.
+/// The arguments of `.include` and `.lib`: file names, which have their own rules.
 
 #include <optional>
 #include <string_view>
@@ -15,11 +15,11 @@ struct FileArgument {
   bool quoted = false;
 };
 
-/// What stands behind the card's name: words parted by blanks, or "…", or '…'. Nothing, with an error reported where a quote is
+/// The arguments after the card's name: words separated by blanks, or "…", or '…'. Empty, with an error reported, if a quote is
 /// not closed.
 [[nodiscard]] std::optional<std::vector<FileArgument>> file_arguments(const ParseContext& context, std::string_view name);
 
-/// Where the line opens a library section, `.lib name` with a `.endl` further on and no other `.lib name` before it.
+/// Whether the line opens a library section: `.lib name` with a later `.endl` and no other `.lib name` before that.
 [[nodiscard]] bool opens_section(const std::vector<FileArgument>& arguments, LineReader ahead);
 
 }  // namespace pwlsim::netlist

@@ -1,5 +1,5 @@
 #pragma once
-/// Physical lines -> logical lines: comments dropped, continuations joined, every byte still knowing its place in the source.
+/// Physical lines -> logical lines: comments removed, continuations joined; the place of every byte in the source is kept.
 
 #include <cstdint>
 #include <string>
@@ -21,11 +21,11 @@ class LogicalLine {
   [[nodiscard]] const char* begin() const { return view_.data(); }
   [[nodiscard]] const char* end() const { return view_.data() + view_.size(); }
 
-  /// Where [first, last), a part of text(), stands in the source.
+  /// The span of [first, last), a part of text(), in the source.
   [[nodiscard]] SourceSpan span(const char* first, const char* last) const;
   [[nodiscard]] SourceSpan span(std::string_view part) const { return span(part.data(), part.data() + part.size()); }
 
-  /// The line begins with `+` but no card stands before it; text() is what follows the `+`.
+  /// The line begins with `+` but has no card before it; text() is the text after the `+`.
   [[nodiscard]] bool orphan() const { return orphan_; }
 
  private:
@@ -41,12 +41,12 @@ class LogicalLine {
 
   FileIndex file_ = no_file;
   std::string_view view_;
-  std::string joined_;  ///< the text where it has more than one piece
+  std::string joined_;  ///< the text if it has more than one piece
   std::vector<Piece> pieces_;
   bool orphan_ = false;
 };
 
-/// Gives the logical lines of `text` one by one. Cheap to copy, so that one may look ahead.
+/// Returns the logical lines of `text` one by one. Cheap to copy, for looking ahead.
 class LineReader {
  public:
   LineReader(FileIndex file, std::string_view text, std::size_t begin = 0) : file_(file), text_(text), at_(begin) {}
@@ -56,10 +56,10 @@ class LineReader {
 
  private:
   struct Physical {
-    std::string_view content;  ///< without comment and outer blanks
-    bool continues = false;    ///< it began with `+`, which is taken off
+    std::string_view content;  ///< without the comment and outer blanks
+    bool continues = false;    ///< it began with `+`, which is removed
   };
-  /// The next physical line that holds more than blanks and comments, and where the line after it begins.
+  /// The next physical line with more than blanks and comments, and where the line after it begins.
   bool next_physical(Physical& line, std::size_t& after) const;
 
   FileIndex file_;
@@ -70,7 +70,7 @@ class LineReader {
 /// `line` up to its end-of-line comment: `;`, `//`, or a `$` between blanks, outside "…".
 [[nodiscard]] std::string_view without_comment(std::string_view line);
 
-/// Blanks are spaces, tabs and whatever else is below them; control characters have been reported when the text was read.
+/// Blanks are spaces, tabs and all lower characters; control characters were reported when the text was read.
 [[nodiscard]] constexpr bool is_blank(char c) { return static_cast<unsigned char>(c) <= ' '; }
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 

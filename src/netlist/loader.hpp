@@ -1,5 +1,5 @@
 #pragma once
-/// Cards of a deck and of all it includes, in the order in which they take effect.
+/// Cards of a deck and of all files that it includes, in the order in which they take effect.
 
 #include <filesystem>
 #include <map>
@@ -24,13 +24,13 @@ class Loader {
   Loader(SourceStore& sources, Diagnostics& diagnostics, const LoadLimits& limits)
       : sources_(sources), errors_(diagnostics), limits_(limits) {}
 
-  /// The whole deck; `bytes` are those of the top file, `directory` is where its includes are sought first.
+  /// The whole deck; `bytes` are those of the top file, `directory` is the first place for its includes.
   Deck read_deck(const std::string& name, std::string bytes, const std::filesystem::path& directory);
-  /// The netlist of a schematic, whose bytes these are; empty where it is no text.
+  /// The netlist of the schematic with these bytes; empty if it is not text.
   std::string write_netlist(const std::string& name, std::string bytes, const std::filesystem::path& directory);
-  /// Of a schematic; call it before.
+  /// For the drawing of a schematic; call it first.
   void keep_drawing(Drawing* drawing) { drawing_ = drawing; }
-  /// Those read besides the top file.
+  /// The files read besides the top file.
   [[nodiscard]] std::vector<std::string> files() const;
 
  private:
@@ -39,7 +39,7 @@ class Loader {
     std::filesystem::path directory;
     bool is_text = true;
   };
-  /// An `.include` or `.lib` card that asks for a file.
+  /// An `.include` or `.lib` card that names a file.
   struct Request {
     std::string_view file;
     std::string_view section;  ///< empty: the whole file
@@ -47,7 +47,7 @@ class Loader {
     SourceSpan section_span;
     bool is_library = false;
   };
-  /// What is being read, to see recursion and depth.
+  /// The files being read, to detect recursion and depth.
   struct Visit {
     FileIndex file;
     std::string section;
@@ -86,9 +86,9 @@ class Loader {
   std::vector<Visit> visits_;
   std::size_t repeated_files_ = 0;
   std::size_t repeated_bytes_ = 0;
-  bool exhausted_ = false;  ///< includes multiply without end: no more are followed
+  bool exhausted_ = false;  ///< includes multiply without limit: no more are followed
   SourceSpan first_control_;
-  std::optional<LineReader> control_tran_;  ///< stands before the first `tran` line of a .control block
+  std::optional<LineReader> control_tran_;  ///< at the first `tran` line of a .control block
 };
 
 }  // namespace pwlsim::netlist

@@ -1,5 +1,5 @@
 #pragma once
-/// Which cards of a file are wanted: all outside of `.lib name … .endl` sections, or those of one section.
+/// Selects the cards of a file: all outside of `.lib name … .endl` sections, or those of one section.
 
 #include <string>
 #include <string_view>
@@ -11,7 +11,7 @@ namespace pwlsim::netlist {
 
 class SectionFilter {
  public:
-  /// `wanted` is empty where the whole file is meant.
+  /// `wanted` is empty for the whole file.
   explicit SectionFilter(std::string_view wanted) : wanted_(wanted) {}
 
   void begin(std::string_view name) {
@@ -20,7 +20,7 @@ class SectionFilter {
     chosen_ = same_name(name, wanted_);
     found_ = found_ || chosen_;
   }
-  /// False where no section is open.
+  /// False if no section is open.
   bool end() {
     const bool was_inside = inside_;
     inside_ = false;

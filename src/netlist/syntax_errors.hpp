@@ -1,5 +1,5 @@
 #pragma once
-/// Syntax errors on their way to the user's messages: each once, and not without end.
+/// Passes syntax errors to the user's messages: each once, and a limited number.
 
 #include <cstddef>
 #include <string>
@@ -12,19 +12,19 @@ class SyntaxErrors {
  public:
   explicit SyntaxErrors(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Passes the error on, unless the same was reported (a file may be read twice) or a hundred stand already.
+  /// Passes the error on, unless the same was reported (a file may be read twice) or there are a hundred already.
   void report(std::string id, SourceSpan span, std::string text);
-  /// What is told and passes, likewise.
+  /// The same for notes and warnings.
   void note(std::string id, SourceSpan span, std::string text);
-  /// Says how many errors were held back, if any.
+  /// Reports how many errors were held back, if any.
   void finish();
 
-  /// All errors met, shown or not.
+  /// The number of all errors, shown or not.
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] Diagnostics& diagnostics() { return diagnostics_; }
 
  private:
-  /// False where it is known already, or must be held back.
+  /// False if it was reported already, or must be held back.
   bool is_shown(Severity severity, const std::string& id, SourceSpan span);
 
   Diagnostics& diagnostics_;

@@ -10,8 +10,8 @@ struct Token {
   enum class Kind {
     number,
     name,
-    call,    ///< a name and the `(` behind it; `text` is the name alone
-    signal,  ///< V(a,b) or I(x): `text` is V, `nodes` are a and b, which no number or operator rule touches
+    call,    ///< a name and the `(` after it; `text` is the name alone
+    signal,  ///< V(a,b) or I(x): `text` is V, `nodes` are a and b, to which rules of numbers and operators do not apply
     sign,    ///< an operator of one or two characters
     open,    ///< ( or {
     close,   ///< ) or }
@@ -25,7 +25,7 @@ struct Token {
   std::vector<std::string_view> nodes;
 };
 
-/// Takes the token at `first`, which stands on no blank; false where no token begins there.
+/// Reads the token at `first`, which is not at a blank; false if no token begins there.
 bool next_token(const char*& first, const char* last, Token& token);
 
 }  // namespace pwlsim::netlist

@@ -1,5 +1,5 @@
 #pragma once
-/// An exact run beside a refined run of ngspice: how far apart, and how much of that ngspice's own study explains.
+/// Compares an exact run with a refined run of ngspice: their difference, and how much of it ngspice's refinement study explains.
 
 #include <string>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace pwlsim::spice {
 
-/// When a diode or a switch changes sides.
+/// The times at which a diode or a switch changes.
 struct SwitchingTimes {
   std::string name;
   std::vector<double> times;  ///< s, ascending
 };
 
-/// What the exact engine gave. `values`: one list a signal, at the study's sample times.
+/// Results of the exact engine. `values`: one list per signal, at the study's sample times.
 struct ExactRun {
   std::vector<std::vector<double>> values;
   std::vector<SwitchingTimes> switching;
@@ -22,7 +22,7 @@ struct ExactRun {
 
 struct ComparedSignal {
   std::string name;
-  double scale = 0.0;           ///< its largest magnitude in the exact run; of ngspice's where that is zero
+  double scale = 0.0;           ///< its largest magnitude in the exact run, or in ngspice's if that is zero
   double difference = 0.0;      ///< largest at the sample times; this and what follows relative to `scale`
   double mean = 0.0;            ///< of the magnitudes at the sample times
   double time = 0.0;            ///< s, of the largest
@@ -37,7 +37,7 @@ inline constexpr double safety = 2.0;
 struct ComparedEvents {
   std::string name;
   std::size_t exact = 0, ngspice = 0;  ///< numbers of changes
-  double worst = 0.0;                  ///< s, largest distance of an exact change from its partner; 0 where there is none
+  double worst = 0.0;                  ///< s, largest distance of an exact change from its partner; 0 if there is none
   double at = 0.0;                     ///< s
 };
 
@@ -48,7 +48,7 @@ struct Comparison {
 
 [[nodiscard]] Comparison compare(const Study& study, const std::vector<double>& sample_times, const ExactRun& exact);
 
-/// When the control of a part passes its levels in ngspice's waveforms, by straight lines between its points.
+/// The times at which the control of a part crosses its levels in ngspice's waveforms, with straight lines between points.
 [[nodiscard]] SwitchingTimes switching_times(const SwitchingPart& part, const waveform::RawFile& waveforms);
 
 }  // namespace pwlsim::spice

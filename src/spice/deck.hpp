@@ -15,27 +15,27 @@ inline constexpr double default_sharpness = 1e-3;
 inline constexpr double least_sharpness = 1e-9, largest_sharpness = 1.0;
 
 /// A small R–C across each diode and switch. Without it nothing limits the voltage of an inductor whose current a contact of 1e8 ohm interrupts, and
-/// ngspice ends with "Timestep too small". With a circuit of impedance Z whose events are T apart, C = X·T/Z and R = Z/√X: its effect vanishes with X as
-/// that of the smoothing does, and it damps what rings between C and an inductance of about Z·T at every X.
+/// ngspice ends with "Timestep too small". With a circuit of impedance Z whose events are T apart, C = X·T/Z and R = Z/√X: its effect vanishes with X like
+/// that of the smoothing, and for every X it damps the ringing between C and an inductance of about Z·T.
 struct Snubber {
   double impedance = 0.0;  ///< Z, ohm; 0: no snubber
   double time = 0.0;       ///< T, s
 };
 
-/// The absolute tolerances of the deck (abstol, vntol): what is smaller ngspice does not know.
+/// The absolute tolerances of the deck (abstol, vntol): ngspice does not resolve smaller values.
 inline constexpr double current_tolerance = 1e-9, voltage_tolerance = 1e-6;
 
 struct DeckSettings {
   double sharpness = default_sharpness;  ///< elements/twin.hpp
   double reltol = 1e-4;
-  double largest_step = 0.0;  ///< s; 0: Tstep, or a thousandth of the run where that is smaller
+  double largest_step = 0.0;  ///< s; 0: Tstep, or a thousandth of the run if that is smaller
   bool gear = false;          ///< instead of the trapezoidal rule
   Snubber snubber;
-  bool switching = false;            ///< save also what diodes and switches follow
+  bool switching = false;            ///< also save the controls of diodes and switches
   std::vector<double> sample_times;  ///< s, ascending, above 0: ngspice is made to step on them
 };
 
-/// A signal as what ngspice saves: Σ sign·vector.
+/// A signal as a sum of vectors that ngspice saves: Σ sign·vector.
 struct SignalVectors {
   std::string name;  ///< as in the CSV header
   std::vector<std::pair<std::string, double>> terms;
@@ -50,10 +50,10 @@ struct SwitchingPart {
 struct SmoothDeck {
   std::string text;
   std::vector<SignalVectors> signals;    ///< in the order of the columns
-  std::vector<SwitchingPart> switching;  ///< where settings.switching asks for them
+  std::vector<SwitchingPart> switching;  ///< if settings.switching requests them
 };
 
-/// `circuit` must have passed circuit::assemble. What ngspice cannot have is an error E-no-twin; then the answer is empty.
+/// `circuit` must have passed circuit::assemble. An element without an equivalent in ngspice is an error E-no-twin; then the result is empty.
 [[nodiscard]] std::optional<SmoothDeck> smooth_deck(const circuit::Circuit& circuit, const DeckSettings& settings,
                                                     Diagnostics& diagnostics);
 

@@ -3,8 +3,8 @@
 ///
 ///     λ′ = −A′λ − c,   λ⁻ = P′λ⁺ + on_state′σ,   σ = d·λ⁺ + (what the measurement reads of the instant's shift),
 ///
-/// λ growing by what the measurement reads of the signals at each of its points; c is what it reads of them throughout (an average). A parameter's inputs w = row·(y, z) then bring ∫ λ′(b w + b₁ w′) dt, for
-/// which one matrix ∫ λ (y, z)′ dt a mode serves all parameters: it is linear in λ y′ at the ends of intervals, which are added up over all intervals of
+/// λ jumps by the measurement's weights of the signals at each of its points; c is a weight over time (an average). A parameter's inputs w = row·(y, z) then contribute ∫ λ′(b w + b₁ w′) dt, for
+/// which one matrix ∫ λ (y, z)′ dt per mode serves all parameters: it is linear in λ y′ at the ends of intervals, which are added up over all intervals of
 /// one length. With c these are those of (λ, 1), whose last row is ∫ (y, z)′ dt.
 ///
 /// Cao, Li, Petzold & Serban, Adjoint sensitivity analysis for differential-algebraic equations, SIAM J. Sci. Comput. 24 (2003), for the method; the
@@ -23,22 +23,22 @@ namespace pwlsim::steady {
 
 class Adjoint {
  public:
-  /// `sensitivity` must outlive this. `signals`: those that functionals weigh.
+  /// `sensitivity` must outlive this. `signals`: those with weights in functionals.
   Adjoint(const Sensitivity& sensitivity, std::vector<int> signals);
 
   /// What the functional reads is d·(derivative of the start), for a parameter that moves nothing else.
   [[nodiscard]] Vector to_start(const Functional& functional, const Vector& end) const;
   /// The functional, and `end` weighing the state at the end, of the derivative to each parameter from a start that does not move.
   struct Read {
-    std::vector<double> values;  ///< of each parameter; 0 where it cannot be followed
-    Vector start;                ///< what a start that moves adds: start·x_p(0)
+    std::vector<double> values;  ///< of each parameter; 0 if it cannot be followed
+    Vector start;                ///< contribution of a start that changes: start·x_p(0)
   };
   [[nodiscard]] Read read(const Functional& functional, const Vector& end) const;
-  /// Why a parameter cannot be followed; "" where it can.
+  /// Why a parameter cannot be followed; "" if it can.
   [[nodiscard]] const std::string& failure(std::size_t parameter) const { return failures_[parameter]; }
-  /// Whether it is because events that meet move apart: there is one derivative on each side.
+  /// Whether the reason is that the parameter separates coinciding events: there is one derivative on each side.
   [[nodiscard]] bool is_kink(std::size_t parameter) const { return kinks_[parameter] != 0; }
-  /// Only forward: its edges lie where something else happens.
+  /// Whether it can be followed forward only: its edges coincide with other events.
   [[nodiscard]] bool is_forward_only(std::size_t parameter) const { return forward_only_[parameter] != 0; }
 
  private:
@@ -55,7 +55,7 @@ class Adjoint {
     int uses = 0;
     Matrix sum, injection;  ///< injection: λ at the begin for a unit of each weight
   };
-  /// The same for intervals of about one length: what they bring is an analytic function of the length, which is interpolated between a few.
+  /// The same for intervals of about one length: their contribution is an analytic function of the length, which is interpolated between a few lengths.
   struct Range {
     std::int64_t number = 0;  ///< its lengths are those from number·width on
     int uses = 0;
@@ -84,8 +84,8 @@ class Adjoint {
     bool collects = true;
     std::map<std::pair<std::size_t, const model::Mode*>, Sums> sums;
     std::vector<double> shifts;          ///< σ of each instant
-    std::map<std::size_t, double> read;  ///< what the measurement reads of the instants' shifts
-    /// Weights of the signals, throughout intervals of time, which do not overlap.
+    std::map<std::size_t, double> read;  ///< the measurement's weights of the instants' shifts
+    /// Weights of the signals over intervals of time, which do not overlap.
     struct Density {
       double begin = 0.0, end = 0.0;
       std::vector<double> weights;

@@ -1,5 +1,5 @@
 #pragma once
-/// What a measurement reads of a run's derivative to a parameter: a weighted sum of it at times, in intervals, and of the shifts of instants.
+/// The functional by which a measurement's derivative depends on a run's derivative: a weighted sum of its values at times, in intervals, and of the shifts of instants.
 
 #include <cstddef>
 #include <map>

@@ -1,8 +1,8 @@
 #pragma once
-/// An orbit with small inputs: what a segment and an instant make of a deviation of the state and of inputs w_k.
+/// An orbit linearised with small inputs: the effect of segments and instants on a deviation of the state and on inputs w_k.
 ///
-/// Inputs are sources of value zero in the model (add_input), so that every matrix that the model makes holds a column for w and one for w′: how an input
-/// enters a guard, a jump, an output comes from there and nowhere else.
+/// Inputs are sources of value zero in the model (add_input), so that every matrix of the model has a column for w and one for w′: the effect of an input
+/// on a guard, a jump or an output comes from these columns only.
 
 #include <string>
 #include <vector>
@@ -13,9 +13,9 @@
 
 namespace pwlsim::steady {
 
-/// Adds such a source to the network and returns its number; it is to be added to forms that it moves.
+/// Adds such a source to the network and returns its number; add it to the forms that it changes.
 [[nodiscard]] int add_input(model::Network& network, const std::string& name);
-/// Adds it to every form that reads this source, so that it moves what the source moves.
+/// Adds it to every form that reads this source, so that it has the same effects.
 void superpose_input(model::Network& network, int source, int input);
 
 /// Columns of an island's ζ for one input: w = ζ_value, w′ = rate·ζ_slope. −1: the island does not read it.
@@ -39,13 +39,13 @@ struct LinearChange {
   Vector outputs;  ///< y⁻ − y⁺ of its outputs
 };
 
-/// δt = on_state·δξ + on_w·w of a guard that is passed; zero where the time is fixed.
+/// δt = on_state·δξ + on_w·w for a guard that crosses zero; zero if the time is fixed.
 struct LinearGuard {
   int island = -1;                     ///< whose deviation decides δt; −1: none
   Eigen::RowVectorXd on_state;         ///< of that island's ξ
   std::vector<double> on_w, on_slope;  ///< of each input and its derivative
   int level_switch = -1;               ///< whose threshold is passed; −1: none
-  bool is_off_level = false;           ///< that where it opens
+  bool is_off_level = false;           ///< the threshold at which it opens
   double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
   int row = -1;                        ///< of the mode's guards
 };
@@ -55,13 +55,13 @@ struct LinearInstant : LinearGuard {
   std::vector<LinearSegment> segments;  ///< that end here
   std::vector<int> flips;               ///< switches of the model that change here
   std::vector<LinearChange> changes;
-  std::vector<LinearGuard> beside;  ///< passed at the same time by chance, where the derivative depends on which is passed first
+  std::vector<LinearGuard> beside;  ///< other guards that cross at the same time, if the derivative depends on the order
 };
 
 /// A whole period.
 class LinearisedOrbit {
  public:
-  /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: what happens there has the period's end on its left.
+  /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: the period's end is on its left.
   LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
                   const std::vector<std::string>& inputs);
 

@@ -2,9 +2,9 @@
 /// Periodic orbits: Newton's method on the exact map over a period, with its exact derivative.
 ///
 /// Driven: x ↦ φ_T(x) from t = 0⁻ to T⁻, T the common period of the sources, times k. Self-timed: the return map of an event, right of it.
-/// A step counts that passes the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, §3.3), or after a few that need not.
-/// Where Newton's method does not get on, x' = φ(x) − x is followed by the implicit Euler method, several periods a step (pseudo-transient continuation:
-/// Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998)); where that does not, periods are simulated.
+/// A step is accepted if it passes the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, §3.3); a few steps need not.
+/// If Newton's method is stuck, the implicit Euler method follows x' = φ(x) − x, several periods per step (pseudo-transient continuation:
+/// Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998)); if that does not help either, periods are simulated.
 
 #include <complex>
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace pwlsim::steady {
 
-/// Where events of a self-timed circuit are counted from: true at the instant that begins a period.
+/// The event of a self-timed circuit that begins a period: true at that instant.
 struct Section {
   std::string name;  ///< "S1 closes"
   EndsAt is_passed;
@@ -49,19 +49,19 @@ struct Orbit {
   double period = 0.0;  ///< s
   Trace trace;          ///< of one period, `multiple` periods of the sources
   Matrix monodromy;
-  std::string kink;            ///< why there are no multipliers; "" where there are
+  std::string kink;            ///< why there are no multipliers; "" if there are
   std::vector<Beside> beside;  ///< guards passed together with other events: multipliers are those of one order
   double residual = 0.0;       ///< ‖φ(x) − x‖ against the largest state on the orbit
   double largest = 0.0;        ///< that state's norm, √J
   int iterations = 0, periods_simulated = 0;
   double least_singular = 1.0;          ///< smallest singular value of I − Φ
   std::vector<Vector> free_directions;  ///< of a family of orbits
-  Vector drift;                         ///< of ξ in a period, where it drifts
+  Vector drift;                         ///< of ξ per period, if it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
   std::vector<double> residuals;        ///< of the iterations
   std::string section;                  ///< self-timed: the event that begins the period
-  int repeats_after = 0;                ///< k > 1: the orbit found repeats after so many of its k periods; 0: after all of them
-  bool drift_turns = false;             ///< what drifts oscillates within the period: a resonance
+  int repeats_after = 0;                ///< k > 1: the orbit found repeats after this many of its k periods; 0: after all of them
+  bool drift_turns = false;             ///< the drifting state oscillates within the period: a resonance
   bool repeats_modes = false;           ///< not converged: the best attempt goes through the same modes in the next period
 };
 

@@ -31,13 +31,13 @@ struct Trace {
   [[nodiscard]] std::size_t segments() const;
 };
 
-/// Leaves out instants behind `end`, s. One at the end stays, with what the run does behind it.
+/// Removes instants after `end`, s. One at the end stays.
 void end_at(Trace& trace, double end);
 
-/// Each island's share of its signals left of the end of a period that the trace holds; empty where one is not known.
+/// Each island's share of its signals just before the end of the period of the trace; empty if one is not known.
 [[nodiscard]] std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model, const Trace& trace, double period);
 
-/// Whether the run is to end at this instant, given the switches left of it.
+/// Whether the run must end at this instant, given the switches before it.
 using EndsAt = std::function<bool(const engine::InstantView&, const std::vector<char>& on_before)>;
 
 class TraceRecorder : public engine::Observer {
@@ -47,7 +47,7 @@ class TraceRecorder : public engine::Observer {
 
   void segment(const engine::SegmentView& view) override;
   bool instant(const engine::InstantView& view) override;
-  /// What has been seen; the recorder is empty afterwards.
+  /// The recorded trace; the recorder is empty afterwards.
   [[nodiscard]] Trace take();
   [[nodiscard]] bool has_ended() const { return has_ended_; }
 

@@ -287,7 +287,7 @@ class Adder {
     const linalg::Matrix scaled = (m.array().colwise() / size).rowwise() / size.transpose();
     const Eigen::FullPivLU<linalg::Matrix> lu(scaled);
     if (!lu.isInvertible() || lu.rcond() < least_pivot) {  // the estimate leaves out pivots that are zero
-      result.failure = "it moves inductors that are perfectly coupled";
+      result.failure = "it changes perfectly coupled inductors";
       return;
     }
     // −M⁻¹P, and what starts at given currents keeps them.

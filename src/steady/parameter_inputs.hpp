@@ -1,12 +1,12 @@
 #pragma once
-/// A parameter of the network as small inputs: sources of value zero, added to the model, and what each of them is for a unit of the parameter.
+/// A parameter of the network as small inputs: sources of value zero, added to the model, and the value of each per unit of the parameter.
 ///
 ///     v = (R + p)·i            a voltage p·i in series
 ///     q = (C + p)·v            a voltage −(p/C)·v in series: the charge, which is the state, keeps its equation, and its jumps
 ///     λ = (M + P)·i            currents −(M⁻¹P i) in parallel, likewise
-///     v = drop + …, a gain, a level of a source: a voltage or a current of its own
+///     v = drop + …, a gain, a level of a source: a separate voltage or current
 ///
-/// Thresholds of switches move no equation, but the time at which they are passed.
+/// Thresholds of switches change no equation, but the times of crossings.
 
 #include <optional>
 #include <string>
@@ -18,12 +18,12 @@
 
 namespace pwlsim::steady {
 
-/// w of `input` += weight·(signal of the network, or what a store holds).
+/// w of `input` += weight·(signal of the network, or voltage or current of a store).
 struct Drive {
   int input = 0, signal = -1;
   double weight = 0.0;
   std::string store{};  ///< "v(C1)", in place of a signal
-  /// In place of both: a voltage that sources hold, whatever part of the circuit it is read in.
+  /// In place of both: a voltage that sources hold, in any part of the circuit.
   struct Held {
     std::vector<std::pair<std::string, double>> sources;  ///< name and coefficient
     double constant = 0.0;
@@ -31,7 +31,7 @@ struct Drive {
   std::optional<Held> held{};
 };
 
-/// w of `input` += derivative of a function of time, whose numbers move by `derivative`.
+/// w of `input` += derivative of a function of time, whose numbers change by `derivative`.
 struct Wave {
   int input = 0;
   model::SourceFunction function, derivative;
@@ -39,20 +39,20 @@ struct Wave {
   std::string name{};
 };
 
-/// The threshold of a switch moves by so much.
+/// The change of a switch's threshold.
 struct LevelMove {
   int number = 0;  ///< of the switch
   double on = 0.0, off = 0.0;
 };
 
-/// The start of a run with uic moves: voltage of a capacitor or current of an inductor.
+/// The change of a start with uic: voltage of a capacitor or current of an inductor.
 struct StartMove {
   bool is_capacitor = true;
   std::string name;
   double value = 0.0;
 };
 
-/// What `.ic` says moves: the voltage of a node, or the current of an inductor.
+/// The change of an `.ic` value: the voltage of a node, or the current of an inductor.
 struct ConditionMove {
   bool is_current = false;
   std::string name;
@@ -65,15 +65,15 @@ struct ParameterInputs {
   std::vector<LevelMove> levels;
   std::vector<StartMove> starts;
   std::vector<ConditionMove> conditions;
-  std::string failure;  ///< why the parameter cannot be followed; "" where it can
-  double value = 0.0;   ///< of the parameter, for what counts as rounding; 0: not known
+  std::string failure;  ///< why the parameter cannot be followed; "" if it can
+  double value = 0.0;   ///< of the parameter, to judge rounding; 0: not known
 };
 
 /// The inputs of all parameters in one network.
 struct SensitivityInputs {
   std::vector<std::string> names;  ///< of the inputs in the network
   std::vector<ParameterInputs> parameters;
-  std::size_t signals = 0;  ///< added to the network, behind its own
+  std::size_t signals = 0;  ///< added to the network, after its own
 };
 
 [[nodiscard]] SensitivityInputs add_parameter_inputs(model::Network& network, const std::vector<model::NetworkMoves>& parameters);

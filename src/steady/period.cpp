@@ -94,7 +94,8 @@ double seconds_of(const std::vector<PeriodicSource>& sources) {
   std::size_t shortest = 100;
   for (const PeriodicSource& source : sources) {
     const double frequency = 1.0 / source.period;
-    for (const double seconds : {static_cast<double>(source.cycles) * source.period, static_cast<double>(source.cycles) / std::nearbyint(frequency)}) {
+    for (const double seconds :
+         {static_cast<double>(source.cycles) * source.period, static_cast<double>(source.cycles) / std::nearbyint(frequency)}) {
       if (std::abs(seconds / (static_cast<double>(source.cycles) * source.period) - 1.0) > ratio_rounding) continue;
       const std::size_t length = fmt::format("{}", seconds).size();
       if (length < shortest) {
@@ -121,7 +122,8 @@ std::string count_cycles(std::vector<PeriodicSource>& sources) {
   std::int64_t multiple = 1, divisor = 0;
   for (const Fraction& ratio : ratios) {
     const std::int64_t factor = ratio.p / std::gcd(multiple, ratio.p);
-    if (factor > (std::int64_t{1} << 53) / multiple) return fmt::format("the common period of {} and the other sources is out of range; try period=", frequency_text(first));
+    if (factor > (std::int64_t{1} << 53) / multiple)
+      return fmt::format("the common period of {} and the other sources is out of range; try period=", frequency_text(first));
     multiple *= factor;
     divisor = std::gcd(divisor, ratio.q);
   }
@@ -132,7 +134,7 @@ std::string count_cycles(std::vector<PeriodicSource>& sources) {
   }
   if (slowest->cycles <= most_slow_cycles) return {};
   const auto other = std::find_if(sources.begin(), sources.end(), [&](const PeriodicSource& s) { return s.cycles % slowest->cycles != 0; });
-  return fmt::format("no common period of {} and {}: it would hold {} periods of {}; try period=", frequency_text(*slowest),
+  return fmt::format("no common period of {} and {}: it would contain {} periods of {}; try period=", frequency_text(*slowest),
                      frequency_text(other == sources.end() ? first : *other), slowest->cycles, slowest->name);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Periods of sources, the smallest one they have in common, and sources that have been on for ever.
+/// Periods of sources, their smallest common period, and sources that have always been periodic.
 
 #include <cstdint>
 #include <string>
@@ -14,26 +14,26 @@ struct Fraction {
   std::int64_t p = 0, q = 1;
 };
 
-/// Largest denominator of a ratio of periods, and most periods of the slowest source that a common period may hold.
+/// Largest denominator of a ratio of periods, and most periods of the slowest source in a common period.
 inline constexpr std::int64_t largest_denominator = 1'000'000, most_slow_cycles = 1000;
 
 struct PeriodicSource {
   std::string name;
-  double period = 0.0;  ///< s
+  double period = 0.0;      ///< s
   std::int64_t cycles = 1;  ///< in the common period
 };
 
 struct CommonPeriod {
   double seconds = 0.0;                 ///< 0: no source is periodic, or there is no common period
   std::vector<PeriodicSource> sources;  ///< that are periodic
-  std::vector<std::string> settled;     ///< sources that move but do not repeat: they count with their last value
-  std::string failure;                  ///< why there is no common period; "" where there is one, or no source is periodic
+  std::vector<std::string> settled;     ///< sources that vary but do not repeat: their last value is used
+  std::string failure;                  ///< why there is no common period; "" if there is one, or no source is periodic
 };
 
 /// Of the sources; those of one name count once.
 [[nodiscard]] CommonPeriod common_period(const std::vector<model::Source>& sources);
 
-/// How often `period` holds `part`, where that is a whole number; else 0.
+/// The ratio of `period` to `part`, if that is a whole number; else 0.
 [[nodiscard]] std::int64_t whole_multiple(double period, double part);
 
 /// The network with sources that have always been periodic, t = 0 being what a multiple of every period after their delay is to the sources as written; those

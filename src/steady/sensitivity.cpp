@@ -140,10 +140,10 @@ std::string Sensitivity::check(std::size_t parameter) const {
       const System& system = orbit_.stacking().system(island);
       const bool reads = orbit_.columns(island, static_cast<std::size_t>(drive.input)).value >= 0;
       if (drive.held) continue;
-      if (reads && drive.signal < 0 && stores_[island].count(drive.store) == 0) return "what it drives lies in another part of the circuit";
+      if (reads && drive.signal < 0 && stores_[island].count(drive.store) == 0) return "it acts on another part of the circuit";
       const bool gives = drive.signal >= 0 &&
                          std::find(system.output_signal.begin(), system.output_signal.end(), drive.signal) != system.output_signal.end();
-      if (gives && !reads) return "what it drives lies in another part of the circuit";
+      if (gives && !reads) return "it acts on another part of the circuit";
     }
   return "";
 }
@@ -311,11 +311,11 @@ std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double t
 void Sensitivity::check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const {
   const auto& waves = inputs_.parameters[parameter].waves;
   if (instant.island >= 0)
-    followed.fail(fmt::format("an edge that moves meets another event, {}, at t = {} s", name_of(instant), instant.time), true);
+    followed.fail(fmt::format("a moving edge meets another event, {}, at t = {} s", name_of(instant), instant.time), true);
   for (const Wave& other : jumping_) {
     const bool is_own = std::any_of(waves.begin(), waves.end(), [&](const Wave& wave) { return wave.name == other.name; });
     if (is_own || !edge_shift(other, instant.time, same_time * (length_ + instant.time), is_settled_)) continue;
-    followed.fail(fmt::format("an edge that moves meets one of {} at t = {} s, which does not", other.name, instant.time), true);
+    followed.fail(fmt::format("a moving edge meets a fixed one of {} at t = {} s", other.name, instant.time), true);
   }
 }
 
@@ -388,8 +388,8 @@ void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
     const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
     if (apart * value <= rounding || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
-    followed.fail(
-        fmt::format("{} changes at t = {} s together with another event, and the parameter moves them apart", name_of(guard), time), true);
+    followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
+                  true);
   }
 }
 
@@ -434,7 +434,7 @@ void Sensitivity::check_changes(std::size_t number, Followed& followed) const {
   for (const Change& change : trace_.steps[number].changes) {
     if (change.cause == engine::Cause::accumulation) followed.fail(fmt::format("events accumulate at t = {} s", time), false);
     if (change.cause == engine::Cause::undecided && change.before != change.after)
-      followed.fail(fmt::format("the event at t = {} s could not be told from others", time), false);
+      followed.fail(fmt::format("the event at t = {} s could not be distinguished from others", time), false);
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-/// The derivative of a run to a parameter, along the run: x_p' = A x_p + (what the inputs of the parameter bring), at instants
+/// The derivative of a run to a parameter, along the run: x_p' = A x_p + (contributions of the parameter's inputs), at instants
 ///
-///     x_p⁺ = P x_p⁻ + P_w w + (P f⁻ − f⁺)·t_p,   t_p = −(n x_p + n_w w)/(n f⁻), or given where a source's edge or a threshold moves.
+///     x_p⁺ = P x_p⁻ + P_w w + (P f⁻ − f⁺)·t_p,   t_p = −(n x_p + n_w w)/(n f⁻), or known if a source's edge or a threshold moves.
 ///
 /// Between instants state, inputs and derivative are one linear system, whose exponential is exact. The inputs w of a parameter are multiples of signals
 /// (steady/parameter_inputs.hpp), or functions of time (steady/wave.hpp).
@@ -22,11 +22,11 @@ namespace pwlsim::steady {
 
 /// Of one parameter.
 struct Followed {
-  std::vector<Vector> begins;  ///< derivative of c at the begin of each segment, sources of the waves behind it
+  std::vector<Vector> begins;  ///< derivative of c at the start of each segment, followed by the sources of the waves
   std::vector<double> shifts;  ///< dt/dp of each instant, s
   Vector end;                  ///< derivative of the stacked ξ at the end, whose time is fixed
-  std::string failure;         ///< why there is none; "" where there is one
-  bool is_kink = false;        ///< there is one for larger and one for smaller values: events that meet here move apart
+  std::string failure;         ///< why there is none; "" if there is one
+  bool is_kink = false;        ///< the derivative differs for larger and smaller values: the parameter separates coinciding events
 
   void fail(std::string why, bool kink) {
     if (!failure.empty()) return;
@@ -39,7 +39,7 @@ struct Followed {
 struct SignalJet {
   double value = 0.0, rate = 0.0;
 };
-/// The derivative of a signal to a parameter at a fixed time, and that one's to time.
+/// The derivative of a signal to a parameter at a fixed time, and its derivative to time.
 struct MovedJet {
   double moved = 0.0, moved_rate = 0.0;
 };
@@ -50,7 +50,7 @@ class Sensitivity {
   Sensitivity(const engine::ExactModel& model, const Trace& trace, const LinearisedOrbit& orbit, const SensitivityInputs& inputs,
               bool is_settled);
 
-  /// From the derivative `start` of the stacked ξ left of t = 0.
+  /// Starts from the derivative `start` of the stacked ξ just before t = 0.
   [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start) const;
   /// Signals of the model at a time of the run; of the time of an instant on that side.
   [[nodiscard]] std::vector<SignalJet> signals_at(const std::vector<int>& signals, double time, Side side) const;
@@ -64,7 +64,7 @@ class Sensitivity {
   /// ∫ over the stretch of its signals' derivatives.
   [[nodiscard]] double moved_over(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                   const Functional::Stretch& stretch) const;
-  /// Whether one of the signals may have another value right of the instant than left of it, beyond rounding.
+  /// Whether one of the signals may jump at the instant, beyond rounding.
   [[nodiscard]] bool may_jump(std::size_t instant, const std::vector<int>& signals) const;
   [[nodiscard]] const LinearisedOrbit& orbit() const { return orbit_; }
   /// "S1 opens at t = 2e-3 s".
@@ -81,7 +81,7 @@ class Sensitivity {
     [[nodiscard]] double end() const { return begin + length; }
     [[nodiscard]] double inside() const { return begin + 0.5 * length; }
   };
-  /// What a parameter does to one mode: (y, z, c_p)' = block·(y, z, c_p).
+  /// The equations of a parameter in one mode: (y, z, c_p)' = block·(y, z, c_p).
   struct Flow {
     std::vector<std::size_t> waves;        ///< of the parameter, in this island
     int ny = 0, nz = 0;                    ///< y without the inputs, which are zero along the run
@@ -131,7 +131,7 @@ class Sensitivity {
   void pass_segment(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
   void pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const;
   [[nodiscard]] double shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const;
-  /// Of an instant at which nothing happens but a corner of a source: it moves what is measured there, and no state.
+  /// An instant with only a corner of a source: it affects measurements there, but no state.
   [[nodiscard]] double corner_shift_of(std::size_t parameter, const LinearInstant& instant) const;
   [[nodiscard]] double level_shift_of(std::size_t parameter, const LinearGuard& guard) const;
   [[nodiscard]] double passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const;
@@ -161,7 +161,7 @@ class Sensitivity {
   std::vector<char> sound_;                      ///< parameters that can be followed
   double length_ = 0.0;
   std::vector<Segment> segments_;
-  std::size_t static_first_ = 0;                     ///< segments of parts that hold nothing but sources, which runs do not bring along
+  std::size_t static_first_ = 0;                     ///< segments of parts with only sources, which runs do not report
   std::deque<std::vector<double>> sources_;          ///< their y
   std::vector<std::size_t> first_;                   ///< segment that ends at instant i; the last: of the tail
   std::vector<std::vector<std::size_t>> of_island_;  ///< its segments in order

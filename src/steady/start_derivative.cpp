@@ -208,7 +208,7 @@ StartDerivative of_operating_point(const engine::ExactModel& model, const Linear
       own.xi = initial_values(island, parameter);
     } else if (has_conditions(island.island.network)) {
       own.failure =
-          fmt::format("the part with {} starts at what .ic says, which has no derivative here; try uic", island.extraction.system.name);
+          fmt::format("the part with {} starts at values of .ic, which have no derivative here; try uic", island.extraction.system.name);
     } else {
       own = Rest(island, i, orbit, start, parameter).solve();
     }

@@ -15,10 +15,10 @@ struct StartDerivative {
   std::string failure;  ///< why there is none; "" where there is one
 };
 
-/// Of a run with uic.
+/// For a run with uic.
 [[nodiscard]] StartDerivative of_initial_values(const engine::ExactModel& model, const Stacking& stacking,
                                                 const ParameterInputs& parameter);
-/// Of an operating point that was found.
+/// For an operating point that was found.
 [[nodiscard]] StartDerivative of_operating_point(const engine::ExactModel& model, const LinearisedOrbit& orbit, const engine::Start& start,
                                                  const ParameterInputs& parameter);
 

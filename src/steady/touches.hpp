@@ -1,5 +1,5 @@
 #pragma once
-/// Guards that an orbit touches without passing: there its multipliers are those of one side only.
+/// Guards that an orbit touches without crossing: there its multipliers are those of one side only.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ struct Touch {
   double time = 0.0;  ///< s
 };
 
-/// Of guards whose least value inside a segment is zero to 1e-9 of their largest there; each guard once.
+/// Guards whose least value inside a segment is zero to 1e-9 of their largest there; each guard once.
 [[nodiscard]] std::vector<Touch> touches(const Trace& trace);
 
 }  // namespace pwlsim::steady

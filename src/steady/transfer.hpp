@@ -18,10 +18,10 @@ using Complex = std::complex<double>;
 using ComplexVector = Eigen::VectorXcd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-/// What moves a waveform in time: direct shifts of the instants at which it or its slope jumps, and between them an input of its own.
+/// A waveform that is shifted in time: shifts of the instants at which it or its slope jumps, and an input between them.
 struct TimeShifts {
   std::vector<Complex> shifts;  ///< δt̂ of each instant of the orbit, s, besides those by state and inputs; empty: none
-  /// Amplitude of an input in force at a time of the period that is no corner; empty: as `amplitudes` has it.
+  /// Amplitude of an input at a time of the period that is not a corner; empty: that of `amplitudes`.
   std::function<Complex(std::size_t input, double time)> amplitude{};
 };
 
@@ -32,7 +32,7 @@ class Transfer {
 
   struct Response {
     ComplexVector signals;     ///< c_m of each; not finite where the response is infinite
-    bool is_singular = false;  ///< e^{jωT} is a multiplier, and the input reaches its direction
+    bool is_singular = false;  ///< e^{jωT} is a multiplier, and the input excites its direction
   };
   /// c_`harmonic` at `frequency`, Hz, for inputs of these amplitudes, or of a waveform that is moved. With `sample`, s, the sampled response: e^{−jωt}δy at
   /// that time of the period instead.
@@ -56,7 +56,7 @@ class Transfer {
   std::map<std::pair<const model::Mode*, double>, Matrix> propagators_;
 };
 
-/// A linear circuit without switches and diodes, in the mode that it is in for good.
+/// A linear circuit without switches and diodes, in its only mode.
 [[nodiscard]] ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency,
                                             const std::vector<Complex>& amplitudes);
 

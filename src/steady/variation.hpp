@@ -1,7 +1,7 @@
 #pragma once
 /// The exact derivative of a run's end to its start: matrix exponentials over segments, and at instants
 ///
-///     S = P + (f⁺ − P f⁻) n′/(n f⁻)      (saltation; P the product of the jumps' projections, n the guard that is passed),
+///     S = P + (f⁺ − P f⁻) n′/(n f⁻)      (saltation; P the product of the jumps' projections, n the guard that crosses zero),
 ///     S = P                               (where the time is fixed).
 ///
 /// Aizerman & Gantmacher 1958; Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), §7.
@@ -18,7 +18,7 @@ namespace pwlsim::steady {
 using linalg::Matrix;
 using linalg::Vector;
 
-/// Where the islands' ξ lie in the stacked state.
+/// The places of the islands' ξ in the stacked state.
 class Stacking {
  public:
   explicit Stacking(const engine::ExactModel& model);
@@ -36,7 +36,7 @@ class Stacking {
   int size_ = 0;
 };
 
-/// A guard that is passed at the very instant at which something else happens, which another run nearby need not do.
+/// A guard that crosses zero exactly at the instant of another event, but not in nearby runs.
 struct Beside {
   double time = 0.0;  ///< s
   std::size_t island = 0;
@@ -44,29 +44,29 @@ struct Beside {
 };
 
 struct Variation {
-  Matrix x;                     ///< ∂(state at the end)/∂(state at the start), the time of the end being fixed
+  Matrix x;                     ///< ∂(state at the end)/∂(state at the start) for a fixed end time
   Eigen::RowVectorXd end_time;  ///< ∂(time of the last instant)/∂(start)
-  Vector flow;                  ///< ξ′ right of the end
-  std::string kink;             ///< why there is no derivative; "" where there is one
+  Vector flow;                  ///< ξ′ just after the end
+  std::string kink;             ///< why there is no derivative; "" if there is one
   std::vector<Beside> beside;   ///< guards for which, or without which, there is another derivative
   /// ∂(state at the last instant)/∂(start): of the map from event to event.
   [[nodiscard]] Matrix return_map() const { return x + flow * end_time; }
 };
 
-/// (ξ, ζ)′ where the mode is at y.
+/// (ξ, ζ)′ of the mode at y.
 [[nodiscard]] Vector state_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
 /// Its first part: ξ′.
 [[nodiscard]] Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y);
 
-/// Whether the guard of a change is passed rather than touched: the mode changes, or, where the switch lies in another island, the switch.
+/// Whether the guard of a change crosses zero rather than touches it: the mode changes or, if the switch is in another island, the switch.
 [[nodiscard]] bool passes_guard(const model::System& system, const engine::Change& change, const std::vector<char>& on_before,
                                 const std::vector<char>& on_after);
 
-/// Rows of guards that `change.before` passes within `near` (s) of the instant.
+/// Rows of guards of `change.before` that cross zero within `near` (s) of the instant.
 [[nodiscard]] std::vector<int> guards_beside(const engine::Change& change, double near);
-/// Instants this near (of a run and of a time) are one.
+/// Instants closer than this (relative to the run and to the time) are one.
 inline constexpr double same_instant = 1e-12;
-/// Whether what a change makes of a deviation depends on when exactly its guards are passed: ξ′ is another one after it, or a jump projects ξ.
+/// Whether the effect of a change on a deviation depends on the exact time of the crossing: ξ′ changes, or a jump projects ξ.
 [[nodiscard]] bool depends_on_order(const model::System& system, const engine::Change& change);
 
 /// The start of a driven period, with the end of the period on its left.
@@ -74,7 +74,7 @@ inline constexpr double same_instant = 1e-12;
 
 [[nodiscard]] Variation variation(const Stacking& stacking, const Trace& trace);
 
-/// Whether a direction that goes through all of the run unchanged moves a guard of some segment: one of a diode or of a control, by more than rounding.
+/// Whether a direction that passes the whole run unchanged changes a guard of some segment, of a diode or of a control, by more than rounding.
 [[nodiscard]] bool moves_a_guard(const Stacking& stacking, const Trace& trace, const Vector& direction);
 
 }  // namespace pwlsim::steady

@@ -1,6 +1,6 @@
 #pragma once
 /// Derivatives of functions of time to their own numbers, as solutions of z' = Λ z: of SIN on sin, cos, t·sin, t·cos and 1; of PULSE and PWL straight
-/// lines between the corners, and where they jump the time of the jump moves.
+/// lines between the corners, where the times of jumps move, too.
 
 #include <optional>
 #include <string>
@@ -19,17 +19,17 @@ using linalg::Vector;
 [[nodiscard]] Matrix wave_generator(const Wave& wave);
 /// w = row·z.
 [[nodiscard]] Eigen::RowVectorXd wave_row(const Wave& wave);
-/// z at `time` for a stretch without a corner that `inside` lies in. `is_settled`: the function has always been periodic.
+/// z at `time` for the interval without corners that contains `inside`. `is_settled`: the function has always been periodic.
 [[nodiscard]] Vector wave_state(const Wave& wave, double time, double inside, bool is_settled);
-/// How a jump of the function at `time` moves, where it has one within `near` of it.
+/// The shift of a jump of the function, if there is one within `near` of `time`.
 [[nodiscard]] std::optional<double> edge_shift(const Wave& wave, double time, double near, bool is_settled);
-/// Likewise a corner, where the function does not jump.
+/// The same for a corner without a jump.
 [[nodiscard]] std::optional<double> corner_shift(const Wave& wave, double time, double near, bool is_settled);
-/// Of a periodic function: how its period moves, as a share of it; 0 where it has none.
+/// For a periodic function: the relative change of its period; else 0.
 [[nodiscard]] double period_share(const Wave& wave);
-/// Of a function that does not repeat: the derivative of its last value, which is what a steady state takes it for (steady/period.hpp).
+/// For a function that does not repeat: the derivative of its last value, which a steady state uses (steady/period.hpp).
 [[nodiscard]] std::optional<double> last_value_derivative(const Wave& wave);
-/// Why it has no such derivative; "" where it has.
+/// Why it has no such derivative; "" if it has one.
 [[nodiscard]] std::string wave_failure(const Wave& wave);
 
 }  // namespace pwlsim::steady

@@ -15,7 +15,7 @@ namespace pwlsim::waveform {
 
 class OutputFile;
 
-/// A field as RFC 4180 has it: quoted where it holds a comma, a quote or a line end, its quotes doubled.
+/// A field by RFC 4180: quoted if it contains a comma, a quote or a line end, with quotes doubled.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
 /// Appends `prefix` and the values as a line.
@@ -23,10 +23,10 @@ void append_csv_row(std::string& text, std::string_view prefix, std::span<const 
 
 /// The shortest text that reads back to `value`.
 [[nodiscard]] std::string shortest(double value);
-/// To so many significant digits; 0: as shortest().
+/// To this many significant digits; 0: as shortest().
 [[nodiscard]] std::string rounded(double value, int digits);
 
-/// Collects rows in a buffer and hands it to `file` when full. `file` must outlive the writer; it is neither opened nor committed here.
+/// Collects rows in a buffer and writes it to `file` when full. `file` must outlive the writer; it is neither opened nor committed here.
 class CsvWriter : public RowWriter {
  public:
   /// `names` are the column heads.

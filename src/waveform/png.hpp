@@ -6,10 +6,10 @@
 
 namespace pwlsim::waveform {
 
-/// Where the converter is; empty where it is not installed.
+/// The path of the converter; empty if it is not installed.
 [[nodiscard]] std::optional<std::string> find_png_converter();
 
-/// The bytes of the PNG file, two pixels for each unit of the picture; empty where that fails, and `problem` says why.
+/// The bytes of the PNG file, two pixels for each unit of the picture; empty if that fails, and `problem` says why.
 [[nodiscard]] std::optional<std::string> png_of_svg(const std::string& converter, const std::string& svg, std::string& problem);
 
 }  // namespace pwlsim::waveform

@@ -1,5 +1,5 @@
 #pragma once
-/// SPICE's binary raw file of real numbers: a text head with the names of the vectors, then one row of doubles a point (ngspice manual, "Binary
+/// SPICE's binary raw file of real numbers: a text head with the names of the vectors, then one row of doubles per point (ngspice manual, "Binary
 /// rawfile format"; byte order of the machine).
 
 #include <cstddef>
@@ -18,12 +18,12 @@ struct RawFile {
   std::vector<double> values;      ///< row by row
 
   [[nodiscard]] std::size_t rows() const { return names.empty() ? 0 : values.size() / names.size(); }
-  /// Index of a vector; empty where there is none.
+  /// Index of a vector; empty if there is none.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
   [[nodiscard]] double at(std::size_t row, std::size_t vector) const { return values[row * names.size() + vector]; }
 };
 
-/// Whole rows only: what a run that was cut short wrote is read as far as it goes. Empty where `bytes` is no such file.
+/// Whole rows only: the file of an unfinished run is read up to its last whole row. Empty if `bytes` is not such a file.
 [[nodiscard]] std::optional<RawFile> read_raw(std::string_view bytes);
 
 class OutputFile;
@@ -33,11 +33,11 @@ struct RawVector {
   std::string type;  ///< "time", "voltage", "current", "notype"
 };
 
-/// Writes rows as they come, and their number, which the head holds, when they are complete: a pipe is sent nothing before. The date in
-/// the head is always that of the epoch, so that equal runs make equal files. `file` must outlive the writer; it is neither opened nor committed here.
+/// Writes rows as they come, and their number, which the head contains, at the end: a pipe receives nothing before. The date in
+/// the head is always the start of 1970, so that equal runs write equal files. `file` must outlive the writer; it is neither opened nor committed here.
 class RawWriter : public RowWriter {
  public:
-  /// `stepped`: the rows are those of several runs, one after the other, as LTspice writes what .step asks for.
+  /// `stepped`: the rows are those of several runs, one after the other, as LTspice writes the runs of .step.
   RawWriter(OutputFile& file, const std::string& title, std::span<const RawVector> vectors, bool stepped = false);
 
   bool write(std::span<const double> values) override;

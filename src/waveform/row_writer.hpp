@@ -1,5 +1,5 @@
 #pragma once
-/// Where the rows of a run go, in whatever format.
+/// Writes the rows of a run in some format.
 
 #include <span>
 
@@ -8,9 +8,9 @@ namespace pwlsim::waveform {
 class RowWriter {
  public:
   virtual ~RowWriter() = default;
-  /// `values` holds whole rows, one after the other. False from the first failure to write on.
+  /// `values` contains whole rows, one after the other. False from the first failed write on.
   virtual bool write(std::span<const double> values) = 0;
-  /// Completes what stands in the file, which is still to be committed. After a failure to write too: what found room is then a file of its own.
+  /// Completes the content of the file, which is committed later. Also after a failed write: the rows that were written then form a valid file.
   virtual bool flush() = 0;
 };
 

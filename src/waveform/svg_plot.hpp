@@ -7,9 +7,9 @@
 namespace pwlsim::waveform {
 
 struct Curve {
-  std::string name;       ///< for the legend; curves of one name share a colour and one entry
+  std::string name;       ///< in the legend; curves of one name share a colour and one entry
   std::vector<double> x;  ///< ascending; equal values are a vertical piece
-  std::vector<double> y;  ///< as many; what is not finite is left out
+  std::vector<double> y;  ///< as many; values that are not finite are left out
   bool dashed = false;
   std::string colour = {};  ///< "#1f5fbf"; empty: one of a palette
 };
@@ -29,7 +29,7 @@ struct Panel {
 struct Marks {
   std::string name;
   std::vector<double> x;    ///< ascending
-  std::string colour = {};  ///< of ticks and name; empty: that of all
+  std::string colour = {};  ///< of ticks and name; empty: the common one
 };
 
 /// A row of bars, for something that is on or off.
@@ -47,13 +47,13 @@ struct Figure {
   std::vector<Lane> lanes = {};
   std::vector<LegendEntry> legend = {};
   std::string strip_title = {};  ///< above marks and lanes
-  bool is_logarithmic = false;   ///< all x are decimal logarithms; the axis shows what they are of
+  bool is_logarithmic = false;   ///< all x are decimal logarithms; the axis shows the numbers
 };
 
-/// A colour of a row of them from blue over green to red, 0 ≤ share ≤ 1, all dark enough on white.
+/// A colour between blue, green and red, 0 ≤ share ≤ 1, dark enough on white.
 [[nodiscard]] std::string ramp_colour(double share);
 
-/// Curves of more points than the picture has columns are drawn by their extremes in each column: nothing that stands out is lost.
+/// Curves with more points than the picture has columns are drawn by their extremes in each column: no peak is lost.
 [[nodiscard]] std::string svg(const Figure& figure);
 
 /// Round numbers (1, 2, 5 times a power of ten apart) within [from, to], about `wanted` of them; from < to.

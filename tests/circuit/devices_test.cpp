@@ -65,7 +65,7 @@ TEST_CASE("the voltage of a Zener diode stands in its name", "[unit]") {
   CHECK(parameters_of("BZX84C5231") == "none");
 }
 
-TEST_CASE("resistance and voltage stand in the names of Infineon's MOSFETs", "[unit]") {
+TEST_CASE("resistance and voltage from the names of Infineon's MOSFETs", "[unit]") {
   CHECK(parameters_of("BSC900N20NS3") == "VDMOS Vto=3 Ron=0.09 Vfwd=0.75 Rfwd=0.045 BV=200");
   CHECK(parameters_of("BSZ100N03MS") == "VDMOS Vto=1.7 Ron=0.01 Vfwd=0.75 Rfwd=0.005 BV=30");
   CHECK(parameters_of("IPP052N8N5") == "VDMOS Vto=3 Ron=0.0052 Vfwd=0.75 Rfwd=0.0026 BV=80");

@@ -51,7 +51,7 @@ TEST_CASE("slips with .if are named", "[unit]") {
   CHECK_THAT(said(".else\n"), Contains("error[E-misplaced]: .else without .if"));
   CHECK_THAT(said(".if (1)\n.else if (2)\n.endif\n"), Contains("nothing may follow .else; try .elseif"));
   CHECK_THAT(said(".if (1)\n"), Contains("error[E-missing-ends]: .if has no .endif"));
-  CHECK_THAT(said(".if (1)\n.else\n.elseif (2)\n.endif\n"), Contains(".elseif behind .else"));
+  CHECK_THAT(said(".if (1)\n.else\n.elseif (2)\n.endif\n"), Contains(".elseif after .else"));
   CHECK_THAT(said(".param mode=1\n.if (mod == 1)\n.endif\n"), Contains("unknown") && Contains("try 'mode'"));
   CHECK_THAT(said(".if\n.endif\n"), Contains("error[E-missing-value]"));
   CHECK_THAT(said(".subckt s p\n.if (1)\n.model m R(R=1)\n.endif\nR1 p 0 1\n.ends\nX1 a s\n"), Contains("hold elements only"));

@@ -180,7 +180,7 @@ TEST_CASE("a JFET with a resistor in its source is a source of current", "[unit]
   INFO(finished.err);
   REQUIRE(finished.status == 0);
   CHECK(value_of(finished.out, "i") == Approx(3.0 / (470.0 + on)).epsilon(1e-6));
-  CHECK_THAT(finished.err, Contains("a straight channel"));
+  CHECK_THAT(finished.err, Contains("a linear channel"));
 }
 
 TEST_CASE("a measurement that cannot be read stops no deck that LTspice wrote", "[unit]") {
@@ -195,7 +195,7 @@ TEST_CASE("a measurement that cannot be read stops no deck that LTspice wrote", 
   CHECK(run_deck(scratch, deck).status == 2);
 }
 
-TEST_CASE("a MOSFET that biases its own gate has a straight channel, and so has its mirror", "[unit]") {
+TEST_CASE("a MOSFET that biases its own gate has a linear channel, and so has its mirror", "[unit]") {
   const Scratch scratch;
   // v(d) = Vto + i Ron beside 1 kohm at 5 V; the other one has the same gate, and takes as much.
   const double expected = (5.0 - 1.0) / (1000.0 + 100.0);

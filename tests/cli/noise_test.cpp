@@ -88,7 +88,7 @@ TEST_CASE("LAST=n PERIODS OF something that does not repeat, or of more periods 
   };
   CHECK_THAT(said("LAST=2 PERIODS OF V2"), Contains("error[E-measurement]: measurement m: V2 is not a periodic source"));
   CHECK_THAT(said("LAST=2 PERIODS OF V9"), Contains("V9 is not a periodic source"));
-  CHECK_THAT(said("LAST=3 PERIODS OF V1"), Contains("the run holds 2.3 periods of V1 (0.02 s), not 3"));
+  CHECK_THAT(said("LAST=3 PERIODS OF V1"), Contains("the run contains 2.3 periods of V1 (0.02 s), not 3"));
   CHECK_THAT(said("LAST=1.5 PERIODS OF V1"), Contains("error[E-range]"));
   CHECK_THAT(said("LAST=2 OF V1"), Contains("error[E-missing-value]"));
   CHECK_THAT(said("LAST=2 PERIODS OF"), Contains("error[E-missing-value]"));

@@ -126,7 +126,7 @@ TEST_CASE("an ideal diode is told of where another simulator prints", "[unit]") 
 TEST_CASE("parts of PSpice's libraries: a letter before a name, its timers", "[unit]") {
   const Scratch scratch;
   CHECK_THAT(run_deck(scratch, "letter\nV1 a 0 5\nR1 a b 1Meg\nR2 a c 1k\nQ1 c b 0 QBC548B\n.tran 1m 2m\n").err,
-             Contains("QBC548B is not defined here, and taken from the models at hand"));
+             Contains("QBC548B is not defined, and is taken from the models at hand"));
   // An astable multivibrator of 40 kΩ, 25 kΩ and 10 nF: half a period is 25 kΩ·10 nF·ln 2, the other 65 kΩ·10 nF·ln 2.
   const Finished finished = run_deck(scratch,
                                      "timer\nX1 0 t o v k t d v 555D PARAMS: MAXFREQ=3E6\nV1 v 0 12\nC2 k 0 10n\nR3 0 o 10k\nC1 0 t 10n\n"

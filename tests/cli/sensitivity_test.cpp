@@ -684,7 +684,7 @@ TEST_CASE("inductances of perfect couplings are refused by name", "[unit]") {
                        "t\nV1 a 0 1\nL1 a 0 1m\nL2 b 0 4m\nK1 L1 L2 1\nR3 b 0 50\n.tran 1u 1m uic\n.meas tran f FIND v(b) AT=0.5m\n"
                        ".sens param=L1,L2\n.end\n");
   REQUIRE(told["sensitivities"].array.size() == 2);
-  for (const Json& entry : told["sensitivities"].array) CHECK(entry["failure"].string == "it moves inductors that are perfectly coupled");
+  for (const Json& entry : told["sensitivities"].array) CHECK(entry["failure"].string == "it changes perfectly coupled inductors");
 }
 
 // By hand: v(a,b) at the start is 3 V − 1 V whatever C3 is. With C1 and C2 across one resistor, v(out) = 10 V − 8 V·e^{−t/(R(C1+C2))}: to each capacitance −8 V·e^{−1/2}·t/(R(C1+C2)²) at 1 ms.

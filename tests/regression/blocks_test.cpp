@@ -199,7 +199,7 @@ TEST_CASE("a raw system keeps its fast states", "[regression]") {
 
 TEST_CASE("sizes of a raw system that do not fit are named with their line", "[unit]") {
   const auto refused = [](const std::string& file) { return run_raw(file, ".tran 1 2\n").messages; };
-  CHECK(refused("A\n0 1\n0 0\nB\n1\n").find("test.lcs:4:1: error[E-lcs]: B is 1 by 1, where 2 by 1 is meant") != std::string::npos);
+  CHECK(refused("A\n0 1\n0 0\nB\n1\n").find("test.lcs:4:1: error[E-lcs]: B is 1 by 1, but must be 2 by 1") != std::string::npos);
   CHECK(refused("A\n0 1\n0\n").find(":3:1: error[E-lcs]: a row of 1 numbers in A, whose first row has 2") != std::string::npos);
   CHECK(refused("A\n0 x\n0 0\n").find(":2:3: error[E-lcs]: 'x' is not a number") != std::string::npos);
   CHECK(refused("1 2\n").find(":1:1: error[E-lcs]: rows must follow a keyword") != std::string::npos);

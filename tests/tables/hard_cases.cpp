@@ -27,7 +27,7 @@ Measured failed(const std::string& problem) {
 
 Measured told(const std::string& outcome) {
   Measured result;
-  result.outcome = "told: " + outcome;
+  result.outcome = "reported: " + outcome;
   return result;
 }
 
@@ -152,7 +152,7 @@ Measured sign_patterns() {
 Measured three_solutions() {
   const DeckRun run = run_deck(folder("tests/hard/case08.net"));
   if (run.answer.outcome == engine::Outcome::not_unique && run.answer.time == 0.0) return told("at t = 0: not unique");
-  return failed("not told");
+  return failed("not reported");
 }
 
 Measured dead_zone() {
@@ -187,7 +187,7 @@ Measured negative_matrix() {
   };
   if (outcome("1") == engine::Outcome::not_unique && outcome("-1") == engine::Outcome::no_solution)
     return told("q > 0: not unique; q < 0: none");
-  return failed("not told");
+  return failed("not reported");
 }
 
 Measured cycling_matrix() {

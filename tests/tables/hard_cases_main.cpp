@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
       "seeds.\n\n## The hard cases\n\n",
       argc > 1 ? fmt::format(" {}", networks) : "", fmt::gmtime(std::chrono::system_clock::now()), processor());
   fmt::print(
-      "Circuits and systems with closed-form answers that no simulator computed. Errors of signals are relative to the largest value of "
+      "Circuits and systems with closed-form answers, which no simulator computed. Errors of signals are relative to the largest value of "
       "the signal, those of "
       "times to the length of\nthe run. References: tests/reference, 20 digits (validation/references), or a formula in the table's "
       "program. Case 31 touches its stop "

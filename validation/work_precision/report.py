@@ -170,13 +170,12 @@ def longer_table():
         for target, value, other in zip(TARGETS, beside, others):
             ratios[target] += [] if value is None else [value]
             short_ratios[target] += [] if other is None else [other.short / own.short]
-    return ["### What more of the same costs", "",
-            f"Of a few hundred periods a quarter to a half is the building of modes and a cold start, in pwlsim. Time in ms of each further stretch of the deck's length, from runs {longer.TIMES} times as long "
-            "([longer.py](../../validation/work_precision/longer.py)), ngspice at the settings of the table above. The least times of each program, from rounds over minutes: what shares "
-            "the machine can only add to them:", "",
+    return ["### Longer runs", "",
+            f"In pwlsim a quarter to a half of a run of a few hundred periods is the building of modes and a cold start. The table has the time in ms of each further interval of the deck's length, from runs {longer.TIMES} times as long "
+            "([longer.py](../../validation/work_precision/longer.py)), with ngspice at the settings of the table above. Times are the shortest of each program, from rounds over minutes: other programs on the machine can only add to them.", "",
             "| circuit | exact | ngspice 1e-3 | ngspice 1e-4 | ratio 1e-3 | ratio 1e-4 |", "| --- | --- | --- | --- | --- | --- |",
-            *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}. Over the deck's own length, measured so: {means_in_words(short_ratios)}; "
-            "the table above has the middle one of fewer runs, of pwlsim and of ngspice from different minutes, in which the machine may have been slow.", ""]
+            *rows, "", f"Geometric mean of the ratios: {means_in_words(ratios)}. Over the deck's own length, by the same method: {means_in_words(short_ratios)}; "
+            "the table above has medians of fewer runs, for pwlsim and ngspice from different minutes, in which the machine may have been slow.", ""]
 
 
 # ---- the page
@@ -217,19 +216,19 @@ def head(points):
         "Each case is a folder of [validation/cases](../../validation/cases) with its deck, its purpose and the source of its reference; no reference comes from the program itself.",
         "Error: the largest over the reference's times and signals, relative to each signal's maximum. Time, in ms: `seconds.simulate` for pwlsim; for ngspice and gnucap the CPU time of the process",
         "minus that of an empty deck; for Siconos the CPU time to build and step its simulations. The columns show the fastest setting that reaches the error",
-        "([run.py](../../validation/work_precision/run.py) has the lists); choosing it by means of the reference favours these programs. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol,",
-        "largest step and method are swept. Once ngspice has run for a while on a circuit (25 to 60 s), finer steps are left out; if its error is then below 1e-3 but not below 1e-4, reltol=1e-7 with up to 400,000 steps follows.",
-        "Times of ngspice below a millisecond are dominated by the noise of process start.",
+        "([run.py](../../validation/work_precision/run.py) has the lists); choosing it with the reference favours these programs. ngspice and gnucap run the deck of `pwlsim export`: smoothing, reltol,",
+        "largest step and method are swept. After ngspice has run for 25 to 60 s on a circuit, finer steps are left out; if its error is then below 1e-3 but not below 1e-4, reltol=1e-7 with up to 400,000 steps follows.",
+        "Times of ngspice below a millisecond are mostly noise of the process start.",
         "All points: [points.csv](../../validation/work_precision/points.csv).",
         "",
         "- **exact**: pwlsim's exact engine, time (error). **sparse**: the fastest tolerance of the sparse engine with an error below 1e-3, if any.",
         "- **ngspice 1e-3, 1e-4**: its fastest setting below that error. **least**: the smallest error of any setting.",
         "- **ratio**: ngspice's time over that of the exact engine at that error.",
-        "- gnucap gets only what it can read: no sources with expressions, no phase of a sine, no diodes with a drop, exponential diodes for the others.",
-        "- **siconos**: its fastest setting below 1e-3; – (e): no setting is, e is the smallest error. Time-stepping by `EulerMoreauOSI` with ideal diodes, Lemke's method in each step, driven from Python;",
+        "- **gnucap** runs the circuits that it can read: no sources with expressions, no phase of a sine, no diodes with a drop; other diodes become exponential.",
+        "- **siconos**: its fastest setting below 1e-3; – (e): there is none, e is the smallest error. Time-stepping by `EulerMoreauOSI` with ideal diodes, Lemke's method in each step, driven from Python;",
         f"  θ = 1, θ = 1/2, θ = γ = 1/2, and the deck's own step divided by 1, 3, 10, 30, … as long as a run takes no more than {SICONOS_ENOUGH:g} s. Its linear complementarity systems come from",
         "  [complementarity.py](../../validation/work_precision/complementarity.py), not from the program. Siconos receives the instants of the edges of sources and switches, steps to them, and continues",
-        "  with the system of the new switch position; where a position of ideal switches has no system (freewheel, buck_parasitic) they are resistors, 1e9 times below and above the deck's",
+        "  with the system of the new switch position; if a position of ideal switches has no system (freewheel, buck_parasitic), they are resistors, 1e9 times below and above the deck's",
         "  mean impedance. It cannot model a switch that the circuit itself controls.",
         "",
         "![Share of the circuits that a program solves within a factor of the fastest one](work-precision/performance-profile.svg)",

@@ -96,7 +96,7 @@ function fillSchematicTime(time) {
   const parts = [];
   if (!hasWaveforms()) parts.push(pointValues.size ? "Values of the operating point." : "");
   else parts.push("t = " + quantity(time, "s", 9) + ", " + origin + ".");
-  if (hasWaveforms() && time < detailFrom) parts.push("Only means of short pieces of time are kept here.");
+  if (hasWaveforms() && time < detailFrom) parts.push("Only means of time intervals are kept here.");
   element("schematic-time").textContent = parts.join(" ");
   if (document.activeElement !== element("schematic-slider")) element("schematic-slider").value = 1000 * (time - visible.min) / (visible.max - visible.min || 1);
 }
@@ -168,7 +168,7 @@ function fillSchematicLegend() {
     box.append(entry);
   }
   if (data.ports > data.lanes.length) box.append("States of the first " + data.lanes.length + " of " + data.ports + " diodes and switches are known. ");
-  if (data.leftOut > 0 && hasWaveforms()) box.append("The page holds " + data.signals.length + " signals; nets and elements beyond have no values.");
+  if (data.leftOut > 0 && hasWaveforms()) box.append("The page holds " + data.signals.length + " signals; further nets and elements have no values.");
 }
 
 // Cursor A through what is visible, once.

@@ -8,11 +8,11 @@ function redrawAll() {
 
 function fillHints() {
   const ports = data.ports > data.lanes.length ? " The first " + data.lanes.length + " of " + data.ports + " ports are shown." : "";
-  const ticks = data.marksTitle && data.marks.length ? "A line a run, with a tick where " + data.marksTitle + "; pale where ticks are too many to be told apart." : "";
-  element("timeline-hint").textContent = data.lanes.length ? "Filled: the diode or switch conducts; a shade: for that share of the time." + ports : ticks;
-  element("measurement-hint").textContent = "Exact, not of rows: hold the pointer over a number for all its digits." + (data.thinned
+  const ticks = data.marksTitle && data.marks.length ? "One line per run, with a tick where " + data.marksTitle + "; a pale bar where ticks are too dense." : "";
+  element("timeline-hint").textContent = data.lanes.length ? "Filled: the diode or switch conducts; a shade: its share of the time." + ports : ticks;
+  element("measurement-hint").textContent = "Exact, independent of the rows; hold the pointer over a number to see all its digits." + (data.thinned
     ? " The run has more events than this page keeps. Before t = " + quantity(detailFrom, "s", 9) +
-      " the curves show the extremes of each short piece of time, and windows begin and end between two of these. Expressions lie between what is drawn of them there; their statistics are of the time after it."
+      " the curves show the extremes of short time intervals, and windows begin and end at interval boundaries. Expressions lie between the drawn bounds there; their statistics are of the time after it."
     : "");
 }
 

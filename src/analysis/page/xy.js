@@ -1,4 +1,4 @@
-// One signal over another, within the window of time.
+// One signal against another, within the window of time.
 
 // Values of two signals of one run at the ends of their pieces and between, with both values of a jump.
 function pathOf(first, second, from, to) {

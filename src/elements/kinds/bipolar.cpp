@@ -165,7 +165,7 @@ void emit(Emission& emission) {
   add_transport(emission, {c, b}, forward, sign * forward_share);
   add_transport(emission, {e, b}, reverse, sign * reverse_share);
   note_idealised(emission,
-                 fmt::format("Ebers and Moll's model with BF = {}, BR = {} and straight diodes: base-emitter {}, base-collector {}",
+                 fmt::format("Ebers and Moll's model with BF = {}, BR = {} and piecewise-linear diodes: base-emitter {}, base-collector {}",
                              model.values.get("BF"), model.values.get("BR"), words_of(forward_law(instance, model)),
                              words_of(reverse_law(instance, model))));
 }

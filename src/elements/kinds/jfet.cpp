@@ -102,7 +102,7 @@ void emit(Emission& emission) {
   add_junction(emission, gate_diode(instance, emission.model(), "gate-source diode", 2), 0.0);
   note_idealised(emission,
                  fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm, and gate diodes, {}",
-                             instance.drive_is_apart ? "a straight channel (its gate is not driven against its source) that conducts"
+                             instance.drive_is_apart ? "a linear channel (its gate is not driven against its source) that conducts"
                                                      : "a switch closed",
                              channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"),
                              words_of(law_of(instance, emission.model(), "Rs"))));

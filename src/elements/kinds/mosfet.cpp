@@ -218,8 +218,8 @@ void take_gate(Model& model, const Settings& settings, Diagnostics& diagnostics)
         written(model, is_vertical(model) ? std::span<const std::string_view>(vertical_gate_names) : planar_gate_names);
     if (!names.empty())
       diagnostics.warning("W-ignored-parameter", model.span,
-                          fmt::format("{} of model {} {} ignored, as gates take no time; try .options gatecap", names, model.name,
-                                      names.find(',') == std::string::npos ? "is" : "are"));
+                          fmt::format("{} of model {} {} ignored, because gates switch without delay; try .options gatecap", names,
+                                      model.name, names.find(',') == std::string::npos ? "is" : "are"));
     return;
   }
   model.gate = is_vertical(model) ? GateParts{v.get("Rg"), v.get("cgs"), 0.5 * (v.get("cgdmin") + v.get("cgdmax"))}
@@ -346,8 +346,8 @@ void note(Emission& emission, const Channel& channel) {
   const std::string at = v.has("Ron") ? "" : fmt::format(" at Vdrive = {} V", v.get("Vdrive"));
   const char* const what = !follows_gate(emission.instance(), emission.model()) ? "a switch closed"
                            : emission.instance().drive_is_apart
-                               ? "a straight channel (its gate is not driven against its source alone) that conducts"
-                               : "a straight channel that conducts";
+                               ? "a linear channel (its gate is not driven against its source alone) that conducts"
+                               : "a linear channel that conducts";
   const std::string gate = model.gate ? words_of_gate(emission.instance(), model) : "";
   note_idealised(emission, fmt::format("{} while v(gate,source) {} {} V, Ron = {:.6g} ohm ({}{}){}, and a body diode, {}", what,
                                        channel.p_type ? "<" : ">", channel.threshold, channel.resistance * emission.value("m"), origin, at,

@@ -1,7 +1,7 @@
 #pragma once
-/// Events that accumulate: infinitely many in finite time (a Zeno sequence), as those of a relay that turns a motion around itself.
+/// Accumulations of events: infinitely many in finite time (a Zeno sequence), as of a relay that reverses a motion ever faster.
 ///
-/// Near the limit the motion repeats itself on a shrinking scale: every p events the same modes, the times between them smaller by a
+/// Near the limit the motion repeats on a shrinking scale: every p events the same modes, the times between them smaller by a
 /// ratio r. Then t* = t_n + (t_n − t_{n−p})·r/(1 − r), and each state converges alike (Aitken's Δ² process; van der Schaft &
 /// Schumacher 1996 leave such sequences out). The run continues from the limit.
 
@@ -20,19 +20,19 @@ class AccumulationWatch {
     double time = 0.0;         ///< t*, s
     double ratio = 0.0;        ///< r, of the times between events p apart
     int period = 0;            ///< p
-    double uncertainty = 0.0;  ///< what the last p events moved t* by, s
+    double uncertainty = 0.0;  ///< change of t* by the last p events, s
     double span = 0.0;         ///< from the first event of the sequence to t*, s
     linalg::Vector xi;         ///< states there
   };
 
   /// An event of the island's own at `time`, with the mode and the n states ξ after it.
   void note(double time, const model::Mode& mode, const double* x, int n);
-  /// Something from outside happened: what came before says nothing.
+  /// An event from outside: earlier events no longer count.
   void reset() {
     count_ = 0;
     shrinking_ = false;
   }
-  /// Where the events seen last accumulate, if they do.
+  /// The limit of the last events, if they accumulate.
   [[nodiscard]] std::optional<Limit> limit();
   [[nodiscard]] std::uint64_t events() const { return count_; }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The run's certificate: residuals of the original equations, evaluated on samples of what ran.
+/// The run's certificate: residuals of the original equations, evaluated on samples of the solution.
 
 #include <utility>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// Shows a ThresholdWatch what the controls of an island do within its segments.
+/// Reports the controls of an island within its segments to a ThresholdWatch.
 
 #include <cstdint>
 #include <vector>

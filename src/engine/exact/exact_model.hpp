@@ -1,5 +1,5 @@
 #pragma once
-/// What `prepare` makes of a network: its islands, extracted.
+/// The result of `prepare`: the extracted islands of a network.
 
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ struct SwitchInfo {
   std::string name;
   bool initially_on = false;
   double on_level = 0.0, off_level = 0.0;
-  int island = -1;  ///< where its port is; −1: left out
+  int island = -1;  ///< the island of its port; −1: left out
   int port = -1;
 };
 
@@ -28,7 +28,7 @@ class ExactModel {
  public:
   std::vector<IslandModel> islands;  ///< needed ones only
   std::vector<IslandModel> left_out;
-  std::vector<SwitchInfo> switches;  ///< of the whole network
+  std::vector<SwitchInfo> switches;    ///< of the whole network
   std::vector<WatchedSwitch> watched;  ///< the same for messages about their controls
   std::vector<std::string> signal_names;
   std::vector<Remark> remarks;

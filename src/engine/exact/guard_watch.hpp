@@ -1,9 +1,9 @@
 #pragma once
-/// Complementarity of every port in its own terms, over the whole of a run.
+/// Checks complementarity of every port on its own scale, over the whole run.
 ///
-/// At the end of every segment (just before the event that ends it), and at rows and Chebyshev points inside of segments that are long in their mode's own time, each
-/// port's u or y, whichever the mode leaves free, is looked at: it must not be below zero. What it is below zero, beyond the rounding of its own terms, counts against the largest value that this very quantity had in the run: a diode's voltage
-/// against its own voltage, its current against its own current. An event that the search has missed shows here, since the guard goes on below zero; the scale of
+/// At the end of every segment (just before the event that ends it), and at rows and Chebyshev points inside segments that are long against their mode's time constants, each
+/// port's u or y, whichever the mode leaves free, must not be below zero. An excess below zero, beyond the rounding of its own terms, is compared with the largest value of the same quantity in the run: a diode's voltage
+/// with its own voltage, its current with its own current. A missed event shows here, because the guard continues below zero; the scale of
 /// another element, or of the wave coordinates, cannot hide it.
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace pwlsim::engine {
 
-/// Of a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖): what two modes that follow one another may make of one zero.
+/// Relative to a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖): the difference of two consecutive modes at one zero.
 inline constexpr double rounding_levels = 30.0;  ///< Of: a guard's rounding level. Why: two modes differ by that at one zero.
 /// Of a quantity's largest value, and of its rounding level: from both on a violation ends the run; below, it counts in the certificate.
 inline constexpr double broken_share = 1e-2, broken_levels = 1e4;
@@ -26,20 +26,20 @@ class GuardWatch {
   /// At time `time` the mode is at y.
   void look(const model::Mode& mode, const double* y, double time);
 
-  /// The same inside a segment of this length from y0 at `begin`: all of the first segments, an even selection of the later ones.
+  /// The same inside a segment of this length from y0 at `begin`: for the first segments, and an even selection of later ones.
   void look_inside(const model::Mode& mode, const double* y0, double begin, double length);
 
   struct Violation {
     int port = -1;          ///< none: −1
     bool is_input = false;  ///< u (the mode has the port active), else y
     double value = 0.0;     ///< below zero, in the port's own unit
-    double largest = 0.0;   ///< that this quantity was, in magnitude
+    double largest = 0.0;   ///< largest magnitude of this quantity
     double time = 0.0;
     [[nodiscard]] double share() const { return largest > 0.0 ? value / largest : 0.0; }
   };
   /// The one with the largest share.
   [[nodiscard]] Violation worst() const;
-  /// Whether the last look found a violation that no rounding explains: the mode in force is not the solution.
+  /// Whether the last look found a violation beyond rounding: the present mode is not the solution.
   [[nodiscard]] bool is_broken() const { return is_broken_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// One island on its way through time: mode, segment, sources, rows.
+/// Runs one island: mode, segment, sources, rows.
 
 #include <unordered_map>
 #include <vector>
@@ -31,7 +31,7 @@ class IslandRun {
   [[nodiscard]] const ContinuityWatch& continuity() const { return continuity_watch_; }
   /// The run ends at `time`, within the segment.
   void look_at_end(double time);
-  /// For tests: what goes wrong on purpose.
+  /// For tests: deliberate faults.
   void inject(const Request::Faults& faults) { faults_ = faults; }
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
@@ -43,24 +43,24 @@ class IslandRun {
   /// Certifies the segment up to absolute time `end`, or finds the first event before it; returns its time, else `end`.
   double certify(double end);
   [[nodiscard]] double event_time() const { return event_time_; }
-  /// What rounding took off the event's time. Over many events it would add up to a drift of the sources.
+  /// The rounding error of the event's time. Over many events it would add up to a drift of the sources.
   [[nodiscard]] double event_late() const { return event_late_; }
-  /// Whether the event at hand belongs to the instant `time`: it lies before it, or within the tolerance after it.
+  /// Whether the next event belongs to the instant `time`: it is before it, or within the tolerance after it.
   [[nodiscard]] bool has_event_at(double time) const { return event_.found && event_time_ <= (at_limit_ ? time : time + tolerance_); }
 
-  /// Opens the instant `time` + `late`, or that of the island's own event within the tolerance: the state just before it goes to x, sources still at
+  /// Opens the instant `time` + `late`, or that of the island's own event within the tolerance: sets x to the state just before it, with sources still at
   /// their left limit.
   void open(double time, double late);
   [[nodiscard]] bool is_open() const { return open_; }
-  /// The next event is the limit of those before it (accumulation.hpp): at that time the states are ξ.
+  /// Sets the next event to the limit of those before it (accumulation.hpp), with states ξ at that time.
   void go_to_limit(const AccumulationWatch::Limit& limit);
   /// Whether the next event is such a limit.
   [[nodiscard]] bool is_at_limit(double time) const { return at_limit_ && event_time_ == time; }
   [[nodiscard]] AccumulationWatch& accumulation() { return accumulation_; }
 
-  /// The run begins at `time`, left of its breakpoints.
+  /// The run begins at `time`, before its breakpoints.
   void start_sources(double time) { phase_ = system_.exosystem->start(time); }
-  /// Breakpoints closer than `tolerance` are one, and so are passages of controls.
+  /// Breakpoints closer than `tolerance` are one, and so are crossings of controls.
   void set_tolerance(double tolerance);
   /// Takes the breakpoints at `time`; true if a source value jumped.
   bool take_breakpoints(double time);
@@ -76,36 +76,36 @@ class IslandRun {
   [[nodiscard]] bool senses_state() const;
   /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
   const std::vector<int>& violated_controls(const std::vector<char>& on);
-  /// Of the controls that violated_controls examined last: those whose switch changes because the control stays at the threshold from here on.
+  /// Of the controls that violated_controls examined last: those whose switch changes because the control stays at the threshold from now on.
   const std::vector<int>& controls_at_rest(const std::vector<char>& on);
-  /// The same for controls that no mode has a say in, before one is selected: those that read sources only, by the sources' own
+  /// The same for controls that do not depend on the mode, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
   const std::vector<int>& violated_without_mode(double time, const std::vector<char>& on, bool at_start);
-  /// Numbers of controls that read the state and pass at this instant in the mode as it was: asked once, where a switch of this island has
+  /// Numbers of controls that read the state and cross at this instant in the previous mode: called once, if a switch of this island has
   /// been set before a mode is selected.
   const std::vector<int>& passing_controls(const std::vector<char>& on);
-  /// Begins the new segment at `time`, and as late as it was opened.
+  /// Begins the new segment at `time`, with the rounding error with which it was opened.
   void close(double time, const std::vector<char>& on);
 
   /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
   void add_signals(double time, double* out);
-  /// Cached propagators serve rows that lie `step` apart.
+  /// Caches propagators for rows with the distance `step`.
   void set_row_step(double step) { row_step_ = step; }
 
   std::vector<double> x;  ///< full state (ξ, ζ) while open
   const model::Mode* mode = nullptr;
   model::IndexSet wanted;  ///< active set with the present positions of the switches
   int trigger = -1;        ///< diode port whose guard reached zero
-  int passed_row = -1;     ///< guard of the event at which this was opened last; −1: none
+  int passed_row = -1;     ///< guard of the event at which the island was opened last; −1: none
   /// Whether the mode continues differently than `before` would have: a port determined in both modes, and not identically zero, lies on
-  /// another side; or, where only undetermined ports changed, the state or a port's power departs differently.
+  /// another side; or, if only undetermined ports changed, the state or a port's power departs differently.
   bool changes_visibly(const model::Mode& before);
-  /// At the instant at hand: why it was opened, and how long the segment before it was, s.
+  /// At the present instant: why it was opened, and the length of the segment before it, s.
   [[nodiscard]] double length_before() const { return length_before_; }
   [[nodiscard]] bool is_settled() const { return is_settled_; }
   [[nodiscard]] bool is_undecided() const { return undecided_; }
   [[nodiscard]] bool is_open_at_limit() const { return opened_at_limit_; }
-  /// The full state just before the instant at hand.
+  /// The full state just before the present instant.
   [[nodiscard]] model::Vector state_before() const;
   /// t = 0: x and `wanted` are set by the caller, no segment precedes.
   void open_at_start() {
@@ -142,29 +142,29 @@ class IslandRun {
   std::uint64_t port_events_ = 0;
   model::Exosystem::Phase phase_;
   double tolerance_ = 0.0;
-  double time_to_settle_ = model::forever;  ///< s from the anchor, after which the mode at hand is its slow motion
+  double time_to_settle_ = model::forever;  ///< s from the anchor, after which the slow motion replaces the mode
   std::vector<double> settled_y_;           ///< state there
-  bool is_settled_ = false;                 ///< the instant at hand is that
+  bool is_settled_ = false;                 ///< the present instant is that time
   Segment segment_;
   std::uint64_t segment_number_ = 0;
   Located event_;
   double event_time_ = 0.0, event_late_ = 0.0;
   AccumulationWatch accumulation_;
   model::Vector limit_;    ///< ξ where events accumulate
-  bool at_limit_ = false;  ///< the event at hand is that
+  bool at_limit_ = false;  ///< the present event is that limit
   bool open_ = false;
-  double late_ = 0.0;  ///< of the instant at hand
+  double late_ = 0.0;  ///< rounding error of the present instant's time
   double length_before_ = 0.0;
   bool opened_at_limit_ = false;
   bool is_as_before_ = false;  ///< open, and no mode selected yet
   bool is_coarse_ = false;     ///< open, and a mode was accepted at the coarsest rounding level
   std::uint64_t coarse_selections_ = 0;
   double first_coarse_ = 0.0;
-  std::vector<char> passed_;  ///< controls that have changed their switch at the instant at hand
+  std::vector<char> passed_;  ///< controls that have changed their switch at the present instant
   bool is_set_ = false;       ///< a switch of it, since the instant began
   bool undecided_ = false;    ///< the present event is only a time at which the locator could not decide
-  bool all_rest_ = false;     ///< and no mode changed at it: guards at zero are looked at again once they are visibly negative
-  int rests_ = -1;            ///< port whose guard reached zero without a change of mode: it counts from where it is visibly negative
+  bool all_rest_ = false;     ///< and no mode changed at it: guards at zero are examined again once they are visibly negative
+  int rests_ = -1;            ///< port whose guard reached zero without a change of mode: it counts once it is visibly negative
 
   std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;
   double row_time_ = 0.0, row_late_ = 0.0;  ///< of row_y_
@@ -176,7 +176,7 @@ class IslandRun {
     model::Matrix matrix;
   };
   std::unordered_map<const model::Mode*, RowPropagator> row_propagators_;
-  RowPropagator* row_propagator_ = nullptr;  ///< of the segment at hand
+  RowPropagator* row_propagator_ = nullptr;  ///< of the present segment
   std::vector<std::pair<const model::Mode*, const model::Mode*>> visible_changes_;
   enum class Reads { sources, state, ports };
   std::vector<Reads> control_reads_;

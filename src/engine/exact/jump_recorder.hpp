@@ -1,5 +1,5 @@
 #pragma once
-/// What jumped at an instant: the impulses of the ports, the stores before and after, their energy.
+/// Records jumps at an instant: the impulses of the ports, the stores before and after, their energy.
 
 #include <map>
 #include <vector>
@@ -16,13 +16,13 @@ class JumpRecorder {
   /// Nothing is kept unless `wanted`.
   JumpRecorder(const std::vector<IslandModel>& islands, bool wanted) : islands_(islands), before_(wanted ? islands.size() : 0) {}
 
-  /// The state x = (ξ, ζ) of an island left of the instant.
+  /// The state x = (ξ, ζ) of an island before the instant.
   void before(std::size_t island, const std::vector<double>& x) {
     if (!before_.empty()) keep(island, x);
   }
   /// A selection in it has jumped.
   void jumped(std::size_t island, const model::Selected& selected);
-  /// The state right of the instant.
+  /// The state after the instant.
   void after(std::size_t island, double time, const std::vector<double>& x);
   [[nodiscard]] std::vector<Jump> take() { return std::move(jumps_); }
 

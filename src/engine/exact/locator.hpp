@@ -7,8 +7,8 @@
 ///     |g^{(j)}| ≤ K_j = ‖row_c‖·e^{μ⁺h}(‖c^{(j)}‖ + h·max‖E₁ζ^{(j)}‖) + max|row_ζ ζ^{(j)}|,
 ///
 /// which is insensitive to stiffness because energy coordinates make e^{A₁τ} a contraction for passive circuits. Guards that
-/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] when their first nonzero derivative g_m > 0 has order m. Where that takes many intervals,
-/// eigenvectors take the guard apart (modal_search.hpp).
+/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] if their first nonzero derivative g_m > 0 has order m. If that takes many intervals,
+/// the guard is decomposed by eigenvectors (modal_search.hpp).
 
 #include <vector>
 
@@ -23,30 +23,30 @@ struct Segment {
   const model::System* system = nullptr;
   const model::Mode* mode = nullptr;
   double anchor = 0.0;                       ///< absolute time, s
-  double late = 0.0;                         ///< what rounding took off the anchor
+  double late = 0.0;                         ///< rounding error of the anchor
   std::vector<double> y0;                    ///< state at the anchor
-  std::vector<int> rows;                     ///< guard rows in force
+  std::vector<int> rows;                     ///< guard rows to watch
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
-  bool is_brief = false;  ///< as long as fast decays last: it may be shorter than the rounding of the anchor
+  bool is_brief = false;  ///< it lasts as long as fast decays, and may be shorter than the rounding of the anchor
   /// Of such a one, ψ_k at the anchor (model::Decays), then what rounding may add to each; empty: not known yet, or there are none.
   std::vector<double> decays;
   bool decays_fail = false;  ///< they do not describe the guards
   bool is_enclosed = false;  ///< all guards were, by them, on the last interval
-  double tau = 0.0;          ///< marched so far; y is the state there
+  double tau = 0.0;          ///< reached so far; y is the state there
   std::vector<double> y;
   double certified = 0.0;            ///< no guard falls below zero before
   std::uint64_t intervals = 0;       ///< examined so far
-  bool sampled = false;              ///< some of it by signs at the ends only
+  bool sampled = false;              ///< some intervals only by signs at their ends
   double step = 0.0;                 ///< length of the last interval decided, 0: none yet
-  int turns_without_modal_form = 0;  ///< to come, in which eigenvectors are not asked
+  int turns_without_modal_form = 0;  ///< next intervals in which eigenvectors are not used
   int turns = 0;                     ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)
 };
 
 struct Located {
   bool found = false;
   double tau = 0.0;
-  int row = -1;               ///< guard row that crosses; −1: the interval could not be decided, let the selection do it
+  int row = -1;               ///< guard row that crosses; −1: the interval could not be decided, and the selection decides
   const double* y = nullptr;  ///< state at tau, valid until the next call
 };
 
@@ -56,7 +56,7 @@ class Locator {
   void locate(Segment& segment, double end, Located& located);
 
   [[nodiscard]] std::uint64_t intervals() const { return intervals_; }
-  /// Segments whose guards were sampled because the bounds would not close.
+  /// Segments whose guards were sampled because the bounds did not decide.
   [[nodiscard]] std::uint64_t sampled() const { return sampled_; }
 
  private:
@@ -64,7 +64,7 @@ class Locator {
   struct Root {
     Verdict verdict = Verdict::excluded;
     double upper = 0.0;  ///< one root in (0, upper), g(upper) < 0
-    double below = 0.0;  ///< of a guard at rest: the event is where it is that far below zero; sooner its sign is rounding
+    double below = 0.0;  ///< for a guard that stays at zero: the event is where it is this far below zero; before, its sign is rounding
   };
 
   void prepare(Segment& segment);
@@ -152,7 +152,7 @@ class Locator {
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
   static constexpr int series_order = 10;  ///< of the Taylor models
-  /// Of a guard that leaves zero within an interval, against its rounding: in a longer one it could fall again unseen.
+  /// Relative to its rounding, for a guard that leaves zero within an interval: in a longer one it could fall again unseen.
   static constexpr double leaving_zero = 1e3;
 
   std::size_t size_ = 0;  ///< states the buffers are made for
@@ -163,7 +163,7 @@ class Locator {
   std::vector<double> guard_derivatives_;       ///< rows × (order + 1)
   std::vector<double> block_bound_;
   Bound slow_bound_;                 ///< of the slow motion beside decays
-  std::vector<double> slope_doubt_;  ///< what rounding of the decays' weights may add to the guards' slopes
+  std::vector<double> slope_doubt_;  ///< possible errors of the guards' slopes from rounding of the decays' weights
   /// Of the slow motion at the interval's start: guards, slopes, their rounding, bounds of the second derivative.
   std::vector<double> slow_g_, slow_gd_, slow_doubt_, slow_k2_;
   bool decays_agree_ = true;         ///< guards and slopes at the interval's start are those sums

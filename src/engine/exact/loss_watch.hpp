@@ -1,6 +1,6 @@
 #pragma once
-/// Switches that break the current of an inductor: it has no other path, so the energy that it stores is gone in no time. The jump is what the ideal
-/// elements require, and seldom what the user intended. (Charge that closed contacts share without resistance loses energy, too, but no current breaks.)
+/// Detects switches that break the current of an inductor: it has no other path, so its stored energy is lost in zero time. The jump is what the ideal
+/// elements require, but seldom what the user intended. (Charge sharing through closed contacts without resistance loses energy, too, but breaks no current.)
 
 #include <map>
 #include <optional>
@@ -17,7 +17,7 @@ class LossWatch {
  public:
   explicit LossWatch(const std::vector<IslandModel>& islands) : islands_(islands) {}
 
-  /// States x = (ξ, ζ) of an island left and right of an instant at which they have jumped. `switches`: those that opened there.
+  /// States x = (ξ, ζ) of an island before and after an instant at which they have jumped. `switches`: those that opened there.
   void after(std::size_t island, double time, const model::Vector& before, const model::Vector& now,
              const std::vector<std::string>& switches);
   /// W-jump-loses-energy.

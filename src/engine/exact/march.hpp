@@ -14,7 +14,7 @@ class March {
   struct Options {
     NonUnique non_unique = NonUnique::error;
     const std::atomic<int>* interrupt = nullptr;  ///< nonzero: stop at once
-    double merge = 0.0;                           ///< s: instants closer than this are one; 0: 1e-14 of the time that a run ends at
+    double merge = 0.0;                           ///< s: instants closer than this are one; 0: 1e-14 of the end time of a run
   };
   /// `model` must outlive it.
   March(const ExactModel& model, const Options& options) : model_(model), options_(options), selectors_(model, options.non_unique) {}
@@ -22,9 +22,9 @@ class March {
   /// The next run starts from here.
   void restart(const RunState& state) { state_ = state; }
   /// Runs up to but excluding the instant `until`, s. `observer` may be null; if it ends the run, the answer is complete, its time is that of the
-  /// instant, and the state is right of the instant. `probes` are told of the pieces, too.
+  /// instant, and the state is that after the instant. `probes` receive the pieces, too.
   Answer advance(double until, Observer* observer, const Probes& probes = {});
-  /// Where the last run has ended, or the next one starts.
+  /// The state at the end of the last run, which is the start of the next one.
   [[nodiscard]] const RunState& state() const { return state_; }
 
   /// The same for `length` s with sources as from t = 0 on, whatever the state's time; `state` is the start and then the end,

@@ -2,9 +2,9 @@
 /// The first root of guards that are sums of exponentials and a straight line (model/modal_form.hpp), or the proof that there is none.
 ///
 /// Over [l, r] each term is enclosed between straight lines: by its chord, its tangents and the sign of its second derivative where the rate is real, by
-/// ±|second derivative|(r − l)²/8 about the chord where it is slow, by its own decaying magnitude where it is fast. A term that decays in no time costs nothing but that, so
-/// that the interval need not be of its length. An undecided interval is halved. What there is to search may be the rest of a long run: it begins with a length that holds the
-/// root that was found last in the mode, and continues with doubled ones.
+/// ±|second derivative|(r − l)²/8 about the chord if it is slow, by its own decaying magnitude if it is fast. A term that decays very fast adds only this, so
+/// that the interval need not be of its length. An undecided interval is halved. The searched time may be the remainder of a long run: the search begins with a length that contains the
+/// last root found in the mode, and continues with doubled lengths.
 
 #include <algorithm>
 #include <complex>
@@ -21,7 +21,7 @@ class ModalSearch {
   struct Guard {
     int row = 0;
     double value = 0.0;        ///< at the start
-    double noise = 0.0;        ///< what rounding leaves of it
+    double noise = 0.0;        ///< its rounding error
     bool leaves_zero = false;  ///< zero at the start, and rising
   };
   enum class Verdict { positive, root, undecided };
@@ -95,8 +95,8 @@ class ModalSearch {
   std::vector<Exponents> points_;           ///< at the ends of the interval that is halved, and where intervals of each depth were halved
   std::vector<Exponents> trial_;
   double positive_until_ = 0.0;
-  bool is_stuck_ = false;  ///< at a guard that is rounding where an interval begins: a shorter one decides no more
-  std::uint64_t intervals_ = 0, last_interval_ = 0;  ///< all so far, and at which of them this search gives up
+  bool is_stuck_ = false;  ///< at a guard that is rounding at an interval's start: shorter intervals decide no more
+  std::uint64_t intervals_ = 0, last_interval_ = 0;  ///< all so far, and the number at which this search gives up
 };
 
 }  // namespace pwlsim::engine

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run reports to an observer: its segments, and the instants between them.
+/// The reports of a run to an observer: its segments, and the instants between them.
 
 #include <span>
 #include <vector>
@@ -22,19 +22,19 @@ enum class Cause {
   start,         ///< t = 0
   time,          ///< a source or a clock, at a time that does not depend on any state
   guard,         ///< one of its own guards crosses zero
-  outside,       ///< another island moves one of its switches
+  outside,       ///< another island changes one of its switches
   decays,        ///< fast decays have ended, and the slow motion continues
   undecided,     ///< the search for events could not decide: no guard is known
   accumulation,  ///< the limit of infinitely many events
 };
 
-/// What an instant does to one island.
+/// The change of one island at an instant.
 struct Change {
   std::size_t island = 0;
   Cause cause = Cause::start;
-  int guard = -1;                      ///< row of `before->guards`, with Cause::guard
-  const model::Mode* before = nullptr;  ///< null at the start
-  std::vector<double> y_before;         ///< in `before`
+  int guard = -1;                             ///< row of `before->guards`, with Cause::guard
+  const model::Mode* before = nullptr;        ///< null at the start
+  std::vector<double> y_before;               ///< in `before`
   std::vector<const model::Mode*> by_way_of;  ///< modes entered for zero time, or jumped into, in order; the last is `after`
   const model::Mode* after = nullptr;
   std::vector<double> y_after;  ///< in `after`
@@ -44,7 +44,7 @@ struct InstantView {
   double time = 0.0;  ///< s
   bool has_jump = false;
   std::span<const Change> changes;
-  std::span<const char> on;  ///< switches of the model, right of the instant
+  std::span<const char> on;  ///< switches of the model, after the instant
 };
 
 class Observer {

@@ -1,5 +1,5 @@
 #pragma once
-/// Collects what happens at an instant for an observer.
+/// Collects the changes at an instant for an observer.
 
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/observer.hpp"
@@ -14,7 +14,7 @@ class ObserverFeed {
   void started(std::size_t island) {
     if (observer_) begin(island).cause = Cause::start;
   }
-  /// The island has been opened; its segment ends. `from_outside`: neither its sources nor its guards are the reason.
+  /// The island has been opened; its segment ends. `from_outside`: the reason is not its sources or guards.
   void opened(std::size_t island, const IslandRun& run, double time, bool from_outside, bool breaks) {
     if (observer_) take_opening(island, run, time, from_outside, breaks);
   }
@@ -26,7 +26,7 @@ class ObserverFeed {
   void closed(std::size_t island, const IslandRun& run) {
     if (observer_) take_end(island, run);
   }
-  /// All islands are closed again. False: the observer wants no more.
+  /// All islands are closed again. False: the observer ends the run.
   bool end(double time, bool has_jump, const std::vector<char>& on);
   /// The run ends within a segment.
   void ended(std::size_t island, const IslandRun& run, double time) {

@@ -3,8 +3,8 @@
 ///
 /// Within a segment a signal is c·e^{Aτ}y. On intervals of length 2^p its values at the sixteen Gauss–Legendre points are rows c·e^{Aτ_i}, kept for each
 /// mode and p, times the state at the interval's begin. An interval is accepted when the last coefficients of every signal are rounding and the
-/// polynomial has the signal's value and its first three derivatives at the begin; else it is halved. By the derivatives a transient that is over before the
-/// first point is seen: a stiff segment costs some intervals for each octave between its fastest rate and its length. The last interval may reach
+/// polynomial has the signal's value and its first three derivatives at the start; else it is halved. The derivatives detect a transient that ends before the
+/// first point: a stiff segment costs some intervals for each octave between its fastest rate and its length. The last interval may extend
 /// beyond the segment's end, where the mode's motion continues undisturbed.
 
 #include <atomic>
@@ -23,14 +23,14 @@ namespace pwlsim::engine {
 
 class PieceMaker {
  public:
-  /// `interrupt` (may be null): nonzero, and nothing more is handed over.
+  /// `interrupt` (may be null): if nonzero, no more pieces are passed on.
   PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes, const std::atomic<int>* interrupt);
 
-  /// Each island's share of its signals at the operating point; empty where the run starts elsewhere.
+  /// Each island's share of its signals at the operating point; empty if the run starts elsewhere.
   void before_start(const std::vector<std::vector<double>>& signals);
-  /// Hands over what lies before `time`, up to which no island has opened since the last call.
+  /// Passes on the pieces before `time`, up to which no island has opened since the last call.
   void advance(const std::vector<IslandRun>& islands, double time);
-  /// Interrupted before all was handed over, and where.
+  /// Whether it was interrupted before all pieces were passed on, and at which time.
   [[nodiscard]] bool is_cut() const { return cut_; }
   [[nodiscard]] double cut_at() const { return cut_at_; }
 
@@ -52,7 +52,7 @@ class PieceMaker {
     int first_level = 0;  ///< of the first interval that was accepted last in a segment
     bool has_first = false;
   };
-  /// An island that has a share in some probe.
+  /// An island that contributes to some probe.
   struct Track {
     std::size_t island = 0;
     std::vector<std::pair<std::size_t, std::size_t>> shares;  ///< output of the island, probe

@@ -1,5 +1,5 @@
 #pragma once
-/// Tells an EventWatcher which ports conduct, over all islands.
+/// Reports the conducting ports of all islands to an EventWatcher.
 
 #include <string>
 #include <vector>

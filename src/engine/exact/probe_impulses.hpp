@@ -1,6 +1,6 @@
 #pragma once
-/// What the probed signals deliver in no time: ∫ dt over an instant, of the ports' impulses and of jumps of the sources. What is rounding of the terms
-/// it is a sum of is zero.
+/// Integrals of the probed signals over an instant: of the ports' impulses and of jumps of the sources. An integral that is rounding of the terms
+/// in its sum is zero.
 
 #include <vector>
 
@@ -16,11 +16,11 @@ class ProbeImpulses {
 
   /// The state x = (ξ, ζ) of an island left of the instant.
   void before(std::size_t island, const std::vector<double>& x);
-  /// Its sources have jumped: ζ is now right of the instant.
+  /// Its sources have jumped: ζ is now that after the instant.
   void sources_jumped(std::size_t island, const std::vector<double>& x);
   /// A selection in it has jumped.
   void ports_jumped(std::size_t island, const model::Selected& selected);
-  /// The instant is over; `wanted`: what there is goes to the sink.
+  /// The instant has ended; `wanted`: pass the impulses to the sink.
   void end(double time, bool wanted);
 
  private:

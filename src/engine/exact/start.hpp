@@ -1,5 +1,5 @@
 #pragma once
-/// Where a run starts: the DC operating point, or the initial values of the deck.
+/// The start of a run: the DC operating point, or the initial values of the deck.
 
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/run_state.hpp"
@@ -8,7 +8,7 @@
 
 namespace pwlsim::engine {
 
-/// Its signals are known at an operating point only.
+/// Signals are known only for an operating point.
 struct Start : RunState {
   Answer answer;        ///< outcome and remarks
   MissingRest missing;  ///< operating point only: parts that have none start from `.ic` values, and zero elsewhere

@@ -1,9 +1,9 @@
 #pragma once
 /// The DC equations of one mode, to the last place of extended precision:  0 = A ξ + B_J u_J + e,  0 = C_J ξ + D_JJ u_J + f_J.
 ///
-/// Where they leave ξ open, the solution nearest to a given x₀, and of what u they leave open the least. Iterated regularisation (the
+/// If they leave ξ open, the solution nearest to a given x₀, and the least u if they leave u open. Iterated regularisation (the
 /// proximal-point method): (K − E)(v⁺ − v) = r − K v, E = diag(ε, δ), δ ≪ ε. In a passive system −K is monotone: v keeps its component in
-/// the kernel of K, all others converge to the solution, and the rank of K is nowhere decided. What E does not outweigh by far converges
+/// the kernel of K, all others converge to the solution, and the rank of K is never decided. Components that E does not dominate converge
 /// slowly; then ε is lowered.
 
 #include <vector>

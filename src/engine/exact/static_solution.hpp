@@ -16,7 +16,7 @@ struct StaticSolution {
 };
 
 /// `set`: active switch ports as wanted (diodes are chosen here). Candidates come from the rational complementarity problem as
-/// s → 0, which leans to the least energy; the mode is then solved exactly and its signs checked.
+/// s → 0, which tends to the least energy; the mode is then solved exactly and its signs checked.
 [[nodiscard]] StaticSolution solve_static(const model::System& system, const linalg::Vector& zeta, const std::vector<char>& switch_active);
 
 }  // namespace pwlsim::engine

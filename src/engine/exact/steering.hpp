@@ -1,5 +1,5 @@
 #pragma once
-/// Which islands must be followed together: those that steer each other's switches, directly or around.
+/// Finds islands that must be followed together: those that drive each other's switches, directly or indirectly.
 
 #include <cstddef>
 #include <utility>

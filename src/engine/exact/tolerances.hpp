@@ -14,31 +14,31 @@ using model::tolerance::unit_rounding;
 /// Why: 45 units of rounding of its times: breakpoints and crossings that are closer are one instant.
 inline constexpr double merge = 1e-14;
 /// Of: the step of the rows' grid.
-/// Why: a step that differs by less does so by rounding of the times, and is taken with the cached matrix.
+/// Why: a smaller difference is rounding of the times, and the cached matrix is used.
 inline constexpr double row_step = 1e-9;
 /// Of: a row's time.
 /// Why: four units of its last place.
 inline constexpr double row_time = 8.9e-16;
 /// Of: `merge`, for the length of a decay that is not followed.
-/// Why: decays that end within 1e-9 of the run are seen by no reader of its rows.
+/// Why: decays that end within 1e-9 of the run are not visible in its rows.
 inline constexpr double unseen_per_merge = 1e5;
 /// Of: the length of the run.
 /// Why: 400 events within it are an accumulation that cannot be crossed.
 inline constexpr double crowd = 1e-9;
-/// Of: the length of the run, where guards cross and nothing happens.
-/// Why: as `crowd`; idle crossings are cheap, and more of them prove nothing is found.
+/// Of: the length of the run, for crossings of guards without effect.
+/// Why: as `crowd`; crossings without effect are cheap, and more of them are needed as a proof.
 inline constexpr double idle_crowd = 1e-6;
 /// Of: the time from the first event of a sequence to its limit.
-/// Why: so far ahead of a limit that is known to rounding it is crossed.
+/// Why: a limit that is known to rounding is crossed this long before it.
 inline constexpr double crossing = 1e-4;
-/// Of: the same, where the limit is known to a fraction of what is ahead.
-/// Why: nearer to it rounding begins to show in states that shrink with the square of the time.
+/// Of: the same, if the limit is known to a fraction of the time before it.
+/// Why: nearer to it, rounding affects states that shrink with the square of the time.
 inline constexpr double last_crossing = 1e-5;
 /// Of: the time of the limit.
 /// Why: 450 units of rounding: the limit is known.
 inline constexpr double limit = 1e-13;
-/// Of: the time that is left to the limit.
-/// Why: two digits of it are enough where rounding allows no more.
+/// Of: the time to the limit.
+/// Why: two digits of it are enough if rounding allows no more.
 inline constexpr double known_limit = 1e-2;
 /// Of: the ratio of intervals between events.
 /// Why: intervals whose ratios agree to one percent shrink geometrically.
@@ -58,14 +58,14 @@ inline constexpr double graze = 1e-13;
 /// Of: the sum of the terms' magnitudes of a guard.
 /// Why: four units of rounding: a root is found.
 inline constexpr double root = 4.0 * unit_rounding;
-/// Of: one, as ‖A‖ times the step that a search for a root leaves over.
-/// Why: Newton's method on the state squares it: the rest is rounding.
+/// Of: one, as ‖A‖ times the remaining step of a search for a root.
+/// Why: Newton's method on the state squares it: the remainder is rounding.
 inline constexpr double left_to_polish = 1e-7;
 /// Of: one, as ‖A‖ times a step.
-/// Why: a step that second order makes exactly.
+/// Why: a second-order step of this length is exact to rounding.
 inline constexpr double longest_polish = 1e-6;
 /// Of: one, as ‖A‖ times a step.
-/// Why: after a shorter one no other step is due: its square is below rounding.
+/// Why: after a shorter step no further one is needed: its square is below rounding.
 inline constexpr double last_polish = 1e-8;
 /// Of: the interval, for a step to the minimum of a guard.
 /// Why: the minimum is flat: its value is known to the square of this.
@@ -74,9 +74,9 @@ inline constexpr double minimum_step = 1e-12;
 /// Why: five units of rounding: the slope is zero.
 inline constexpr double minimum_slope = 1e-15;
 /// Of: the segment.
-/// Why: a shorter interval has no times of its own, and counts as undecidable.
+/// Why: a shorter interval contains no distinct times, and counts as undecidable.
 inline constexpr double smallest_interval = 0x1p-50;
-/// Of: z' of a modal coordinate, against the terms it is a sum of.
+/// Of: the terms of the sum z' of a modal coordinate.
 /// Why: eight units of rounding.
 inline constexpr double coordinate = 8.0 * unit_rounding;
 /// Of: the root, as the last step of Newton's method on a sum of exponentials.
@@ -89,25 +89,25 @@ inline constexpr double series_root_step = 1e-9;
 // States and controls
 
 /// Of: the largest entry of a control's row.
-/// Why: a smaller one is what rounding left of a sum of up to a thousand terms.
+/// Why: a smaller one is the rounding error of a sum of up to a thousand terms.
 inline constexpr double row_entry = 1e-12;
 /// Of: the largest value of any guard in the run.
-/// Why: what a run that has settled leaves: rounding of rounding.
+/// Why: the remainder in a run that has settled: rounding of rounding.
 inline constexpr double remainder = 1e-18;
 /// Of: a control's terms at DC, and the largest current or voltage of a port that it reads.
 /// Why: 450 units of rounding: the control is at its threshold.
 inline constexpr double control_at_start = 1e-13;
 /// Of: the norm of the initial values.
-/// Why: values that were moved by more contradict the circuit, and the run reports it.
+/// Why: values that changed by more contradict the circuit, and the run reports this.
 inline constexpr double moved_start = 1e-9;
 
 // Certificate, jumps, measurements
 
 /// Of: the sum of the magnitudes of the terms of a row.
-/// Why: 64 units of rounding: a residual below it is none.
+/// Why: 64 units of rounding: a smaller residual counts as zero.
 inline constexpr double sum_rounding = 64.0 * unit_rounding;
 /// Of: the largest term of an island, for a row whose terms never exceed it.
-/// Why: what such a row carries may be the rounding of the largest.
+/// Why: the terms of such a row may be rounding errors of the largest term.
 inline constexpr double idle_row = 1e-3;
 /// Of: one, as the certificate's worst residual.
 /// Why: six digits are what pictures and measurements show; beyond it the run warns.
@@ -119,16 +119,16 @@ inline constexpr double impulse = 1e-12;
 /// Why: as `impulse`.
 inline constexpr double probe_impulse = 1e-12;
 /// Of: the end of a run.
-/// Why: an event that rounding keeps from falling on the end leaves a segment this short, in which every control seems to rest.
+/// Why: an event just before the end, because of rounding, leaves a segment this short, in which every control seems constant.
 inline constexpr double brief_rest = 1e-12;
 /// Of: the value of a capacitor or inductor, for its change at an instant.
-/// Why: 45 units of rounding: a smaller change is no jump.
+/// Why: 45 units of rounding: a smaller change is not a jump.
 inline constexpr double change = 1e-14;
 /// Of: the energy stored before a jump.
-/// Why: a smaller loss is rounding, or what a transformer's coupling leaves.
+/// Why: a smaller loss is rounding, or that of a nearly perfect coupling.
 inline constexpr double least_loss = 1e-9;
 /// Of: the current of an inductor.
-/// Why: a larger share that is lost makes it a broken current.
+/// Why: if a larger share is lost, the current counts as broken.
 inline constexpr double least_broken_current = 1e-6;
 /// Of: the largest value of a signal on an interval, for its last coefficients.
 /// Why: nine units of rounding: the polynomial has all digits.
@@ -146,13 +146,13 @@ inline constexpr double piece_point = 8.0 * piece_rounding;
 /// Why: sixteen roundings.
 inline constexpr double piece_derivative = 16.0 * piece_rounding;
 /// Of: the window of the measurements.
-/// Why: intervals this short hang on rounding that is larger than `piece_resolution`.
+/// Why: intervals become this short only if rounding is larger than `piece_resolution`.
 inline constexpr double piece_crowding = 1e-7;
 
 // DC operating point, in extended precision
 
 /// Of: ξ and u, of their largest.
-/// Why: two solutions that differ by less are one: 10^5 units of rounding.
+/// Why: two solutions that differ by less are equal: 10^5 units of rounding.
 inline constexpr long double same_value = 1e-14L;
 /// Of: an equation's coefficients times the largest ξ and u.
 /// Why: a residual of a linear solution in extended precision is below it.
@@ -167,7 +167,7 @@ inline constexpr long double dc_small_change = 1e-12L;
 /// Why: without a solution v keeps growing; noise that stays is below it.
 inline constexpr long double dc_largest_noise = 1e-6L;
 /// Of: a random vector.
-/// Why: what is left of it when all but the kernel has decayed: the kernel is not empty.
+/// Why: if more of it remains when all but the kernel has decayed, the kernel is not empty.
 inline constexpr long double dc_free_share = 1e-6L;
 /// Of: the largest term of any u or y.
 /// Why: some 10^7 units of rounding of extended precision: the sign is known.

@@ -1,5 +1,5 @@
 #pragma once
-/// The run: islands side by side, instants in order, rows in between.
+/// The run: all islands, instants in order, rows in between.
 
 #include <vector>
 
@@ -23,8 +23,8 @@ namespace pwlsim::engine {
 
 class Transient : private RowSource {
  public:
-  /// For runs within a run: who watches, whether what happens at `stop` is left to the next one (then there is no certificate but that of the guards),
-  /// and how close instants are one, s.
+  /// For partial runs: the observer, whether the instant at `stop` is left to the next run (then only guards have a certificate),
+  /// and the distance below which instants are one, s.
   struct Watching {
     Observer* observer = nullptr;
     bool leaves_end_open = false;
@@ -32,22 +32,22 @@ class Transient : private RowSource {
   };
   Transient(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
   Answer run(const RunState& start);
-  /// Where the run has ended: left of `stop`, or right of the instant at which the observer ended it.
+  /// The state at the end of the run: just before `stop`, or after the instant at which the observer ended it.
   [[nodiscard]] RunState state() const;
 
  private:
-  /// What happened at one instant.
+  /// The changes at one instant.
   struct Instant {
     double time = 0.0;
-    double late = 0.0;  ///< what rounding took off the time
+    double late = 0.0;  ///< rounding error of the time
     bool source_edge = false;
     bool mode_change = false;
     bool flips = false;
-    bool crossing = false;  ///< a guard of some island is passed
+    bool crossing = false;  ///< a guard of some island crosses zero
     int jumps = 0;
   };
 
-  /// Running islands that steer each other, those without states first, and what may happen to them from outside.
+  /// Running islands that drive each other, those without states first, and the groups that drive them.
   struct Group {
     std::vector<IslandRun*> islands;
     std::vector<const model::Clock*> clocks;

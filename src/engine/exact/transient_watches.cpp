@@ -78,11 +78,11 @@ bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limi
 
 void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
   const std::vector<std::string> names = all_names(island.system());
-  answer_.remarks.push_back({"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, each {} "
-                                                           "taking {:.6g} of the time of those before, the run goes on from "
-                                                           "their limit (known to {:.1g} s)",
-                                                           limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period,
-                                                           limit.ratio, std::max(limit.uncertainty, tolerance_))});
+  answer_.remarks.push_back(
+      {"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, with each group of {} taking "
+                                     "{:.6g} of the time of the one before, the run continues from their limit (known to {:.1g} s)",
+                                     limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period, limit.ratio,
+                                     std::max(limit.uncertainty, tolerance_))});
   ++answer_.statistics.accumulations;
   island.go_to_limit(limit);
   island.accumulation().reset();
@@ -246,7 +246,7 @@ bool Transient::holds(const IslandRun& island) {
   if (!island.guards().is_broken()) return true;
   const GuardWatch::Violation violation = island.guards().worst();
   fail(Outcome::no_solution, "E-no-solution",
-       fmt::format("the mode no longer holds: {}; the run has missed an event; try --engine sparse, and report the deck",
+       fmt::format("the mode is no longer valid: {}; the run has missed an event; try --engine sparse, and report the deck",
                    violation_text(island.system(), violation)),
        {island.system().port[static_cast<std::size_t>(violation.port)].name});
   return false;
@@ -276,11 +276,10 @@ void Transient::note_doubtful_events() {
     if (const std::uint64_t coarse = island.coarse_selections(); coarse > 0)
       answer_.remarks.push_back(
           {"N-coarse-selection",
-           fmt::format(
-               "at t = {} s{} the next mode of the part with {} was accepted only at {:.0e} times the rounding level: events there lie "
-               "within rounding of each other; the certificate counts what that leaves",
-               island.first_coarse(), coarse > 1 ? fmt::format(" (and {} more times)", coarse - 1) : "", island.system().name,
-               model::coarsest_relaxation)});
+           fmt::format("at t = {} s{} the next mode of the part with {} was accepted only at {:.0e} times the rounding level: events there "
+                       "are within rounding of each other; the certificate counts the remaining violation",
+                       island.first_coarse(), coarse > 1 ? fmt::format(" (and {} more times)", coarse - 1) : "", island.system().name,
+                       model::coarsest_relaxation)});
     if (island.locator().sampled() > 0)
       answer_.remarks.push_back(
           {"W-events-sampled",
@@ -293,10 +292,11 @@ void Transient::note_doubtful_events() {
 void Transient::note_choices() {
   if (several_ == 0) return;
   answer_.remarks.push_back(
-      {"N-not-unique", fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
-                                   several_ > 1 ? fmt::format(" (and not at {} later ones)", several_ - 1) : "",
-                                   request_.non_unique == NonUnique::first ? "the first" : "the mode before, or else the one found first,",
-                                   request_.non_unique == NonUnique::first ? "first" : "stay")});
+      {"N-not-unique",
+       fmt::format("{}{}; {} was taken (nonunique={})", several_text_,
+                   several_ > 1 ? fmt::format(" (nor at {} later instants)", several_ - 1) : "",
+                   request_.non_unique == NonUnique::first ? "the first" : "the previous mode, or else the first one found,",
+                   request_.non_unique == NonUnique::first ? "first" : "stay")});
 }
 
 void Transient::certify() {

@@ -1,12 +1,12 @@
 #pragma once
-/// A part of the network with steps and events of its own.
+/// A part of the network with its own steps and events.
 ///
-/// Steps are of TR-BDF2 with all ports in their position, of lengths h_max·2^−j and no other, so that factors serve again. A step that a port, a switch's
-/// control or a breakpoint of a source ends early is cut there on the parabola through its stages, not taken anew (in a network that is not passive it
-/// is: a constraint may hold back a state two integrations away). Where many ports change sides in a step, one of SDIRK2 with
-/// all of them free is tried first, and kept if neither its error nor their effect on the saved signals is beyond the tolerance.
+/// Steps are of TR-BDF2 with all ports in their position, of lengths h_max·2^−j only, so that factors can be reused. A step that a port, a switch's
+/// control or a breakpoint of a source ends early is cut there on the parabola through its stages, not repeated (in a network that is not passive it
+/// is: a constraint may hold a state two integrations away). If many ports change sides in a step, one of SDIRK2 with
+/// all of them free is tried first, and kept if neither its error nor their effect on the saved signals exceeds the tolerance.
 ///
-/// At an instant (source breakpoint, change of sides) three short implicit Euler steps find the new position: the first takes the jump, the others start
+/// At an instant (source breakpoint, change of sides) three short implicit Euler steps find the new position: the first takes the jump, the others give initial
 /// rates and rows.
 
 #include <functional>
@@ -36,10 +36,10 @@ class Block {
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Begins at t = 0. False: failed.
   bool begin(const Start& start);
-  /// Rows before this time can be asked for.
+  /// Rows before this time are available.
   [[nodiscard]] double time() const { return point_.time; }
   [[nodiscard]] bool finished() const { return finished_; }
-  /// One accepted step, or the event it stands before. False: failed.
+  /// One accepted step, or the next event. False: failed.
   bool advance();
   /// The saved signals at a time in the last step.
   void signals(double time, double* values);
@@ -53,7 +53,7 @@ class Block {
     bool source_edge = false, mode_change = false, jump = false;
     [[nodiscard]] bool happened() const { return source_edge || mode_change || jump; }
   };
-  /// The event that the last `advance` handled, with the signals before it (where the request wants events).
+  /// The event that the last `advance` handled, with the signals before it (if the request includes events).
   [[nodiscard]] const std::optional<Instant>& instant() const { return instant_; }
   [[nodiscard]] const std::vector<double>& signals_before() const { return signals_before_; }
   /// ∫ dt of each saved signal over the jump of the last `advance` or `begin`, where there are probes; empty where nothing jumped.
@@ -65,12 +65,12 @@ class Block {
   /// Outcome, id, message and elements after a failure.
   [[nodiscard]] const Answer& failure() const { return failure_; }
   void add_statistics(Statistics& statistics) const;
-  /// What jumped, where the request wants it.
+  /// The jumps, if requested.
   [[nodiscard]] const std::vector<Jump>& jumps() const { return jump_details_; }
   [[nodiscard]] const CertificateRecorder& certificate() const { return certificate_; }
   /// The largest motion that was damped instead of followed, of a state's size.
   [[nodiscard]] double damped() const { return damped_; }
-  /// What controls did beside their thresholds.
+  /// The controls in relation to their thresholds.
   [[nodiscard]] std::vector<Remark> threshold_remarks();
   /// Whether the start contradicted the network.
   [[nodiscard]] bool start_projected() const { return start_projected_; }
@@ -106,7 +106,7 @@ class Block {
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 
   // block_events.cpp
-  /// A port, or the control of a switch, that passes its zero in a step.
+  /// A port, or the control of a switch, that crosses zero in a step.
   struct Crossing {
     std::size_t index = 0;
     bool is_control = false;
@@ -135,7 +135,7 @@ class Block {
     Position on;
     Instant instant;
   };
-  /// A position that was found, with the Euler steps in it.
+  /// A position found, with its Euler steps.
   struct Found : Beginning {
     Point first, second, third;
   };

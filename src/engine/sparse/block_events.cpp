@@ -471,8 +471,7 @@ bool Block::watch_crowd(double time) {
 
 bool Block::begin(const Start& start) {
   if (segment_ && !passive_) {
-    fail(Outcome::no_solution, "E-no-solution", "the krylov engine follows networks of passive parts alone; try --engine exact or sparse",
-         {});
+    fail(Outcome::no_solution, "E-no-solution", "the krylov engine runs passive networks only; try --engine exact or sparse", {});
     return false;
   }
   point_.time = 0.0;

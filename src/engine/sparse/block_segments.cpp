@@ -287,7 +287,7 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
   if (found || !failure_.id.empty()) return found;
   if (trial_.solved != Solved::yes) return fail_step(trial_.solved, 0.0);
   fail(Outcome::no_solution, "E-no-solution",
-       fmt::format("no segment continues at t = {} s: signs and derivatives of diodes and controls agree in no position that was found; "
+       fmt::format("no segment continues at t = {} s: no position was found whose signs and derivatives agree; "
                    "try --engine sparse",
                    instant.time),
        {});

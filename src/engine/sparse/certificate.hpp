@@ -9,7 +9,7 @@ namespace pwlsim::engine::sparse {
 /// Every step at first, then an evenly thinning sample:
 ///  - complementarity: |min(u, s)| of the diodes, against the largest u or s of the run;
 ///  - KCL/KVL: every row of  k + G z + H w + g  at the end of a step, k the rate of E z, against its largest term of the run;
-///  - energy: change of ½ zᵀE z over a step against ∫ zᵀ k by the method's own weights: what it loses or gains a step, which is of the size of
+///  - energy: change of ½ zᵀE z over a step minus ∫ zᵀ k by the method's own weights: the energy that a step loses or gains, which is of the size of
 ///    its local error.
 class CertificateRecorder {
  public:
@@ -21,7 +21,7 @@ class CertificateRecorder {
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
   /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
   void add_point(const Point& point, const PortSolver& ports, double rate = 0.0);
-  /// A segment's error by its own estimate, of the largest √energy: what its energy is off by at most.
+  /// A segment's error by its own estimate, relative to the largest √energy: a bound of its energy's error.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
 

@@ -13,22 +13,22 @@ struct Control {
   Form value;            ///< SI units
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
-  double largest = 0.0;     ///< magnitude of the value over the run
+  double largest = 0.0;                                                  ///< magnitude of the value over the run
   double at_threshold_since = std::numeric_limits<double>::quiet_NaN();  ///< s: the value has been at one threshold from there on
-  bool has_rested = false;  ///< its switch was switched off at the instant at hand since the value rests at the threshold
+  bool has_rested = false;  ///< its switch was opened at the present instant because the value stays at the threshold
 
   /// Whether the condition holds in a position of the ports: the switch is closed, or open where inverted.
   [[nodiscard]] bool holds(const Position& on) const { return (on[port] != 0) != inverted; }
-  /// Positive as long as nothing changes; `value` is that of the condition's form.
+  /// Positive until the switch changes; `value` is that of the condition's form.
   [[nodiscard]] double margin(const Position& on, double form_value) const {
     return holds(on) ? form_value - off_level : on_level - form_value;
   }
-  /// Whether the switch changes sides where the value rests at the threshold: without hysteresis it is off there.
+  /// Whether the switch changes sides because the value stays at the threshold: without hysteresis it is off there.
   [[nodiscard]] bool passes_at_rest(const Position& on) const { return on_level == off_level && holds(on); }
   [[nodiscard]] bool by_sources() const { return value.z.empty(); }
-  /// Size of what margins are differences of.
+  /// Size of the terms of which margins are differences.
   [[nodiscard]] double level_size() const;
-  /// What rounding of the unknowns makes of the value: a current that is zero is as small as the solution's error.
+  /// The error of the value from rounding of the unknowns: a zero current is as small as the solution's error.
   [[nodiscard]] double rounding(double largest_unknown) const;
 };
 

@@ -5,15 +5,15 @@
 /// of Kirchhoff's current law, inductances in those of inductors), so that ½ zᵀE z / R0 is the stored energy where no capacitor has a
 /// current of its own and no part hangs on capacitors alone (below).
 ///
-/// Coupled inductors have coordinates of their own (windings.hpp) in place of currents: none is coupled, and a perfect coupling is a ratio of voltages.
+/// Coupled inductors have their own coordinates (windings.hpp) instead of currents: these are not coupled, and a perfect coupling is a ratio of voltages.
 ///
 /// Nodes that capacitors join to one another and not to ground form a floating set. In short steps C/h is so large that the leaks of such a set are lost in
-/// the rounding of its equations, all of which then say the same. So the row of the set's first node holds Kirchhoff's current law of the whole set instead of
-/// its own: the capacitors cancel in it by construction, and the leaks are all that is left.
+/// the rounding of its equations, which are then dependent. So the row of the set's first node holds Kirchhoff's current law of the whole set instead of
+/// its own: the capacitors cancel in it by construction, and only the leaks remain.
 ///
 /// Every port p has an input u = z[row] and a slack s = row·z + …:  0 ≤ u ⊥ s ≥ 0, for a diode i and drop + R i − v. Its closing row is
 ///    on:  s = 0      off:  u = 0
-/// with a little of the other added where the position leaves something open (factors.hpp). Both entries are kept in the pattern in either
+/// with a small part of the other added if the position leaves something open (factors.hpp). Both entries are kept in the pattern in either
 /// position.
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace pwlsim::engine::sparse {
 /// Which ports are on. Switches too: on is closed.
 using Position = std::vector<char>;
 
-/// A larger |k| is one: the currents of the two inductors are no states of their own.
+/// A larger |k| counts as 1: the currents of the two inductors are not independent states.
 inline constexpr double perfect_coupling = 1.0 - 1e-9;
 
 /// value = Σ z-terms + Σ w-terms + constant.
@@ -67,7 +67,7 @@ struct Port {
   std::vector<int> enabled_by{};  ///< of a diode: ports of switches of which one must be closed, else it blocks whatever its slack is
   model::NodeIndex p = model::ground, n = model::ground;  ///< of a diode or switch
 
-  /// What a position leaves free: u where on, s where off. A diode needs it not negative.
+  /// The free quantity in a position: u if on, s if off. A diode requires that it is not negative.
   [[nodiscard]] double free_variable(bool on, const double* z, const double* w) const { return on ? z[row] : slack.value(z, w); }
   [[nodiscard]] bool blocks(const Position& on) const {
     return !enabled_by.empty() &&
@@ -118,7 +118,7 @@ class Descriptor {
   }
   /// Diodes and complementarities come first.
   [[nodiscard]] int first_switch() const { return unknowns_.first_switch(); }
-  /// Whether nothing in the network can feed energy in but its sources: then its solution is unique, and jumps are of first order.
+  /// Whether only its sources can feed energy into the network: then its solution is unique, and jumps are of first order.
   [[nodiscard]] bool passive() const;
   /// Capacitors, then inductors, as in the network.
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
@@ -157,7 +157,7 @@ class Descriptor {
   [[nodiscard]] std::vector<double> memory_diagonal() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
-  /// What every state measures of z.
+  /// The value of every state from z.
   void measure_states(const double* z, std::vector<double>& states) const;
   /// Leaves of z the voltages of nodes and the currents of inductors.
   void forget_currents(std::vector<double>& z) const {

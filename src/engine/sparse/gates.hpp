@@ -1,5 +1,5 @@
 #pragma once
-/// Switches whose controls read nothing but polylines of time: when they change sides is known beforehand.
+/// Switches whose controls read only polylines of time: the times at which they change sides are known beforehand.
 
 #include <cstddef>
 #include <utility>
@@ -16,11 +16,11 @@ class Gate {
   Gate(std::size_t port, bool inverted, model::Clock clock) : port_(port), inverted_(inverted), clock_(std::move(clock)) {}
 
   [[nodiscard]] std::size_t port() const { return port_; }
-  /// Goes to t = 0 with the switch in this position; what the control asks for at once is taken.
+  /// Goes to t = 0 with the switch in this position; a change that the control requires at once is taken.
   void begin(bool closed, double stop);
   [[nodiscard]] bool closed() const { return clock_.is_on() != inverted_; }
   [[nodiscard]] const model::Clock& clock() const { return clock_; }
-  /// Time of its next change of sides, infinite where there is none before the end of the run.
+  /// Time of its next change of sides, infinite if there is none before the end of the run.
   [[nodiscard]] double next() const { return clock_.next().time < stop_ ? clock_.next().time : model::forever; }
   /// Takes that change.
   void pass();

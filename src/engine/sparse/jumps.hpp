@@ -1,5 +1,5 @@
 #pragma once
-/// What jumped at an instant, in the words of the exact engine.
+/// The jumps at an instant, in the form of the exact engine.
 
 #include "engine/run.hpp"
 #include "engine/sparse/part.hpp"

@@ -1,9 +1,9 @@
 #pragma once
-/// What a position of diodes and switches leaves open, found in the graph of the network:
-///  - parts that only blocking ports tie to the rest: their common potential;
+/// The quantities that a position of diodes and switches leaves open, by the graph of the network:
+///  - parts that only blocking ports tie to other parts: their common potential;
 ///  - loops of voltage sources and conducting ports without resistance: the current around.
 ///
-/// In a passive network that is all that can be open but currents of perfectly coupled inductors.
+/// In a passive network nothing else can be open except currents of perfectly coupled inductors.
 
 #include <vector>
 
@@ -15,7 +15,7 @@ class OpenParts {
  public:
   explicit OpenParts(const model::Network& network);
 
-  /// Whether the graph tells all that can be open.
+  /// Whether the graph shows everything that can be open.
   [[nodiscard]] bool tells_all() const { return tells_all_; }
   /// Ports that would settle it: of the blocking ones a tree that ties the parts together, of the conducting ones those that close a loop.
   [[nodiscard]] std::vector<int> ties(const Position& on) const;

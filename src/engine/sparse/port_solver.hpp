@@ -22,7 +22,7 @@ namespace pwlsim::engine::sparse {
 inline constexpr std::size_t most_disputed = 300;
 
 enum class Solved { yes, singular, no_position };
-/// What may be done to find a position: nothing, Newton's method alone, or all that is here.
+/// The methods for finding a position: none, Newton's method alone, or all.
 enum class Search { none, newton, all };
 
 class InteriorPoint;

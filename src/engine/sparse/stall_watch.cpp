@@ -18,7 +18,7 @@ constexpr double slow_stretch = 1e-2, senseless_residual = 0.5, broken_laws = 1e
 /// come of it.
 constexpr double cliff = 1e6;
 constexpr std::uint64_t most_cliffs = steps_between_looks / 4, few_events = steps_between_looks / 500;
-/// Without events, in an active network, at so many looks in a row: the rest of the run would take a million times that many steps. A ring may die down meanwhile.
+/// Without events, in an active network, at so many looks in a row: the remaining run would take a million times that many steps. A ring may die down meanwhile.
 constexpr double hopeless_stretch = 1e-6;
 constexpr int most_stuck_looks = 20;
 /// Nearly every second one leads to a passage after which every port stays on its side, or, in a passive network too, stands at a cliff, between so many
@@ -79,21 +79,21 @@ std::string StallWatch::look_at_steps(const Certificate& certificate, const Plac
   count_in_a_row(stuck_looks_, is_quiet && !passive_ && stretch <= hopeless_stretch * stop_);
   const bool is_blocked = is_quiet && (passive_ ? cliff_looks_ >= most_idle_looks : cliffs > most_cliffs);
   if (stuck_looks_ >= most_stuck_looks)
-    return fmt::format("the rest of the run would take {:.0e} of them",
+    return fmt::format("the remaining run would take {:.0e} of them",
                        static_cast<double>(steps_between_looks) * (stop_ - now.time) / stretch);
   if (is_quiet && idle_looks_ >= most_idle_looks && stretch <= idle_stretch * stop_)
-    return fmt::format("at {} of them ports leave their sides and find no others", idle);
+    return fmt::format("for {} of them no position of the ports is valid", idle);
   if (stretch > (is_senseless || is_blocked ? slow_stretch : short_stretch) * stop_) return "";
   if (is_senseless || (is_worse && is_hopeless(worst))) return fmt::format("violate the circuit's laws by {:.1e}", worst);
-  return is_blocked ? "longer ones find no position, or one from another side" : "";
+  return is_blocked ? "longer ones find no position, or a different one" : "";
 }
 
 std::string StallWatch::look_at_passages(const Certificate& certificate, const Place& now) {
   idle_passages_ = 0;
   const double worst = worst_residual(certificate);
   if (!is_hopeless(worst)) return "";
-  return fmt::format("ports leave their sides before t = {} s and find no others ({} times), and violate the circuit's laws by {:.1e}",
-                     now.time, most_idle_passages, worst);
+  return fmt::format("the ports find no valid position before t = {} s ({} times), and violate the circuit's laws by {:.1e}", now.time,
+                     most_idle_passages, worst);
 }
 
 bool StallWatch::is_hopeless(double residual) const { return residual >= std::max(hopeless_residual, hopeless_tolerances * reltol_); }

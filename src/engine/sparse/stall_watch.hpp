@@ -1,6 +1,6 @@
 #pragma once
-/// Whether the steps of a block lead anywhere. Where no solution continues they may get ever shorter from one wrong position to the next, or ports
-/// leave their sides and find no others: an active network need not have a solution, and a passive one may hold a short circuit of ideal parts.
+/// Detects steps of a block without progress. If no solution continues, they may get ever shorter from one wrong position to the next, or ports
+/// find no valid position: an active network need not have a solution, and a passive one may contain a short circuit of ideal parts.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@ class StallWatch {
  public:
   StallWatch(bool is_passive, double stop, double reltol);
 
-  /// Where the run stands, s, and how many steps and events have been.
+  /// The time of the run, s, and the number of steps and events so far.
   struct Place {
     double time = 0.0;
     std::uint64_t steps = 0, events = 0;
@@ -21,14 +21,14 @@ class StallWatch {
 
   /// A step of length h was accepted with `error`, a longer one rejected with `rejected_error`.
   void note_errors(double error, double rejected_error);
-  /// An instant at which ports left their sides, and whether anything came of it.
+  /// An instant at which ports changed sides, and whether it had an effect.
   void note_instant(bool happened);
-  /// So many instants in a row came to nothing.
+  /// Whether too many consecutive instants had no effect.
   [[nodiscard]] int idle_passages() const { return idle_passages_; }
 
-  /// Whether it is time to look what the last steps have done.
+  /// Whether it is time to examine the last steps.
   [[nodiscard]] bool is_due(const Place& now) const;
-  /// What is wrong with them, in words; empty where they lead on.
+  /// The fault of the last steps, as text; empty if they make progress.
   [[nodiscard]] std::string look(const Certificate& certificate, const Place& now);
 
  private:

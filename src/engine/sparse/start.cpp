@@ -74,8 +74,8 @@ class RestFinder {
         is_singular = solved == Solved::singular;
         if (is_singular) {
           const int unknown = factors_.singular_unknown();
-          problem =
-              unknown >= 0 ? fmt::format("the equations leave {} open", descriptor_.unknown_name(unknown)) : "the equations are singular";
+          problem = unknown >= 0 ? fmt::format("the equations do not determine {}", descriptor_.unknown_name(unknown))
+                                 : "the equations are singular";
           return false;
         }
         if (solved != Solved::yes) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a run starts: values of the states and the position of the switches.
+/// The start of a run: values of the states and the position of the switches.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// Which side ports take that are at zero on both: no current and no voltage.
+/// Selects the sides of ports with zero current and zero voltage.
 ///
 /// At a point without a jump all other ports stay where they are, so that the complementarity problem of a short Euler step is one of the ports in dispute alone, in
 /// its change (start_change.hpp): they are at zero exactly, and the change has digits of its own however short the step. Ports that the change leaves at zero are

@@ -1,5 +1,5 @@
 #pragma once
-/// The run: blocks side by side, the one that is least far first, rows in between.
+/// The run: all blocks, the one with the least time first, rows in between.
 
 #include <memory>
 #include <vector>
@@ -16,7 +16,7 @@ class Transient : private RowSource {
   /// `signals`: of the whole network. Parts and request must outlive it.
   Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
             Block::Method method, RowSink& sink);
-  /// One start a part.
+  /// One start per part.
   Answer run(const std::vector<Start>& starts);
 
  private:

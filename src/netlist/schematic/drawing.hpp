@@ -1,5 +1,5 @@
 #pragma once
-/// What a picture of a schematic needs: its wires, symbols and labels, and the nets that they belong to.
+/// The data for a picture of a schematic: its wires, symbols and labels, and their nets.
 
 #include <string>
 #include <vector>
@@ -20,14 +20,14 @@ struct DrawnSheet {
   };
   struct Terminal {
     GridPoint at;
-    std::string name;  ///< beside it; often empty
+    std::string name;  ///< shown beside it; often empty
     int net = -1;      ///< -1: an open pin of one of LTspice's own devices
   };
   struct Part {
     std::string symbol;   ///< without its folder, in lower case
     std::string element;  ///< in the netlist: "MQ1" of the symbol Q1
     std::string name, value;
-    std::string block;  ///< the sheet that it stands for, or empty
+    std::string block;  ///< the sheet that it represents, or empty
     GridPoint origin;
     Orientation orientation;
     std::vector<Terminal> terminals;  ///< in the order of the netlist

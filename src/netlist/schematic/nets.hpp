@@ -1,5 +1,5 @@
 #pragma once
-/// Which places of a sheet are one node, and what the nodes are called.
+/// The nodes of a sheet and their names.
 
 #include <map>
 #include <string>
@@ -11,7 +11,7 @@
 namespace pwlsim::netlist {
 
 /// Wires, pins and labels meet at their ends and wherever such an end lies on a wire; wires that only cross do not. Labels of one name are one net.
-/// A net is called after its first label, or `0` where one of its labels is; nets without a label are N001, N002, … from the top left.
+/// A net has the name of its first label, or `0` if one of its labels is `0`; nets without a label are N001, N002, … from the top left.
 class Nets {
  public:
   /// `pins` of all symbols; `joined` are pairs of pins that a jumper joins.
@@ -19,7 +19,7 @@ class Nets {
 
   /// The node at a pin.
   [[nodiscard]] const std::string& name_at(GridPoint pin) const;
-  /// Nothing but this one pin is there.
+  /// Whether nothing else is at this pin.
   [[nodiscard]] bool is_open(GridPoint pin) const;
 
   /// Further labels of a net, each with the name of the net.
@@ -46,10 +46,10 @@ class Nets {
   std::vector<Alias> aliases_;
 };
 
-/// On its ends, too.
+/// Whether a point is on the wire, ends included.
 [[nodiscard]] bool lies_on(GridPoint point, const Wire& wire);
 
-/// A label as a node of a netlist: characters that would part it are replaced.
+/// A label as a node of a netlist: characters that would split it are replaced.
 [[nodiscard]] std::string node_name(std::string_view label);
 
 }  // namespace pwlsim::netlist

@@ -15,7 +15,7 @@ struct Orientation {
   bool is_mirrored = false;
   int quarters = 0;
 };
-/// Where a point of a symbol lies on the sheet.
+/// The place of a symbol's point on the sheet.
 [[nodiscard]] GridPoint on_sheet(GridPoint of_symbol, GridPoint origin, Orientation orientation);
 
 struct Wire {
@@ -29,7 +29,7 @@ struct Flag {
 };
 
 struct Instance {
-  std::string symbol;  ///< with its folder, parted by slashes
+  std::string symbol;  ///< with its folder, separated by slashes
   GridPoint origin;
   Orientation orientation;
   Attributes attributes;
@@ -40,8 +40,8 @@ struct Instance {
 struct Directive {
   std::string text;
   std::uint32_t offset = 0;  ///< where it begins in the schematic
-  GridPoint at;              ///< of the text that it is a line of
-  int line = 0;              ///< which
+  GridPoint at;              ///< of the text that contains the line
+  int line = 0;              ///< number of the line in that text
 };
 
 struct Sheet {
@@ -52,7 +52,7 @@ struct Sheet {
   std::vector<Directive> directives;
 };
 
-/// Reads a text of the store. Reports `E-schematic` where it is no schematic, `E-schematic-line` for a line that cannot be read and
+/// Reads a text of the store. Reports `E-schematic` if it is not a schematic, `E-schematic-line` for a line that cannot be read and
 /// `W-schematic-line` for one of an unknown kind.
 [[nodiscard]] Sheet read_sheet(FileIndex file, const SourceStore& sources, Diagnostics& diagnostics);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Symbols and blocks that stand beside a schematic.
+/// Finds the symbols and blocks beside a schematic.
 
 #include <filesystem>
 #include <map>
@@ -10,25 +10,25 @@
 
 namespace pwlsim::netlist {
 
-/// A symbol as a schematic names it, and where its file stands.
+/// A symbol that a schematic names, and its file.
 struct FoundSymbol {
-  const Symbol* symbol = nullptr;  ///< null where there is none
+  const Symbol* symbol = nullptr;  ///< null if not found
   std::filesystem::path file;      ///< empty for one of LTspice's library
-  bool is_guess = false;           ///< an amplifier that is taken for one of five pins
+  bool is_guess = false;           ///< an amplifier that is assumed to have five pins
 };
 
 /// Reads each file once.
 class Shelf {
  public:
-  /// `root` is the folder of the schematic that was asked for.
+  /// `root` is the folder of the top schematic.
   explicit Shelf(std::filesystem::path root) : root_(std::move(root)) {}
 
   /// NAME.asy beside the schematic of `folder`, or of the root, else LTspice's own.
   [[nodiscard]] FoundSymbol symbol(const std::string& name, const std::filesystem::path& folder);
-  /// The schematic NAME.asc beside the symbol's file, or in those folders; empty where there is none.
+  /// The schematic NAME.asc beside the symbol's file, or in those folders; empty if there is none.
   [[nodiscard]] std::filesystem::path block(const FoundSymbol& found, const std::string& name, const std::filesystem::path& folder) const;
 
-  /// Those read.
+  /// The files read.
   [[nodiscard]] std::vector<std::string> files() const;
 
  private:

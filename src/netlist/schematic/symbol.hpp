@@ -1,5 +1,5 @@
 #pragma once
-/// Symbols of LTspice's schematics: where their pins lie, and what they give to elements that say nothing else.
+/// Symbols of LTspice's schematics: the places of their pins, and their default attributes.
 
 #include <compare>
 #include <cstdint>
@@ -21,7 +21,7 @@ struct GridPoint {
 class Attributes {
  public:
   void set(std::string_view name, std::string_view value);
-  /// Null where there is none of that name.
+  /// Null if there is none of that name.
   [[nodiscard]] const std::string* find(std::string_view name) const;
 
  private:
@@ -31,7 +31,7 @@ class Attributes {
 struct Pin {
   GridPoint at;
   std::string name;
-  bool shows_name = false;  ///< beside the pin
+  bool shows_name = false;  ///< the name is shown beside the pin
 };
 
 /// A line, rectangle, circle (in its box) or arc (of the circle in its box, counterclockwise from the ray to the third point to that to the fourth).
@@ -43,16 +43,16 @@ struct Stroke {
 
 struct Symbol {
   std::string name;                      ///< without folder
-  std::string prefix;                    ///< first the letter of its elements; empty: a block with a schematic of its own
-  std::vector<std::optional<Pin>> pins;  ///< in the order of the netlist; none where a place has no pin (of LTspice's own devices)
+  std::string prefix;                    ///< begins with the letter of its elements; empty: a block that represents a schematic
+  std::vector<std::optional<Pin>> pins;  ///< in the order of the netlist; empty for a place without a pin (LTspice's own devices)
   Attributes attributes;
-  std::vector<Stroke> strokes;  ///< how its file draws it; none of LTspice's own
+  std::vector<Stroke> strokes;  ///< the drawing of its file; empty for LTspice's own symbols
 };
 
-/// The symbol of LTspice's library with that name, which may have its folder before it; null where there is none. Letter case does not count.
+/// The symbol of LTspice's library with that name, which may include its folder; null if there is none. Not case-sensitive.
 [[nodiscard]] const Symbol* find_standard_symbol(std::string_view name);
 
-/// A symbol of LTspice's folder of amplifiers that is not in the table, as most single ones are: five pins, and its name is that of its model. None for
+/// For a symbol of LTspice's folder of amplifiers that is not in the table: five pins, as most single amplifiers have, and its name as the model. Empty for
 /// other folders.
 [[nodiscard]] std::optional<Symbol> guess_amplifier(std::string_view name);
 
@@ -65,7 +65,7 @@ struct Symbol {
 /// lib/ltspice.symbols.
 [[nodiscard]] std::string_view standard_symbols();
 
-/// What stands behind the last slash or backslash.
+/// The part after the last slash or backslash.
 [[nodiscard]] std::string_view without_folder(std::string_view name);
 
 }  // namespace pwlsim::netlist

@@ -1,5 +1,5 @@
 #pragma once
-/// Lines of LTspice's files as words and numbers.
+/// Splits lines of LTspice's files into words and numbers.
 
 #include <charconv>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace pwlsim::netlist {
 
-/// Takes the first word of `rest` away from it; empty at the end.
+/// Removes and returns the first word of `rest`; empty at the end.
 [[nodiscard]] inline std::string_view take_word(std::string_view& rest) {
   rest = trimmed(rest);
   std::size_t end = 0;
@@ -20,7 +20,7 @@ namespace pwlsim::netlist {
   return word;
 }
 
-/// Takes the last word of `rest` away from it.
+/// Removes and returns the last word of `rest`.
 [[nodiscard]] inline std::string_view take_last_word(std::string_view& rest) {
   rest = trimmed(rest);
   std::size_t begin = rest.size();
@@ -30,7 +30,7 @@ namespace pwlsim::netlist {
   return word;
 }
 
-/// Takes the first line of `rest` away from it, without its end.
+/// Removes and returns the first line of `rest`, without its end.
 [[nodiscard]] inline std::string_view take_line(std::string_view& rest) {
   const std::size_t end = rest.find('\n');
   const std::string_view line = rest.substr(0, end);
@@ -38,7 +38,7 @@ namespace pwlsim::netlist {
   return line;
 }
 
-/// A coordinate: a whole number far from overflow, whatever is computed with it.
+/// A coordinate: a whole number small enough for all computations without overflow.
 [[nodiscard]] inline std::optional<std::int32_t> read_coordinate(std::string_view word) {
   constexpr std::int32_t farthest = 100'000'000;
   std::int32_t value = 0;
