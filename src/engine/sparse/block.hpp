@@ -165,12 +165,14 @@ class Block {
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] bool take_jump(Instant& instant);
+  Sought take_jump_of(const Point& step, double h);
   [[nodiscard]] Sought jump_by_step(const Point& step, double h);
   [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
   [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
                                                            const Position& on, double share) const;
   [[nodiscard]] bool is_jump_of(const Position& on);
   [[nodiscard]] bool is_continuous();
+  [[nodiscard]] bool moves_to(const std::vector<double>& z) const;
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);

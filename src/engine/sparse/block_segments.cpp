@@ -18,8 +18,8 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// Of a state's size: it jumps by more.
-constexpr double least_jump = 1e-8;
+/// A state jumps by more than this of its size, and all together by more than that of the largest √energy: ten times what a segment's truncation moves.
+constexpr double least_jump = 1e-8, least_distance = 1e-11;
 constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
 constexpr double impulse_share = 1e-6;
 constexpr double rounding_of_impulses = 1e-9;  ///< of the largest in a voltage, and in a port's current
@@ -61,7 +61,7 @@ ExactSegment::Opened Block::open_segment(const Position& on) {
 bool Block::take_jump(Instant& instant) {
   segment_->unknowns(segment_->at(0.0), first_.z);
   const bool jumps = difference(states_, first_.z) > least_jump;
-  instant.jump |= jumps;
+  instant.jump |= moves_to(first_.z);
   return jumps;
 }
 
@@ -86,19 +86,26 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
-  if (take_jump(instant)) {
-    const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
-    const double length = segment_->step_length();
-    const Sought sought = is_jump_of(on) ? take_step_of_jump(step, h) : Sought::not_found;
-    if (sought == Sought::jumped) add_impulses(impulses, whole, length);
-    return sought;
-  }
+  const bool jumps = take_jump(instant);
+  if (jumps && segment_->distance(point_.z, first_.z) > least_distance) return take_jump_of(step, h);
   if (segment_->negative().empty()) return Sought::found;
   const std::vector<double> z = first_.z;
   first_ = step;
-  return settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous())
-             ? Sought::found
-             : Sought::not_found;
+  if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
+    return Sought::found;
+  if (!jumps || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
+  point_.on = on;
+  (void)take_jump(instant);
+  return take_jump_of(step, h);
+}
+
+/// The jump with which the segment begins, to first_.
+Block::Sought Block::take_jump_of(const Point& step, double h) {
+  const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
+  const double length = segment_->step_length();
+  const Sought sought = is_jump_of(step.on) ? take_step_of_jump(step, h) : Sought::not_found;
+  if (sought == Sought::jumped) add_impulses(impulses, whole, length);
+  return sought;
 }
 
 /// Where impulses leave no digits in a segment that begins before the jump.
@@ -195,7 +202,12 @@ bool Block::is_jump_of(const Position& on) {
 bool Block::is_continuous() {
   std::vector<double> z;
   segment_->unknowns(segment_->at(0.0), z);
-  return difference(states_, z) <= least_jump;
+  return !moves_to(z);
+}
+
+/// Whether states move from those of the instant, beyond rounding.
+bool Block::moves_to(const std::vector<double>& z) const {
+  return difference(states_, z) > least_jump && segment_->distance(point_.z, z) > least_distance;
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -341,7 +353,7 @@ bool Block::begin_segment() {
     if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
-  const std::vector<double> states = states_;
+  const std::vector<double> states = states_, z = point_.z;
   ties_->note_input_terms(segment_->input_terms());
   const bool is_found = find_segment(beginning, instant);
   passing_ = -1;
@@ -351,7 +363,7 @@ bool Block::begin_segment() {
   segment_->set_signals(signals_);
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time);
-  instant.jump |= difference(states, next.z) > least_jump;
+  instant.jump |= difference(states, next.z) > least_jump && segment_->distance(z, next.z) > least_distance;
   instant.mode_change |= next.on != position_before_;
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
