@@ -250,30 +250,6 @@ TEST_CASE("a passive circuit of any size is exact, whether modes or segments are
   CHECK(compared == 5);
 }
 
-// Twenty phases whose neutral point leaks alone hold, a capacitor at each: the segments find no position at the start.
-TEST_CASE("where segments find no solution the run is made again, and says so", "[unit]") {
-  const Scratch scratch;
-  std::ostringstream deck;
-  deck << "phases\n";
-  for (int k = 0; k < 20; ++k)
-    deck << "V" << k << " s" << k << " nn SIN(0 325 50 0 0 " << 18 * k << ")\nRs" << k << " s" << k << " u" << k << " 0.1\nLs" << k << " u"
-         << k << " q" << k << " 100u ic=0\nCf" << k << " u" << k << " nn 1u ic=0\nDa" << k << " q" << k << " dp DX\nDb" << k << " 0 q" << k
-         << " DX\nCs" << k << " q" << k << " r" << k << " 10n ic=0\nRn" << k << " r" << k << " 0 100\n";
-  deck << "L1 dp out 5m ic=0\nC1 out 0 470u ic=0\nR1 out 0 50\n.model DX D(Ron=1m Vfwd=0.7 Roff=1e6)\n.save v(out)\n.tran 0.2m 1m "
-          "uic\n.end\n";
-  scratch.write("phases.net", deck.str());
-  const Finished run = run_in(scratch, {"phases.net", "-o", "phases.csv"});
-  CHECK(run.status == 0);
-  CHECK_THAT(run.err, Contains("note[N-other-engine]"));
-  const Finished steps = run_in(scratch, {"phases.net", "-o", "steps.csv", "--engine", "sparse", "--reltol", "1e-7"});
-  REQUIRE(steps.status == 0);
-  const auto last = [&](const char* file) {
-    const std::string text = read_file(scratch / file);
-    return std::stod(text.substr(text.rfind(',') + 1));
-  };
-  CHECK(last("phases.csv") == Approx(last("steps.csv")).epsilon(1e-5));
-}
-
 TEST_CASE("the sparse engine runs a deck, and refuses a tolerance below rounding", "[unit]") {
   const Scratch scratch;
   scratch.write("divider.net", divider);

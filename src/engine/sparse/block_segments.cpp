@@ -355,8 +355,9 @@ bool Block::begin_segment() {
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_, z = point_.z;
   ties_->note_input_terms(segment_->input_terms());
+  segment_->note_passing(passing_);
   const bool is_found = find_segment(beginning, instant);
-  passing_ = -1;
+  segment_->note_passing(passing_ = -1);
   if (!is_found) return false;
   segment_->accept();
   segment_->note_jump(0.0);

@@ -38,6 +38,7 @@ constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisatio
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
+constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
 constexpr double muting = 30.0, most_muted = 1e6;
 
 }  // namespace
@@ -364,7 +365,10 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double bend = linalg::row_times(mode_->guards, row, second.data());
-    if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
+    const double slope = linalg::row_times(mode_->guards, row, first.data());
+    if (row == passing_ && departure.order == 0 && slope > 0.0 && value + passed_share * length_ * slope >= 0.0) {
+      departure = {1, slope};
+    } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
       departure = {2, bend};
     } else if (departure.order > 0 && value > 0.0 && takes_positive_) {
       departure = {0, value};

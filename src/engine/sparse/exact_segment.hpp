@@ -25,6 +25,8 @@ class ExactSegment {
     takes_positive_ = takes_positive;
   }
   [[nodiscard]] double relaxation() const { return relaxation_; }
+  /// The port whose guard has just passed zero, on its other side; −1: none.
+  void note_passing(int port) { passing_ = port; }
 
   /// States come from a jump at which voltages were as large as this: their rounding is of it. 0: no longer.
   void note_jump(double voltage) { jump_voltage_ = voltage; }
@@ -140,6 +142,7 @@ class ExactSegment {
   double voltage_ = 0.0;  ///< largest of a node before the start
   Position on_;
   bool takes_positive_ = false;
+  int passing_ = -1;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;
   std::unordered_map<int, double> muted_;
