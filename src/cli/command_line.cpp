@@ -383,7 +383,8 @@ std::vector<std::pair<std::string, bool>> read_mode(std::string_view text, Compl
     const std::string_view name = without_blanks(item.substr(0, equals));
     const std::string_view state = equals == std::string_view::npos ? "" : without_blanks(item.substr(equals + 1));
     if (name.empty() || !(same_name(state, "on") || same_name(state, "off"))) {
-      complaints.add("E-option-value", fmt::format("`{}` in `--mode` is not a port and its state; try D1=on or D1=off", item));
+      complaints.add("E-option-value",
+                     fmt::format("`--mode` contains `{}`, which is not a port with its state; try D1=on or D1=off", item));
     } else {
       mode.emplace_back(name, same_name(state, "on"));
     }

@@ -260,7 +260,7 @@ TEST_CASE("pictures and reports of a sweep show when diodes and switches of each
   check_run(2, "E=4", {});
   const std::string page = shown(scratch, "r.html");
   if (!page.empty())
-    CHECK_THAT(page, Contains("data-marks=\"3\"") && Contains("A line a run, with a tick where a diode or switch changes"));
+    CHECK_THAT(page, Contains("data-marks=\"3\"") && Contains("One line per run, with a tick where a diode or switch changes"));
 }
 
 TEST_CASE("a view in the address is what the page shows", "[unit]") {

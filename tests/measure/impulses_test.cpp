@@ -112,7 +112,7 @@ TEST_CASE("a product holds an impulse whose factor is steady, and says when it i
   CHECK(m.result("lost").left_out == "the impulse at t = 1 s: v(in,b)*i(S1) has no integral over it");
   CHECK(m.result("moved").left_out == "the impulse at t = 1 s: abs(i(S1)) has no integral over it");
   CHECK(m.result("rms").left_out == "the impulse at t = 1 s: its square has no integral");
-  CHECK(m.result("most").left_out == "the impulse at t = 1 s: it is beyond any number");
+  CHECK(m.result("most").left_out == "the impulse at t = 1 s: it is infinite");
 }
 
 // The supply of a charge pump: D1 fills C1 again at each fall of the clock, by an impulse. Energy = 5 V times charge.
