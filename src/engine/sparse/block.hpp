@@ -166,6 +166,7 @@ class Block {
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] bool take_jump(Instant& instant);
   Sought take_jump_of(const Point& step, double h);
+  [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] Sought jump_by_step(const Point& step, double h);
   [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
   [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
@@ -211,11 +212,13 @@ class Block {
   StallWatch stall_;
   Stretch stretch_;
   std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
-  Position position_ahead_;                ///< where the passage at hand leads
-  double segment_tau_ = 0.0;               ///< so far
-  std::unique_ptr<TieSelector> ties_;      ///< likewise
-  int last_guard_ = -1;                    ///< that ended the segment before
-  int passing_ = -1;                       ///< the same, until the position behind it is found
+  std::vector<Position> refused_jumps_;    ///< of steps of several lengths: positions whose jump asks for impulses backwards
+  bool trusts_jumps_ = false;
+  Position position_ahead_;            ///< where the passage at hand leads
+  double segment_tau_ = 0.0;           ///< so far
+  std::unique_ptr<TieSelector> ties_;  ///< likewise
+  int last_guard_ = -1;                ///< that ended the segment before
+  int passing_ = -1;                   ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
   std::unordered_set<std::string>

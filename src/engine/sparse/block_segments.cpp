@@ -103,7 +103,11 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
 Block::Sought Block::take_jump_of(const Point& step, double h) {
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
   const double length = segment_->step_length();
-  const Sought sought = is_jump_of(step.on) ? take_step_of_jump(step, h) : Sought::not_found;
+  if (!trusts_jumps_ && !is_jump_of(step.on)) {
+    refused_jumps_.push_back(step.on);
+    return Sought::not_found;
+  }
+  const Sought sought = take_step_of_jump(step, h);
   if (sought == Sought::jumped) add_impulses(impulses, whole, length);
   return sought;
 }
@@ -319,16 +323,29 @@ double Block::euler_length(const Beginning& beginning) const {
   return std::exp2(2.0 * std::floor(0.5 * std::log2(wanted)));
 }
 
+/// The position after Euler steps of several lengths. A jump that asks ports for impulses backwards is refused, unless steps of all lengths find its position: the shortest would show such an
+/// impulse, so that what moves is over soon, but finite (a current that leaks take over).
+Block::Sought Block::seek_by_steps(const Beginning& beginning, Instant& instant, double h) {
+  refused_jumps_.clear();
+  for (const double scale : euler_scales) {
+    const Sought sought = seek_segment(beginning, instant, scale * h);
+    if (!failure_.id.empty() || sought != Sought::not_found) return sought;
+  }
+  const auto is_first = [&](const Position& on) { return on == refused_jumps_.front(); };
+  if (refused_jumps_.size() < euler_scales.size() || !std::all_of(refused_jumps_.begin(), refused_jumps_.end(), is_first))
+    return Sought::not_found;
+  trusts_jumps_ = true;
+  const Sought sought = seek_segment(beginning, instant, euler_scales.back() * h);
+  trusts_jumps_ = false;
+  return sought;
+}
+
 bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
   const double h = euler_length(beginning);
   Beginning from = beginning;
   for (int jumps = 0; jumps < most_jumps; ++jumps) {
-    Sought sought = Sought::not_found;
-    for (const double scale : euler_scales) {
-      sought = seek_segment(from, instant, scale * h);
-      if (!failure_.id.empty()) return false;
-      if (sought != Sought::not_found) break;
-    }
+    const Sought sought = seek_by_steps(from, instant, h);
+    if (!failure_.id.empty()) return false;
     if (sought == Sought::found) return true;
     if (sought == Sought::not_found) return false;
     from.on = point_.on;
