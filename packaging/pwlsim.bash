@@ -8,7 +8,7 @@ _pwlsim() {
     esac
   done
   case $previous in
-    --engine) mapfile -t COMPREPLY < <(compgen -W "auto exact krylov sparse" -- "$current") && return ;;
+    --engine) mapfile -t COMPREPLY < <(compgen -W "auto exact modes krylov sparse" -- "$current") && return ;;
     --format) mapfile -t COMPREPLY < <(compgen -W "csv raw" -- "$current") && return ;;
     --reltol | --smooth | --budget | --mode | --jobs) COMPREPLY=() && return ;;
   esac

@@ -155,7 +155,7 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
 }
 
 bool has_modes(const model::Network& network, EngineChoice choice) {
-  return choice == EngineChoice::exact || (choice == EngineChoice::automatic && too_large(network).empty());
+  return choice == EngineChoice::exact || choice == EngineChoice::dense || (choice == EngineChoice::automatic && too_large(network).empty());
 }
 
 bool runs_by_segments(const model::Network& network, EngineChoice choice) {

@@ -10,7 +10,8 @@
 
 namespace pwlsim::analysis {
 
-enum class EngineChoice { automatic, exact, sparse, krylov };
+/// `dense`: the exact engine with dense modes at any size.
+enum class EngineChoice { automatic, exact, sparse, krylov, dense };
 
 struct PreparedEngine {
   std::string name;   ///< "exact", "sparse" or "krylov"

@@ -76,7 +76,7 @@ void add_options(CLI::App& app, Raw& raw, const std::string& version) {
                  "The file of rows; '-' is standard output (default: the deck's name with .csv or .raw, in the current directory)")
       ->type_name("FILE");
   app.add_flag("--events", raw.events, "Add a row before and after every event");
-  app.add_option("--engine", raw.engine, "auto, exact, krylov or sparse (default: auto, by size)")->type_name("NAME");
+  app.add_option("--engine", raw.engine, "auto, exact, modes, krylov or sparse (default: auto, by size)")->type_name("NAME");
   app.add_option("--reltol", raw.reltol,
                  "Bound on the local error of a step of the sparse engine (default: 1e-4); the exact engine needs none")
       ->type_name("X");
@@ -229,8 +229,9 @@ EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
   if (engine == "sparse") return EngineChoice::sparse;
   if (engine == "exact") return EngineChoice::exact;
   if (engine == "krylov") return EngineChoice::krylov;
+  if (engine == "modes") return EngineChoice::dense;
   if (!engine.empty() && engine != "auto")
-    complaints.add("E-option-value", fmt::format("`--engine {}` does not name an engine; try auto, exact, krylov or sparse", engine));
+    complaints.add("E-option-value", fmt::format("`--engine {}` does not name an engine; try auto, exact, modes, krylov or sparse", engine));
   return EngineChoice::automatic;
 }
 

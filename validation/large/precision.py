@@ -3,7 +3,7 @@
 
     precision.py --pwlsim build/pwlsim > docs/validation/large.md
 
-Errors are those of all saved signals, relative to each one's largest value, against the exact engine where it takes less than --limit seconds, else against the sparse
+Errors are those of all saved signals, relative to each one's largest value, against the exact engine with dense modes where it takes less than --limit seconds, else against the sparse
 engine at --reltol 1e-8, whose own error (from its change between 1e-7 and 1e-8) is said beside the circuit. Times are the least of several of the simulation alone.
 """
 import argparse
@@ -59,9 +59,9 @@ def line(name, sizes, options):
     with tempfile.TemporaryDirectory() as folder:
         deck = measure.write(folder, "deck.net", circuits.deck(name, sizes))
         run = lambda engine, *more, **how: timed(options.pwlsim, deck, folder, engine, *more, limit=options.limit, **how)  # noqa: E731
-        exact, exact_rows = run("exact")
+        exact, exact_rows = run("modes")
         if exact is not None:
-            reference, beside = exact_rows, "exact"
+            reference, beside = exact_rows, "dense modes"
         else:
             _, coarse = run("sparse", "--reltol", "1e-7", repeats=1)
             _, reference = run("sparse", "--reltol", "1e-8", repeats=1)
@@ -90,7 +90,7 @@ def main():
     print("Time of the simulation in ms, and in parentheses the largest error of a saved signal against the reference, relative to its largest value. Circuits:")
     print("`validation/large/circuits.py`. Made by `validation/large/precision.py`; the machine also ran four other programs, so that some times are three times longer than usual: compare times within a row only. ngspice has diodes")
     print("with Ron = 1 mΩ; its columns are for `reltol` 1e-3 and 1e-4.\n")
-    print("| circuit | reference | exact | krylov | sparse 1e-3 | sparse 1e-4 | sparse 1e-6 | ngspice 1e-3 | ngspice 1e-4 |")
+    print("| circuit | reference | dense modes | krylov | sparse 1e-3 | sparse 1e-4 | sparse 1e-6 | ngspice 1e-3 | ngspice 1e-4 |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for name, sizes in CIRCUITS:
         if options.only in f"{name} {' '.join(map(str, sizes))}":
