@@ -67,6 +67,7 @@ double Locator::noise_of(const Segment& s, int row) const {
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
 bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
   if (s.tau > 0.0 && g_[i] <= 0.0) return true;
+  if (s.decays_fail && g_[i] <= noise_of(s, s.rows[i]) && s.departures[i].order == 0) return true;
   return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
 }
 
