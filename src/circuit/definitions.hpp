@@ -60,6 +60,7 @@ struct Definitions {
   bool written_by_ltspice = false;  ///< by its cards `.backanno` or `.lib …standard.dio`
   bool misplaced_analysis =
       false;            ///< an analysis card stands where it cannot, or the file is no deck: its absence elsewhere is no further error
+  std::string_view other_analysis;  ///< the last ignored card that requests an analysis, `.dc`, or none
   bool prints = false;  ///< has a card `.print` or `.plot`
 };
 

@@ -190,3 +190,31 @@ TEST_CASE("parts of PSpice's libraries: a letter before a name, its timers", "[u
   REQUIRE(finished.status == 0);
   CHECK(value_of(finished.out, "p") == Approx(90e3 * 10e-9 * std::log(2.0)).epsilon(0.01));
 }
+
+TEST_CASE("a blank may stand for the equals sign of .param", "[unit]") {
+  const Scratch scratch;
+  // LTspice: 70 % of 1/200 Hz at 1 kV/s is 3.5 V; the equals sign of others stays.
+  const Finished finished = run_deck(scratch,
+                                     "blank\n.param ton tp*0.01*duty\n.param tp 1/freq freq 200 duty 70\n.param r {k*2}, k=2\n"
+                                     "V1 a 0 {ton*1e3}\nR1 a 0 r\n.op\n.save v(a) i(R1)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "v(a)") == Approx(3.5).epsilon(1e-12));
+  CHECK(value_of(finished.out, "i(R1)") == Approx(0.875).epsilon(1e-12));
+}
+
+TEST_CASE(".save inside a subcircuit is passed over with a warning", "[unit]") {
+  const Scratch scratch;
+  const Finished finished =
+      run_deck(scratch, "inside\nV1 a 0 1\nX1 a s\n.subckt s a\nR1 a b 1\nR2 b 0 1\n.save v(b)\n.ends\n.op\n.save v(x1.b)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-ignored-card") && Contains(".save inside .subckt s"));
+  CHECK(value_of(finished.out, "v(x1.b)") == Approx(0.5).epsilon(1e-12));
+}
+
+TEST_CASE("a deck whose only analysis is another one is told which", "[unit]") {
+  const Scratch scratch;
+  CHECK_THAT(run_deck(scratch, "sweep\nV1 a 0 1\nR1 a 0 1\n.dc V1 0 1 0.1\n").err,
+             Contains("E-no-analysis") && Contains("the deck requests .dc alone"));
+}
