@@ -218,3 +218,28 @@ TEST_CASE("a deck whose only analysis is another one is told which", "[unit]") {
   CHECK_THAT(run_deck(scratch, "sweep\nV1 a 0 1\nR1 a 0 1\n.dc V1 0 1 0.1\n").err,
              Contains("E-no-analysis") && Contains("the deck requests .dc alone"));
 }
+
+TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
+  const Scratch scratch;
+  // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.
+  const Finished sine = run_deck(scratch,
+                                 "load\nV1 a 0 SIN(0 10 50)\nR1 a b 1\nI1 b 0 2 load\n.tran 10u 20m\n.meas avg AVG i(I1)\n"
+                                 ".meas lo MIN v(b)\n.meas hi MAX v(b)\n");
+  INFO(sine.err);
+  REQUIRE(sine.status == 0);
+  const double angle = std::asin(0.2);  // of 2 A: the source then drives it all
+  CHECK(value_of(sine.out, "avg") ==
+        Approx((2.0 * (3.14159265358979 - 2.0 * angle) + 20.0 * (1.0 - std::cos(angle))) / 6.28318530717959).epsilon(2e-3));
+  CHECK(value_of(sine.out, "lo") == Approx(-10.0).epsilon(1e-6));
+  CHECK(value_of(sine.out, "hi") == Approx(8.0).epsilon(1e-6));
+  CHECK_THAT(sine.err, !Contains("N-load"));
+  // Behind a rectifier at rest it waits for a voltage.
+  const Finished rest = run_deck(scratch,
+                                 "rest\nV1 a 0 SIN(0 10 50)\nD1 a b DX\nC1 b 0 100u\nI1 b 0 0.1 load\n.model DX D(Ron=10m)\n"
+                                 ".tran 10u 40m\n.meas lo MIN v(b)\n.meas i FIND i(I1) AT=6m\n");
+  INFO(rest.err);
+  REQUIRE(rest.status == 0);
+  CHECK_THAT(rest.err, !Contains("W-no-operating-point"));
+  CHECK(value_of(rest.out, "lo") == Approx(0.0).margin(1e-6));
+  CHECK(value_of(rest.out, "i") == Approx(0.1).epsilon(1e-9));
+}
