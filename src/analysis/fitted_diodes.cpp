@@ -27,7 +27,9 @@ constexpr double four_digits = 1000.0;        ///< of an overdrive: a channel's 
 constexpr double least_misfit = 0.15, misfit_of_blocked = 5e-4;
 constexpr double settled_drop = 0.05;        ///< of n·kT/q: lines that move by less stand
 constexpr double settled_resistance = 0.02;  ///< of a channel's resistance, likewise
-constexpr double least_overdrive = 0.01;     ///< V; a gate that stays closer to its threshold counts as this far beyond it
+constexpr double misfit_of_channel =
+    0.05;  ///< of the RMS of what a gate exceeds its threshold by: what one tangent may be off; above, there are two or three
+constexpr double least_overdrive = 0.01;  ///< V; a gate that stays closer to its threshold counts as this far beyond it
 
 double rounded(double value, double digits = two_digits) {
   const double unit = std::pow(10.0, std::floor(std::log10(value))) / digits;
@@ -47,42 +49,83 @@ struct FittedChannel {
   double overdrive = 0.0;  ///< V, found; 0: none
 };
 
-/// A channel that follows its gate. In SPICE its current is gain/2 (s² − d²), where s and d are what the gate exceeds its threshold by against source and
-/// drain, and 0 below: gain (s + d)/2 times s − d.
+/// A channel that follows its gate: the difference of a curve at what the gate exceeds its threshold by against source and against drain, and of lines in its place.
 struct FollowingChannel {
   std::size_t half = 0;  ///< complementarity of the network, that of the source; the drain's is the next
-  double resistance = 0.0;
-  double overdrive = 0.0;  ///< V, (s + d)/2
-  double before = 0.0;     ///< V, of the run before; 0: none
-  double answer = 0.0;     ///< V, what that run found
+  ChannelCurve curve;
+  double resistance = 0.0;  ///< ohm, that the deck is compiled with
+  DiodeLines lines{};       ///< none: the slope that the deck is compiled with
 };
 
-/// Each diode's current where there are others in parallel.
-void count_parallel_ones(model::LinearForm& form, const std::vector<std::vector<int>>& added) {
+/// To each term of kind `kind` the same of what was added beside its index.
+void count_added(model::LinearForm& form, model::Term::Kind kind, const std::vector<std::vector<int>>& added) {
   const std::size_t terms = form.size();
   for (std::size_t k = 0; k < terms; ++k) {
-    if (form[k].kind != model::Term::Kind::diode_current || static_cast<std::size_t>(form[k].index) >= added.size()) continue;
+    if (form[k].kind != kind || static_cast<std::size_t>(form[k].index) >= added.size()) continue;
     const double coefficient = form[k].coefficient;
-    for (const int other : added[static_cast<std::size_t>(form[k].index)])
-      form.push_back({model::Term::Kind::diode_current, other, coefficient});
+    for (const int other : added[static_cast<std::size_t>(form[k].index)]) form.push_back({kind, other, coefficient});
   }
+}
+
+void count_added(model::Network& network, model::Term::Kind kind, const std::vector<std::vector<int>>& added) {
+  for (model::Branch& item : network.branches) count_added(item.voltage, kind, added);
+  for (model::Injection& item : network.injections) count_added(item.current, kind, added);
+  for (model::Complementarity& item : network.complementarities) count_added(item.slack, kind, added);
+  for (model::Switch& item : network.switches) count_added(item.control, kind, added);
+  for (model::Signal& item : network.signals) count_added(item.form, kind, added);
 }
 
 void give_resistances(model::Network& network, const std::vector<FittedChannel>& channels) {
   for (const FittedChannel& each : channels) network.switches[each.contact].resistance = each.resistance;
 }
 
-/// The factor of a positive part by its input.
-double part_of_input(const model::ChannelHalf& half, double resistance) { return resistance / half.resistance; }
+/// What the gate exceeds its threshold by: the slack without its own input.
+model::LinearForm excess_of(const model::Network& network, std::size_t half) {
+  model::LinearForm excess;
+  for (model::Term term : network.complementarities[half].slack) {
+    if (term.kind == model::Term::Kind::slack_input && term.index == static_cast<int>(half)) continue;
+    term.coefficient = -term.coefficient;
+    excess.push_back(term);
+  }
+  return excess;
+}
 
+/// A positive part of the excess beyond the drop of `line`, of which the current is written by `half.resistance`.
+model::Complementarity part_of(const model::Complementarity& half, const model::LinearForm& excess, std::size_t index,
+                               const model::Tangent& line) {
+  model::Complementarity part{
+      half.label, {{model::Term::Kind::slack_input, static_cast<int>(index), line.resistance / half.half->resistance}}, {}};
+  model::accumulate(part.slack, excess, -1.0);
+  part.slack.push_back(model::constant(line.drop));
+  return part;
+}
+
+/// The network with the lines in place of the slopes that the deck is compiled with.
 void give_slopes(model::Network& network, const std::vector<FollowingChannel>& channels) {
-  for (const FollowingChannel& each : channels)
-    for (std::size_t k = each.half; k < each.half + 2; ++k) {
-      model::Complementarity& part = network.complementarities[k];
-      for (model::Term& term : part.slack)
-        if (term.kind == model::Term::Kind::slack_input && term.index == static_cast<int>(k))
-          term.coefficient = part_of_input(*part.half, each.resistance);
+  std::vector<std::vector<int>> added(network.complementarities.size());
+  std::vector<std::pair<std::size_t, model::Complementarity>> parts;  // with their places
+  std::size_t next = network.complementarities.size();
+  for (const FollowingChannel& each : channels) {
+    if (each.lines.lines.empty()) continue;
+    const std::vector<model::Tangent> lines = parallel_diodes(each.lines.lines);
+    for (std::size_t half = each.half; half < each.half + 2; ++half) {
+      const model::LinearForm excess = excess_of(network, half);
+      for (std::size_t k = 0; k < lines.size(); ++k) {
+        const std::size_t index = k == 0 ? half : next++;
+        model::Complementarity part = part_of(network.complementarities[half], excess, index, lines[k]);
+        if (k > 0) part.label.name += fmt::format(" line {}", k + 1);
+        if (k > 0) added[half].push_back(static_cast<int>(index));
+        parts.emplace_back(index, std::move(part));
+      }
     }
+  }
+  // An excess is of voltages of nodes: no part reads another, and its own input is not to be counted again.
+  for (auto& [index, part] : parts) {
+    if (index >= network.complementarities.size()) network.complementarities.resize(index + 1);
+    network.complementarities[index] = {part.label, {}, network.complementarities[index].half};
+  }
+  count_added(network, model::Term::Kind::slack_input, added);
+  for (auto& [index, part] : parts) network.complementarities[index].slack = std::move(part.slack);
 }
 
 /// The network with the lines in place of the tangents at 1 A.
@@ -105,11 +148,7 @@ void give_lines(model::Network& network, const std::vector<Fitted>& fitted) {
       network.diodes.push_back(std::move(diode));
     }
   }
-  for (model::Branch& item : network.branches) count_parallel_ones(item.voltage, added);
-  for (model::Injection& item : network.injections) count_parallel_ones(item.current, added);
-  for (model::Complementarity& item : network.complementarities) count_parallel_ones(item.slack, added);
-  for (model::Switch& item : network.switches) count_parallel_ones(item.control, added);
-  for (model::Signal& item : network.signals) count_parallel_ones(item.form, added);
+  count_added(network, model::Term::Kind::diode_current, added);
 }
 
 class Fit {
@@ -136,11 +175,9 @@ class Fit {
     for (std::size_t k = 0; k + 1 < network_.complementarities.size(); ++k) {
       const auto& half = network_.complementarities[k].half;
       if (!half || !half->is_source || !network_.complementarities[k + 1].half) continue;
-      following_.push_back({k, half->resistance, 1.0 / (half->law.gain * (half->resistance - half->law.series))});
-      const auto part = [](std::size_t index) { return model::Term{model::Term::Kind::slack_input, static_cast<int>(index), 0.5}; };
-      const model::LinearForm overdrive{part(k), part(k + 1)};
-      network_.signals.push_back({"", overdrive});
-      network_.signals.push_back({"", overdrive});
+      following_.push_back({k, {half->law}, half->resistance});
+      for (const std::size_t part : {k, k + 1})
+        for (int twice = 0; twice < 2; ++twice) network_.signals.push_back({"", excess_of(network_, part)});
     }
   }
 
@@ -150,7 +187,7 @@ class Fit {
   bool run(const circuit::Analyses& analyses) {
     int runs = most_runs;
     for (int k = 0; k < runs; ++k) {
-      measure::DiodeCurrents found(fitted_.size() + channels_.size() + following_.size(), analyses.transient->stop.seconds);
+      measure::DiodeCurrents found(fitted_.size() + channels_.size() + 2 * following_.size(), analyses.transient->stop.seconds);
       if (!measure(analyses, found)) return false;
       if (!take(found)) return true;
       if (found.pieces() > long_run) runs = most_long_runs;
@@ -164,7 +201,7 @@ class Fit {
     constexpr int most = 50;
     for (int k = 0; k < most; ++k) {
       model::Network network = network_;
-      give_measured(network);
+      give(network);
       Diagnostics unheard;
       const PreparedEngine engine = prepare_engine(network, choice_, reltol_, unheard);
       if (!engine.operating_point) return false;
@@ -181,16 +218,6 @@ class Fit {
     give_slopes(network, following_);
   }
 
-  /// The same with what is measured.
-  void give_measured(model::Network& network) const {
-    give(network);
-    const std::size_t first = 2 * (fitted_.size() + channels_.size());
-    for (std::size_t k = 0; k < following_.size(); ++k)
-      for (const std::size_t signal : {first + 2 * k, first + 2 * k + 1})
-        for (model::Term& term : network.signals[signal].form)
-          term.coefficient = 0.5 * part_of_input(*network.complementarities[following_[k].half].half, following_[k].resistance);
-  }
-
   [[nodiscard]] Diagnostics notes() const {
     Diagnostics notes;
     if (const auto note = note_of_diodes()) notes.note(note->id, note->span, note->text);
@@ -203,20 +230,25 @@ class Fit {
   [[nodiscard]] std::optional<Diagnostic> note_of_channels() const {
     ShortList list(most_named);
     SourceSpan first;
-    const auto name = [&](const model::Label& label, double gate, double resistance) {
+    const auto add = [&](const model::Label& label, const std::string& at) {
       if (list.empty()) first = label.span;
-      list.add(fmt::format("{} at {} (Ron = {:.6g} ohm)", label.name, quantity(gate, "V", 2), resistance));
+      list.add(label.name + " at " + at);
     };
     for (const FittedChannel& each : channels_) {
       if (each.overdrive <= 0.0) continue;
       const model::Switch& contact = network_.switches[each.contact];
       const double sign = contact.written ? contact.written->sense : 1.0;
-      name(contact.label, sign * (contact.on_level + each.overdrive), each.resistance);
+      add(contact.label, words_at(sign * (contact.on_level + each.overdrive), each.resistance));
     }
     for (const FollowingChannel& each : following_) {
-      if (each.before <= 0.0) continue;
       const model::Complementarity& part = network_.complementarities[each.half];
-      name(part.label, part.half->level + (part.half->is_p_type ? -each.overdrive : each.overdrive), each.resistance);
+      std::string at;
+      for (std::size_t k = 0; k < each.lines.lines.size(); ++k) {
+        const double excess = each.curve.voltage(each.lines.currents[k]);
+        at +=
+            (k > 0 ? " and " : "") + words_at(part.half->level + (part.half->is_p_type ? -excess : excess), each.lines.lines[k].resistance);
+      }
+      if (!at.empty()) add(part.label, at);
     }
     if (list.empty()) return std::nullopt;
     return Diagnostic{
@@ -240,6 +272,10 @@ class Fit {
         fmt::format("a preliminary run finds the currents of exponential diodes; their tangents are taken there: {}", list.str())};
   }
 
+  static std::string words_at(double gate, double resistance) {
+    return fmt::format("{} (Ron = {:.6g} ohm)", quantity(gate, "V", 2), resistance);
+  }
+
   static std::string words_of(const DiodeLines& lines) {
     std::string text;
     for (std::size_t k = 0; k < lines.lines.size(); ++k)
@@ -250,7 +286,7 @@ class Fit {
 
   bool measure(const circuit::Analyses& analyses, measure::DiodeCurrents& found) const {
     model::Network network = network_;
-    give_measured(network);
+    give(network);
     Diagnostics unheard;
     const PreparedEngine engine = interrupt_ != nullptr ? prepare_engine(network, choice_, reltol_, unheard, *interrupt_)
                                                         : prepare_engine(network, choice_, reltol_, unheard);
@@ -277,7 +313,7 @@ class Fit {
     }
     for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], usual(found.spectrum(fitted_.size() + k)));
     for (std::size_t k = 0; k < following_.size(); ++k)
-      has_moved |= take_overdrive(following_[k], usual(found.spectrum(fitted_.size() + channels_.size() + k)));
+      has_moved |= take_lines(following_[k], excesses(found, fitted_.size() + channels_.size() + 2 * k));
     return has_moved;
   }
 
@@ -299,24 +335,44 @@ class Fit {
     return true;
   }
 
-  /// Where a given current flows, the overdrive falls as the slope rises, and two runs in turn return to the same value: the next is where the line through two
-  /// answers, in logarithms, is its own.
-  bool take_overdrive(FollowingChannel& each, double overdrive) const {
-    if (!(overdrive > 0.0)) return false;
-    overdrive = std::max(overdrive, least_overdrive);
-    const double last = each.overdrive, answer = overdrive;
-    if (each.before > 0.0 && each.before != last) {
-      const double slope = std::log(answer / each.answer) / std::log(last / each.before);
-      if (slope < 0.0) overdrive = last * std::pow(answer / last, 1.0 / (1.0 - slope));
+  /// Of the gate against source and drain.
+  static measure::ChargeSpectrum excesses(const measure::DiodeCurrents& found, std::size_t at_source) {
+    measure::ChargeSpectrum sum;
+    for (const std::size_t k : {at_source, at_source + 1}) sum.add(found.spectrum(k), found.charge(k));
+    return sum;
+  }
+
+  /// Where to take a tangent next. A first run gives an excess if the circuit holds the gate's voltage, and a current if it holds that: the larger of the two
+  /// excesses, from which Newton's method falls to the answer.
+  static double next_excess(const FollowingChannel& each, double excess) {
+    return each.lines.lines.empty() ? std::max(excess, each.curve.voltage(excess / each.resistance)) : excess;
+  }
+
+  /// Whether the lines have moved.
+  static bool take_lines(FollowingChannel& each, const measure::ChargeSpectrum& spectrum) {
+    std::vector<measure::ChargeSpectrum::Bin> bins = spectrum.bins();
+    std::erase_if(bins, [](const auto& bin) { return bin.current < least_overdrive; });
+    double all = 0.0, first = 0.0, second = 0.0;
+    for (measure::ChargeSpectrum::Bin& bin : bins) {
+      bin.current = next_excess(each, bin.current);
+      all += bin.charge;
+      first += bin.charge * bin.current;
+      second += bin.charge * bin.current * bin.current;
+      bin.current = each.curve.current(bin.current);
     }
-    overdrive = rounded(overdrive, four_digits);
-    const double resistance =
-        std::max(network_.complementarities[each.half].half->law.resistance(overdrive), model::least_channel_resistance);
-    if (std::abs(resistance - each.resistance) <= settled_resistance * each.resistance) return false;
-    each.before = last;
-    each.answer = answer;
-    each.overdrive = overdrive;
-    each.resistance = resistance;
+    if (!(all > 0.0)) return false;
+    const double mean = rounded(first / all, four_digits);
+    return take_lines(each, fit_lines(each.curve, bins, each.curve.current(mean), misfit_of_channel * std::sqrt(second / all)));
+  }
+
+  static bool take_lines(FollowingChannel& each, DiodeLines lines) {
+    const std::vector<model::Tangent>&now = lines.lines, &before = each.lines.lines;
+    const auto is_same = [&](const model::Tangent& a, const model::Tangent& b) {
+      return std::abs(a.resistance - b.resistance) <= settled_resistance * b.resistance &&
+             std::abs(a.drop - b.drop) <= settled_resistance * b.drop;
+    };
+    if (std::equal(now.begin(), now.end(), before.begin(), before.end(), is_same)) return false;
+    each.lines = std::move(lines);
     return true;
   }
 
@@ -335,9 +391,28 @@ class Fit {
       has_moved = true;
     }
     for (std::size_t k = 0; k < channels_.size(); ++k) has_moved |= take_overdrive(channels_[k], values[2 * (fitted_.size() + k)]);
-    for (std::size_t k = 0; k < following_.size(); ++k)
-      has_moved |= take_overdrive(following_[k], values[2 * (fitted_.size() + channels_.size() + k)]);
+    for (std::size_t k = 0; k < following_.size(); ++k) {
+      const std::size_t at = 2 * (fitted_.size() + channels_.size() + 2 * k);
+      has_moved |= take_excesses(following_[k], values[at], values[at + 2]);
+    }
     return has_moved;
+  }
+
+  /// Tangents at both excesses, or one between them where they are next to one another.
+  static bool take_excesses(FollowingChannel& each, double at_source, double at_drain) {
+    if (at_source > 0.0) at_source = next_excess(each, at_source);
+    if (at_drain > 0.0) at_drain = next_excess(each, at_drain);
+    constexpr double next_to_one_another = 1.2;  // a ratio
+    const auto [low, high] = std::minmax(at_source, at_drain);
+    if (!(high > 0.0)) return false;
+    const auto line = [&](DiodeLines& lines, double excess) {
+      lines.currents.push_back(each.curve.current(std::max(excess, least_overdrive)));
+      lines.lines.push_back(each.curve.tangent(lines.currents.back()));
+    };
+    DiodeLines lines;
+    if (low > least_overdrive && high > next_to_one_another * low) line(lines, low);
+    line(lines, low > 0.0 && high <= next_to_one_another * low ? 0.5 * (low + high) : high);
+    return take_lines(each, std::move(lines));
   }
 
   /// None where it carries next to nothing.

@@ -10,19 +10,29 @@ namespace {
 using measure::ChargeSpectrum;
 using Spectrum = std::vector<ChargeSpectrum::Bin>;
 
+constexpr double rounding_of_voltage = 1e-12;  ///< of itself
+
 struct Misfit {
   double mean = 0.0, deviation = 0.0;  ///< V
 };
 
+double voltage_of(const model::ExponentialLaw& law, double current) {
+  return law.series * current + law.slope * std::log(current / law.saturation);
+}
+double voltage_of(const ChannelCurve& curve, double current) { return curve.voltage(current); }
+double devices_of(const model::ExponentialLaw& law) { return law.parallel; }
+double devices_of(const ChannelCurve&) { return 1.0; }
+
+template <class Law>
 class Fit {
  public:
-  Fit(const model::ExponentialLaw& law, const Spectrum& spectrum) : law_(law), spectrum_(spectrum) {}
+  Fit(const Law& law, const Spectrum& spectrum) : law_(law), spectrum_(spectrum) {}
 
   [[nodiscard]] Misfit misfit(const std::vector<double>& currents) const {
     const std::vector<model::Tangent> tangents = at(currents);
     double charge = 0.0, sum = 0.0, square = 0.0;
     for (const ChargeSpectrum::Bin& bin : spectrum_) {
-      const double excess = lowest(tangents, bin.current) - voltage(bin.current);
+      const double excess = lowest(tangents, bin.current) - voltage_of(law_, bin.current);
       charge += bin.charge;
       sum += bin.charge * excess;
       square += bin.charge * excess * excess;
@@ -69,16 +79,12 @@ class Fit {
     currents[k] = at;
   }
 
-  [[nodiscard]] double voltage(double current) const {
-    return law_.series * current + law_.slope * std::log(current / law_.saturation);
-  }
-
   /// Of one diode.
   [[nodiscard]] std::vector<model::Tangent> at(const std::vector<double>& currents) const {
     std::vector<model::Tangent> list;
     for (const double current : currents) {
       list.push_back(law_.tangent(current));
-      list.back().resistance *= law_.parallel;
+      list.back().resistance *= devices_of(law_);
     }
     return list;
   }
@@ -89,18 +95,50 @@ class Fit {
     return least;
   }
 
-  const model::ExponentialLaw& law_;
+  const Law& law_;
   const Spectrum& spectrum_;
 };
 
-}  // namespace
-
-DiodeLines fit_lines(const model::ExponentialLaw& law, const Spectrum& spectrum, double mean, double tolerance) {
+template <class Law>
+DiodeLines fewest_lines(const Law& law, const Spectrum& spectrum, double mean, double tolerance) {
   constexpr std::size_t most = 3;
-  const Fit fit(law, spectrum);
+  const Fit<Law> fit(law, spectrum);
   std::vector<double> currents{mean};
   while (currents.size() < most && fit.misfit(currents).deviation > tolerance) currents = fit.with_one_more(std::move(currents));
   return fit.lines(std::move(currents));
+}
+
+}  // namespace
+
+double ChannelCurve::current(double voltage) const {
+  const double x = law.series * law.gain * voltage;  // what the series resistance is by that of the channel
+  constexpr double small = 1e-4;                     // below, two terms of the series are rounding
+  if (x < small) return 0.5 * law.gain * voltage * voltage * (1.0 - 2.0 / 3.0 * x);
+  return (x - std::log1p(x)) / (law.series * law.series * law.gain);
+}
+
+double ChannelCurve::voltage(double current) const {
+  double voltage = std::sqrt(2.0 * current / law.gain) + law.series * current;  // no less than the answer: Newton's method falls to it
+  constexpr int most = 30;
+  for (int k = 0; k < most; ++k) {
+    const double step = (this->current(voltage) - current) * law.resistance(voltage);
+    if (!(step > rounding_of_voltage * voltage)) break;
+    voltage -= step;
+  }
+  return voltage;
+}
+
+model::Tangent ChannelCurve::tangent(double current) const {
+  const double at = voltage(current), resistance = std::max(law.resistance(at), model::least_channel_resistance);
+  return {resistance, at - resistance * current};
+}
+
+DiodeLines fit_lines(const model::ExponentialLaw& law, const Spectrum& spectrum, double mean, double tolerance) {
+  return fewest_lines(law, spectrum, mean, tolerance);
+}
+
+DiodeLines fit_lines(const ChannelCurve& curve, const Spectrum& spectrum, double mean, double tolerance) {
+  return fewest_lines(curve, spectrum, mean, tolerance);
 }
 
 std::vector<model::Tangent> parallel_diodes(const std::vector<model::Tangent>& lines) {

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <variant>
 
 #include "base/names.hpp"
 #include "circuit/bind_pwl.hpp"
@@ -27,6 +30,18 @@ bool is_foreign(std::string_view name) {
   return false;
 }
 
+/// A bound of its values from below.
+double least_value(const model::SourceFunction& function) {
+  if (const auto* constant = std::get_if<model::Dc>(&function)) return constant->value;
+  if (const auto* sine = std::get_if<model::Sin>(&function))
+    return sine->damping < 0.0 ? -model::forever : sine->offset - std::abs(sine->amplitude);
+  if (const auto* pulse = std::get_if<model::Pulse>(&function)) return std::min(pulse->initial, pulse->pulsed);
+  if (const auto* exponential = std::get_if<model::Exp>(&function)) return std::min(exponential->v1, exponential->v2);
+  const auto* pwl = std::get_if<model::Pwl>(&function);
+  if (pwl == nullptr || pwl->points.empty()) return -model::forever;
+  return std::ranges::min(pwl->points, {}, &model::Pwl::Point::value).value;
+}
+
 class SourceBinding {
  public:
   SourceBinding(CardCursor& cursor, Scope& scope, Reporter& reporter, const netlist::Card& card, elements::Instance& instance)
@@ -38,6 +53,7 @@ class SourceBinding {
     }
     finish_pwl();
     if (!waveform_seen_ && dc_) instance_.waveform = model::Dc{*dc_};
+    if (load_ != nullptr) finish_load();
     return waveform_seen_ && dc_seen_;
   }
 
@@ -46,6 +62,15 @@ class SourceBinding {
   void assume_zero() {
     dc_ = 0.0;
     reporter_.note("N-no-value", card_.span, fmt::format("{} has no value: it is 0", card_.name));
+  }
+
+  /// LTspice's load never delivers power: it carries nothing against a negative voltage.
+  void finish_load() {
+    if (!instance_.waveform) return;
+    instance_.is_load = instance_.kind->letter == 'I' && least_value(*instance_.waveform) >= 0.0;
+    if (!instance_.is_load)
+      reporter_.note("N-load", load_->span,
+                     fmt::format("load is ignored: {} is no current source, or its current may be negative", card_.name));
   }
 
   void missing(std::string_view what) {
@@ -63,8 +88,8 @@ class SourceBinding {
     if (item.kind == ItemKind::assignment) return assignment();
     if (word_is(&item, "ac")) return alternating();
     if (word_is(&item, "load")) {
-      reporter_.note("N-load", item.span, fmt::format("load is ignored: {} has its current at any voltage", card_.name));
-      return cursor_.next() != nullptr;
+      load_ = cursor_.next();
+      return true;
     }
     if (word_is(&item, "dc")) {
       cursor_.next();
@@ -227,6 +252,7 @@ class SourceBinding {
   std::optional<double> dc_;
   bool dc_seen_ = false;
   bool waveform_seen_ = false;
+  const Item* load_ = nullptr;  ///< the word
   std::optional<PwlCard> pwl_;
 };
 

@@ -28,11 +28,21 @@ void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
     }
 }
 
-/// By its .control section, by cards that print or plot, or by the title that KiCad gives its netlists.
+/// By its .control section, by cards that print or plot, by the title that KiCad gives its netlists, or by the numbers of exponential diodes and of
+/// transistors that are no switches of their own (`Ron`).
 bool is_for_ngspice(const Circuit& circuit, const Diagnostics& told) {
-  const auto is_section = [](const Diagnostic& diagnostic) { return diagnostic.id == "N-control-skipped"; };
+  const auto is_section = [](const Diagnostic& diagnostic) {
+    return diagnostic.id == "N-control-skipped" || diagnostic.id == "N-diode-tangent";
+  };
+  const auto is_of_spice = [](const elements::Model& model) {
+    constexpr std::string_view types[] = {"NMOS", "PMOS", "VDMOS", "NPN", "PNP", "NJF", "PJF"};
+    if (model.kind == nullptr || std::find(std::begin(types), std::end(types), model.kind->type) == std::end(types)) return false;
+    const bool may_be_switch = elements::find_parameter(model.values.table(), "Ron") != nullptr;
+    return !may_be_switch || !model.values.has("Ron");
+  };
   return circuit.prints || circuit.title.find("KiCad") != std::string::npos ||
-         std::any_of(told.all().begin(), told.all().end(), is_section);
+         std::any_of(told.all().begin(), told.all().end(), is_section) ||
+         std::any_of(circuit.models.begin(), circuit.models.end(), is_of_spice);
 }
 
 /// What ngspice takes otherwise: a pulse without a top lasts there, and a diode without numbers is SPICE's default one.

@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
+#include "netlist/card_style.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -153,7 +154,7 @@ class Reader {
       case CardRole::sensitivity:
         return read_analysis(card, result_.sensitivities);
       case CardRole::save:
-        return read_analysis(card, result_.saves);
+        return read_save(card);
       case CardRole::print:
         return read_print(card);
       case CardRole::measurement:
@@ -174,6 +175,7 @@ class Reader {
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:
         result_.prints |= same_name(kind.name, ".plot");
+        if (netlist::is_analysis_name(kind.name.substr(1))) result_.other_analysis = kind.name;
         if (reporter_.first_time(kind.name)) {
           reporter_.warning("W-ignored-card", card.name_span, fmt::format("{} is ignored: {}", card.name, kind.text));
         }
@@ -196,10 +198,20 @@ class Reader {
     list.push_back(&card);
   }
 
+  /// LTspice keeps .save inside a library's subcircuit, for the schematic it was drawn with.
+  void read_save(const Card& card) {
+    if (at_top()) return result_.saves.push_back(&card);
+    if (reporter_.first_time("save inside subcircuit")) {
+      reporter_.warning(
+          "W-ignored-card", card.name_span,
+          fmt::format("{} inside .subckt {} is ignored; try it outside, with names like {}", card.name, here().name, "v(x1.node)"));
+    }
+  }
+
   void read_print(const Card& card) {
     result_.prints = true;
     const bool is_group = !card.items.empty() && card.items[0].kind == ItemKind::group;
-    if (is_group || (!card.items.empty() && same_name(card.items[0].text, "tran"))) return read_analysis(card, result_.saves);
+    if (is_group || (!card.items.empty() && same_name(card.items[0].text, "tran"))) return read_save(card);
     if (!card.items.empty() && same_name(card.items[0].text, "ac")) return read_analysis(card, result_.response_prints);
     const std::string what = card.items.empty() ? "" : " " + card.items[0].text;
     reporter_.warning("W-ignored-card", card.name_span,

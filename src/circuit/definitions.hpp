@@ -59,6 +59,7 @@ struct Definitions {
   std::deque<netlist::Card> made;   ///< in place of cards of the deck
   bool written_by_ltspice = false;  ///< by its cards `.backanno` or `.lib …standard.dio`
   bool misplaced_analysis = false;  ///< an analysis card is misplaced, or the file is not a deck: a missing analysis is not a further error
+  std::string_view other_analysis;  ///< the last ignored card that requests an analysis, `.dc`, or none
   bool prints = false;              ///< has a card `.print` or `.plot`
 };
 

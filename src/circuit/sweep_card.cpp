@@ -7,6 +7,7 @@
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/items.hpp"
+#include "circuit/models.hpp"
 #include "elements/catalogue.hpp"
 
 namespace pwlsim::circuit {
@@ -104,12 +105,22 @@ class SweepReader {
            model.items.size() == 1 && model.items[0].kind == ItemKind::word;
   }
 
+  /// None where the card does not say it (`ako:`).
+  const elements::ModelKind* kind_of(const netlist::Card& card) const {
+    const std::optional<ModelText> text = read_model_text(card, reporter_);
+    return text && !text->type.empty() ? elements::find_model_kind(text->type) : nullptr;
+  }
+
   /// A parameter of the deck that no expression can name, for Models to find.
   bool take_model(const Item& type, const Item& model) {
     const Item& name = model.items[0];
     const elements::Parameter* parameter = elements::find_parameter(elements::find_model_kind(type.text)->parameters, name.text);
-    if (!scope_.definition().models.contains(without_case(model.text))) {
+    const auto found = scope_.definition().models.find(without_case(model.text));
+    const elements::ModelKind* kind = found == scope_.definition().models.end() ? nullptr : kind_of(*found->second);
+    if (found == scope_.definition().models.end()) {
       (void)fail("E-unknown-model", model.span, fmt::format("unknown model '{}'", model.text));
+    } else if (kind != nullptr && kind != elements::find_model_kind(type.text)) {
+      (void)fail("E-wrong-model-type", type.span, fmt::format("the model {} is of type {}, not {}", model.text, kind->type, type.text));
     } else if (parameter == nullptr || parameter->use != elements::Use::honoured) {
       (void)fail("E-unknown-parameter", name.span, fmt::format("{} has no effect in a model of type {}", name.text, type.text));
     } else {

@@ -154,8 +154,15 @@ void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scop
     analyses.operating_point = true;
     for (const Item& item : operating_point->items) reporter.error("E-unexpected", item.span, ".op takes no arguments");
   }
-  if (required && card == nullptr && definitions.steady_states.empty() && definitions.small_signals.empty() && !analyses.operating_point && !definitions.misplaced_analysis) {
-    reporter.error("E-no-analysis", title, "the deck requests no analysis; try a card .tran Tstep Tstop, or .op");
+  if (required && card == nullptr && definitions.steady_states.empty() && definitions.small_signals.empty() && !analyses.operating_point &&
+      !definitions.misplaced_analysis) {
+    const std::string_view other = definitions.other_analysis;
+    reporter.error("E-no-analysis", title,
+                   other.empty()
+                       ? "the deck requests no analysis; try a card .tran Tstep Tstop, or .op"
+                       : fmt::format("the deck requests {} alone, which is not done here; try a card .tran Tstep Tstop, or .op with "
+                                     ".step for several values",
+                                     other));
   }
 }
 

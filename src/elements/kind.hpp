@@ -145,6 +145,7 @@ struct Instance {
   std::optional<model::SourceFunction> waveform;
   std::vector<std::optional<model::SourceFunction>> waveform_moves{};  ///< of PWL: its derivative to each parameter of .sens that moves it
   std::complex<double> alternating = 0.0;                              ///< of a source: `AC`
+  bool is_load = false;                                                ///< of a current source that is never negative: no current at v < 0
   int model = -1;                                                      ///< index within the circuit's models
   std::optional<bool> flag;                                            ///< on / off as written
   bool drive_is_apart =

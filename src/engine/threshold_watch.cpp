@@ -1,8 +1,10 @@
 #include "engine/threshold_watch.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 namespace pwlsim::engine {
@@ -26,11 +28,40 @@ void append(std::vector<Remark>& remarks, const std::string& id, const std::vect
   remarks.push_back({id, fmt::format("the same holds for {}{}", names, more > 0 ? fmt::format(" and {} more", more) : "")});
 }
 
+/// The node whose voltage closes the channel of a transistor when it rises (N) or falls (P); none of another switch.
+std::optional<model::NodeIndex> gate_of(const model::Switch& channel) {
+  if (!channel.written) return std::nullopt;
+  for (const model::Term& term : channel.control)
+    if (term.kind == model::Term::Kind::node_voltage && term.coefficient == channel.written->sense) return term.index;
+  return std::nullopt;
+}
+
+void find_partners(const model::Network& network, std::vector<WatchedSwitch>& switches) {
+  std::map<model::NodeIndex, std::vector<std::size_t>> n_channels;
+  const auto visit = [&](double sense, const auto& take) {
+    for (std::size_t k = 0; k < switches.size(); ++k) {
+      const model::Switch& channel = network.switches[k];
+      if (!channel.written || channel.written->sense != sense) continue;
+      if (const auto gate = gate_of(channel)) take(k, *gate);
+    }
+  };
+  const auto touch = [&](std::size_t a, std::size_t b) {
+    const model::Switch &one = network.switches[a], &other = network.switches[b];
+    return one.p == other.p || one.p == other.n || one.n == other.p || one.n == other.n;
+  };
+  visit(1.0, [&](std::size_t k, model::NodeIndex gate) { n_channels[gate].push_back(k); });
+  visit(-1.0, [&](std::size_t k, model::NodeIndex gate) {
+    for (const std::size_t other : n_channels[gate])
+      if (touch(k, other)) switches[k].partner = static_cast<int>(other);
+  });
+}
+
 }  // namespace
 
 std::vector<WatchedSwitch> watched_switches(const model::Network& network) {
   std::vector<WatchedSwitch> result;
   for (const model::Switch& s : network.switches) result.push_back({s.label.name, s.on_level, s.off_level, s.written});
+  find_partners(network, result);
   return result;
 }
 
@@ -108,7 +139,28 @@ std::vector<Remark> ThresholdWatch::remarks(const std::vector<char>& is_on, bool
   std::vector<Remark> remarks;
   append(remarks, "W-switch-at-threshold", at_rest);
   append(remarks, "N-never-switches", in_vain);
+  if (completed)
+    for (Remark& remark : inverters_at_rest(is_on)) remarks.push_back(std::move(remark));
   return remarks;
+}
+
+std::vector<Remark> ThresholdWatch::inverters_at_rest(const std::vector<char>& is_on) const {
+  std::vector<std::string> pairs;
+  for (std::size_t k = 0; k < switches_.size(); ++k) {
+    const int partner = switches_[k].partner;
+    if (partner >= 0 && is_on[k] != 0 && is_on[static_cast<std::size_t>(partner)] != 0)
+      pairs.push_back(fmt::format("{} and {}", switches_[static_cast<std::size_t>(partner)].name, switches_[k].name));
+  }
+  if (pairs.empty()) return {};
+  const std::size_t more = pairs.size() - std::min(pairs.size(), most_messages);
+  pairs.resize(pairs.size() - more);
+  return {
+      {"W-inverter-at-rest",
+       fmt::format(
+           "at the end of the run both transistors of an inverter are on, their gate between the thresholds: {}{}. Switches have no gain "
+           "there, so a ring of inverters, or an amplifier made of them, rests where transistors would oscillate or amplify; try gates "
+           "of LTspice's A devices or XSPICE's logic",
+           fmt::join(pairs, ", "), more > 0 ? fmt::format(" and {} more", more) : "")}};
 }
 
 }  // namespace pwlsim::engine

@@ -19,6 +19,7 @@ struct WatchedSwitch {
   std::string name;
   double on_level = 0.0, off_level = 0.0;
   std::optional<model::WrittenControl> written;
+  int partner = -1;  ///< of a P channel: an N channel with the same gate and a common node, an inverter; -1: none
 
   [[nodiscard]] double on_threshold() const { return on_level + written->reach; }
   [[nodiscard]] double off_threshold() const { return off_level - written->reach; }
@@ -60,6 +61,7 @@ class ThresholdWatch {
   [[nodiscard]] bool is_open(int number) const { return switches_[static_cast<std::size_t>(number)].written.has_value(); }
   [[nodiscard]] std::string rest_text(std::size_t number) const;
   [[nodiscard]] std::string range_text(std::size_t number, bool is_on) const;
+  [[nodiscard]] std::vector<Remark> inverters_at_rest(const std::vector<char>& is_on) const;
   [[nodiscard]] bool moves_in_vain(std::size_t number) const;
 
   const std::vector<WatchedSwitch>& switches_;

@@ -75,6 +75,12 @@ double DiodeCurrents::mean(std::size_t diode) const {
   return list.empty() ? 0.0 : sum / static_cast<double>(list.size());
 }
 
+double DiodeCurrents::charge(std::size_t diode) const {
+  double sum = 0.0;
+  for (const Window* window : counted(diode)) sum += window->charge;
+  return sum;
+}
+
 ChargeSpectrum DiodeCurrents::spectrum(std::size_t diode) const {
   ChargeSpectrum spectrum;
   for (const Window* window : counted(diode)) spectrum.add(window->spectrum, 1.0 / window->charge);

@@ -42,6 +42,8 @@ class DiodeCurrents : public engine::PieceSink {
 
   /// The mean of a diode's current over the windows, in each weighted by charge: ∫i² dt / ∫i dt, A. Zero if it carries no charge.
   [[nodiscard]] double mean(std::size_t diode) const;
+  /// All that it carries, A s.
+  [[nodiscard]] double charge(std::size_t diode) const;
   [[nodiscard]] std::size_t pieces() const { return pieces_; }
   /// The charge of each window is 1.
   [[nodiscard]] ChargeSpectrum spectrum(std::size_t diode) const;

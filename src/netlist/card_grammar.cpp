@@ -312,6 +312,28 @@ void parse_condition(const char*& first, const char* last, State& state, std::ve
   if (x3::parse(first, last, x3::with<state_tag>(state)[braced | OpenExpression{}], item)) items.push_back(std::move(item));
 }
 
+/// `.param a 1/b`: in LTspice a blank may stand for the equals sign.
+void parse_parameters(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  x3::parse(first, last, *blank);
+  for (const char* at = first; x3::parse(at, last, name >> +blank >> !x3::lit('=')); at = first) {
+    Item name_item;
+    Item value_item;
+    const char* const begin = first;
+    x3::parse(first, last, name);
+    const std::string_view text = part(begin, first);
+    if (!x3::parse(at, last, x3::with<state_tag>(state)[!(name >> is_assignment) >> OpenExpression{}], value_item)) {
+      first = begin;
+      return;
+    }
+    name_item.text.assign(text);
+    name_item.span = name_item.text_span = state.context.line.span(text);
+    items.push_back(std::move(name_item));
+    items.push_back(std::move(value_item));
+    first = at;
+    x3::parse(first, last, *(blank | x3::lit(',')));
+  }
+}
+
 /// A word, where one stands here; the text of a card's words is never altered.
 bool take_word(const char*& first, const char* last, State& state, std::vector<Item>& items) {
   const char* const begin = first;
@@ -388,6 +410,9 @@ bool parse_card(const ParseContext& context, Card& card) {
   }
   if (state.style.is_condition()) {
     parse_condition(first, line.end(), state, card.items);
+  }
+  if (state.style.is_parameters()) {
+    parse_parameters(first, line.end(), state, card.items);
   }
   if (state.style.is_measurement()) {
     parse_measurement(first, line.end(), state, card.items);

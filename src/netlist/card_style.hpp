@@ -15,6 +15,8 @@ class CardStyle {
   [[nodiscard]] bool is_unread() const { return unread_; }
   /// The card holds one expression: .if, .elseif.
   [[nodiscard]] bool is_condition() const { return condition_; }
+  /// The card defines parameters; the equals signs may be left out.
+  [[nodiscard]] bool is_parameters() const { return dot_ && parameters_ && !takes_params_; }
   /// Braces around parameters count as parentheses.
   [[nodiscard]] bool is_model() const { return model_; }
   /// The card measures: keywords and expressions without braces in a row.

@@ -37,8 +37,25 @@ std::string describe(const TextProblem& problem, std::string_view text) {
   return fmt::format("the control character U+{:04X} is not allowed in a deck", static_cast<unsigned>(last));
 }
 
-/// The netlist of a board: KiCad's and ExpressPCB's have the ending of a deck.
-bool is_of_board(std::string_view title) { return title.starts_with("(export") || title.starts_with("\"ExpressPCB"); }
+/// What a file that is no deck says of itself in its first line: netlists of boards, of KiCad and ExpressPCB, and schematics of other programs have the
+/// ending of a deck. "" for a deck.
+std::string_view other_than_deck(std::string_view title) {
+  struct Mark {
+    std::string_view begin, what;
+  };
+  constexpr std::string_view board = "the netlist of a printed circuit board";
+  constexpr Mark marks[] = {{"(export", board},
+                            {"\"ExpressPCB", board},
+                            {"(kicad_sch", "a schematic of KiCad"},
+                            {"EESchema Schematic", "a schematic of KiCad"},
+                            {"[Main]", "a schematic of Micro-Cap"},
+                            {"v {xschem", "a schematic of xschem"},
+                            {"<Qucs Schematic", "a schematic of Qucs"},
+                            {"*version 9", "a schematic of PSpice"}};
+  for (const Mark& mark : marks)
+    if (title.starts_with(mark.begin)) return mark.what;
+  return "";
+}
 
 bool looks_like_card(std::string_view title) {
   return title.size() > 1 && title[0] == '.' && lower_letter(title[1]) >= 'a' && lower_letter(title[1]) <= 'z' &&
@@ -52,11 +69,10 @@ Deck Loader::read_deck(const std::string& name, std::string bytes, const std::fi
   if (file.is_text) {
     const std::size_t errors_before = errors_.count();
     const std::size_t begin = take_title(file);
-    if (is_of_board(deck_.title)) {
+    if (const std::string_view what = other_than_deck(deck_.title); !what.empty()) {
       deck_.is_board = true;
       errors_.report("E-board-netlist", deck_.title_span,
-                     "this is the netlist of a printed circuit board, not a SPICE deck; try the export of a netlist for SPICE in the "
-                     "schematic editor");
+                     fmt::format("this is {}, not a SPICE deck; try the export of a netlist for SPICE in the schematic editor", what));
       errors_.finish();
       return std::move(deck_);
     }

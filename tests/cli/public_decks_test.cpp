@@ -64,6 +64,8 @@ TEST_CASE(".step takes a parameter of a model", "[unit]") {
   }
   CHECK_THAT(run_deck(scratch, "none\n" + circuit + ".step NPN QY(BF) 50 100 50\n").err, Contains("unknown model 'QY'"));
   CHECK_THAT(run_deck(scratch, "none\n" + circuit + ".step NPN QX(nothing) 50 100 50\n").err, Contains("nothing has no effect"));
+  CHECK_THAT(run_deck(scratch, "none\n" + circuit + ".step PNP QX(BF) 50 100 50\n").err,
+             Contains("E-wrong-model-type") && Contains("NPN, not PNP"));
 }
 
 TEST_CASE("a follower's channel has the slope of its own overdrive", "[unit]") {
@@ -88,6 +90,21 @@ TEST_CASE("a follower's channel has the slope of its own overdrive", "[unit]") {
   CHECK(i == Approx(0.5 * k * (s * s - d * d)).epsilon(0.02));
 }
 
+TEST_CASE("a follower's channel has lines for each current that it carries long", "[unit]") {
+  const Scratch scratch;
+  const Finished finished =
+      run_deck(scratch,
+               "duty of a tenth\nVD d 0 12\nVG g 0 PULSE(1.5 6 0 1u 1u 9u 100u)\nM1 d g s 0 NM W=100u L=1u\nR1 s 0 100\n"
+               "C1 s 0 1n\n.model NM NMOS(Vto=1 Kp=200u)\n.tran 0.1u 500u\n.meas high MAX v(s)\n.meas low FIND v(s) AT=480u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  // v = R K/2 (vg - Vto - v)² with R K/2 = 1/V: v² - (2 o + 1) v + o² = 0, where o = vg - Vto is 5 V and 0.5 V.
+  const auto output = [](double o) { return 0.5 * (2.0 * o + 1.0 - std::sqrt(4.0 * o + 1.0)); };
+  CHECK(value_of(finished.out, "high") == Approx(output(5.0)).margin(0.05 * (5.0 - output(5.0))));
+  CHECK(value_of(finished.out, "low") == Approx(output(0.5)).margin(0.05 * (5.0 - output(5.0))));
+  CHECK_THAT(finished.err, Contains("M1 at 1.6 V") && Contains(" and 2."));
+}
+
 TEST_CASE("a source that comparisons alone read is not left out", "[unit]") {
   const Scratch scratch;
   const Finished finished = run_deck(scratch,
@@ -102,6 +119,44 @@ TEST_CASE("the netlist of a board is one error", "[unit]") {
   const Scratch scratch;
   const Finished finished = run_deck(scratch, "(export (version D)\n  (design (source x.sch)))\n");
   CHECK_THAT(finished.err, Contains("E-board-netlist") && !Contains("E-no-analysis"));
+  CHECK_THAT(run_deck(scratch, "[Main]\nFileType=CIR\nVersion=11.01\n").err,
+             Contains("E-board-netlist") && Contains("Micro-Cap") && !Contains("E-syntax"));
+}
+
+TEST_CASE("a bulk at ground beside a diode does not take its current", "[unit]") {
+  const Scratch scratch;
+  // 1 A backwards through a Schottky diode and the bulk diode of a transistor that is off: kT/q ln(1/IS) of the former, 0.30 V, where the latter (IS = 1e-14) would need 0.83 V.
+  const Finished finished =
+      run_deck(scratch,
+               "bulk\nV1 in 0 12\nM1 in 0 sw 0 NX\nD1 0 sw DS\nI1 sw 0 1\n.model NX NMOS(VTO=2 KP=100)\n.model DS D(IS=1e-5)\n"
+               ".tran 1u 10u\n.meas v FIND v(sw) AT=5u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "v") == Approx(-1.380649e-23 * 300.15 / 1.602176634e-19 * std::log(1e5)).epsilon(1e-3));
+}
+
+TEST_CASE("a diode without numbers is told of beside transistors and diodes that have SPICE's", "[unit]") {
+  const Scratch scratch;
+  const auto run = [&](const std::string& other) {
+    return run_deck(scratch, "rectifier\nV1 a 0 5\nD1 a b DX\nR1 b 0 1k\n.model DX D\n" + other + ".tran 1u 10u\n").err;
+  };
+  CHECK_THAT(run(""), !Contains("N-ideal-diode"));
+  CHECK_THAT(run("M1 a b 0 0 NX\n.model NX NMOS(Vto=1 Ron=1)\n"), !Contains("N-ideal-diode"));
+  CHECK_THAT(run("M1 a b 0 0 NX\n.model NX NMOS(Vto=1 Kp=2)\n"), Contains("N-ideal-diode"));
+  CHECK_THAT(run("D2 0 a DY\n.model DY D(IS=1e-12)\n"), Contains("N-ideal-diode"));
+}
+
+TEST_CASE("a ring of inverters at rest is told of", "[unit]") {
+  const Scratch scratch;
+  const auto inverter = [](const std::string& name, const std::string& in, const std::string& out) {
+    return "MN" + name + " " + out + " " + in + " 0 0 NM\nMP" + name + " " + out + " " + in + " d d PM\nC" + name + " " + out + " 0 1p\n";
+  };
+  const std::string models = "VD d 0 5\n.model NM NMOS(Vto=1 Kp=2m)\n.model PM PMOS(Vto=-1 Kp=2m)\n.tran 0.1n 100n uic\n";
+  CHECK_THAT(run_deck(scratch, "ring\n" + inverter("1", "a", "b") + inverter("2", "b", "c") + inverter("3", "c", "a") + models).err,
+             Contains("W-inverter-at-rest") && Contains("MN1 and MP1") && Contains("MN3 and MP3"));
+  CHECK_THAT(
+      run_deck(scratch, "chain\nVA a 0 PULSE(0 5 0 1n 1n 20n 40n)\n" + inverter("1", "a", "b") + inverter("2", "b", "c") + models).err,
+      !Contains("W-inverter-at-rest"));
 }
 
 TEST_CASE("the gate of a junction FET leads over its Rd and Rs", "[unit]") {
@@ -134,4 +189,57 @@ TEST_CASE("parts of PSpice's libraries: a letter before a name, its timers", "[u
   INFO(finished.err);
   REQUIRE(finished.status == 0);
   CHECK(value_of(finished.out, "p") == Approx(90e3 * 10e-9 * std::log(2.0)).epsilon(0.01));
+}
+
+TEST_CASE("a blank may stand for the equals sign of .param", "[unit]") {
+  const Scratch scratch;
+  // LTspice: 70 % of 1/200 Hz at 1 kV/s is 3.5 V; the equals sign of others stays.
+  const Finished finished = run_deck(scratch,
+                                     "blank\n.param ton tp*0.01*duty\n.param tp 1/freq freq 200 duty 70\n.param r {k*2}, k=2\n"
+                                     "V1 a 0 {ton*1e3}\nR1 a 0 r\n.op\n.save v(a) i(R1)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "v(a)") == Approx(3.5).epsilon(1e-12));
+  CHECK(value_of(finished.out, "i(R1)") == Approx(0.875).epsilon(1e-12));
+}
+
+TEST_CASE(".save inside a subcircuit is passed over with a warning", "[unit]") {
+  const Scratch scratch;
+  const Finished finished =
+      run_deck(scratch, "inside\nV1 a 0 1\nX1 a s\n.subckt s a\nR1 a b 1\nR2 b 0 1\n.save v(b)\n.ends\n.op\n.save v(x1.b)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-ignored-card") && Contains(".save inside .subckt s"));
+  CHECK(value_of(finished.out, "v(x1.b)") == Approx(0.5).epsilon(1e-12));
+}
+
+TEST_CASE("a deck whose only analysis is another one is told which", "[unit]") {
+  const Scratch scratch;
+  CHECK_THAT(run_deck(scratch, "sweep\nV1 a 0 1\nR1 a 0 1\n.dc V1 0 1 0.1\n").err,
+             Contains("E-no-analysis") && Contains("the deck requests .dc alone"));
+}
+
+TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
+  const Scratch scratch;
+  // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.
+  const Finished sine = run_deck(scratch,
+                                 "load\nV1 a 0 SIN(0 10 50)\nR1 a b 1\nI1 b 0 2 load\n.tran 10u 20m\n.meas avg AVG i(I1)\n"
+                                 ".meas lo MIN v(b)\n.meas hi MAX v(b)\n");
+  INFO(sine.err);
+  REQUIRE(sine.status == 0);
+  const double angle = std::asin(0.2);  // of 2 A: the source then drives it all
+  CHECK(value_of(sine.out, "avg") ==
+        Approx((2.0 * (3.14159265358979 - 2.0 * angle) + 20.0 * (1.0 - std::cos(angle))) / 6.28318530717959).epsilon(2e-3));
+  CHECK(value_of(sine.out, "lo") == Approx(-10.0).epsilon(1e-6));
+  CHECK(value_of(sine.out, "hi") == Approx(8.0).epsilon(1e-6));
+  CHECK_THAT(sine.err, !Contains("N-load"));
+  // Behind a rectifier at rest it waits for a voltage.
+  const Finished rest = run_deck(scratch,
+                                 "rest\nV1 a 0 SIN(0 10 50)\nD1 a b DX\nC1 b 0 100u\nI1 b 0 0.1 load\n.model DX D(Ron=10m)\n"
+                                 ".tran 10u 40m\n.meas lo MIN v(b)\n.meas i FIND i(I1) AT=6m\n");
+  INFO(rest.err);
+  REQUIRE(rest.status == 0);
+  CHECK_THAT(rest.err, !Contains("W-no-operating-point"));
+  CHECK(value_of(rest.out, "lo") == Approx(0.0).margin(1e-6));
+  CHECK(value_of(rest.out, "i") == Approx(0.1).epsilon(1e-9));
 }

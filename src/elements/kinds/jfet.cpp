@@ -50,6 +50,7 @@ void complete(Model& model, const Settings& settings, Diagnostics& diagnostics) 
   if (values.has("Vt0") && !values.has("Vto")) values.set("Vto", values.get("Vt0"), values.span("Vt0"));
   if (settings.finds_currents && !model.values.has("I0")) model.law = exponential_law(model.values.get("Is"), model.values.get("N"), 0.0);
   take_junction_current(model, settings);
+  model.finds_drive = settings.finds_drives && !values.has("Ron");
   if (values.has("Ron") || values.get("Vto") < 0.0) return;
   diagnostics.error(
       "E-not-idealised", model.span,
@@ -71,6 +72,13 @@ Channel channel_of(const Instance& instance, const Model& model) {
   const double on = v.has("Ron") ? v.get("Ron") : v.get("Rd") + v.get("Rs") - 1.0 / (2.0 * v.get("Beta") * v.get("Vto"));
   // The sign of Vto is that of an N channel in both types.
   return {is_p_type(model), is_p_type(model) ? -v.get("Vto") : v.get("Vto"), on / instance.values.get("m")};
+}
+
+/// In saturation the current is Beta (v(gate,source) - Vto)².
+model::ChannelLaw law_of_channel(const Instance& instance, const Model& model) {
+  const Values& v = model.values;
+  const double devices = instance.values.get("m");
+  return {(v.get("Rd") + v.get("Rs")) / devices, 2.0 * v.get("Beta") * devices};
 }
 
 /// In series with the gate's junction to the drain (`Rd`) or to the source (`Rs`).
@@ -97,6 +105,7 @@ void emit(Emission& emission) {
   const Instance& instance = emission.instance();
   Channel channel = channel_of(instance, emission.model());
   channel.gate = instance.nodes[1];
+  if (instance.drive_is_apart && emission.model().finds_drive) channel.law = law_of_channel(instance, emission.model());
   instance.drive_is_apart ? add_following_channel(emission, channel) : add_channel(emission, channel);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-drain diode", 0), -1.0);
   add_junction(emission, gate_diode(instance, emission.model(), "gate-source diode", 2), 0.0);

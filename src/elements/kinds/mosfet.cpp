@@ -191,7 +191,7 @@ double overdrive(const Model& model) {
 }
 
 void take_body_diode(Model& model, const Settings& settings) {
-  bool is_exponential = settings.written_by_ltspice;  // its Is and N have defaults
+  bool is_exponential = settings.written_by_ltspice || !model.values.has("Ron");  // a model of SPICE, where Is and N have defaults
   for (std::string_view name : body_names)
     is_exponential |= find_parameter(model.values.table(), name) != nullptr && model.values.has(name);
   if (!is_exponential || model.values.has("Vfwd") || model.values.has("Rfwd")) return;
