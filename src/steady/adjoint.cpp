@@ -140,8 +140,11 @@ Vector Adjoint::signals_of(std::size_t island, const Mode& mode, const double* y
 }
 
 /// (y, z) at the begin of a segment.
-Vector Adjoint::begin_of(const Sensitivity::Segment& segment) const {
-  return signals_of(segment.island, *segment.mode, segment.y0->data(), segment.begin, segment.inside());
+const Vector& Adjoint::begin_of(const Sensitivity::Segment& segment) const {
+  if (begins_.empty()) begins_.resize(along_.segments_.size());
+  Vector& known = begins_[static_cast<std::size_t>(&segment - along_.segments_.data())];
+  if (known.size() == 0) known = signals_of(segment.island, *segment.mode, segment.y0->data(), segment.begin, segment.inside());
+  return known;
 }
 
 Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double since) const {
@@ -476,7 +479,7 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
     return;
   }
   auto block = pass.lambda.segment(stacking.first(segment.island), stacking.count(segment.island));
-  const Vector begin = begin_of(segment);
+  const Vector& begin = begin_of(segment);
   if (mode.constrained && pass.collects)
     sums_of(pass, segment.island, mode).lift.noalias() += block * later(segment, begin, segment.length).transpose();
   Vector lambda = mode.constrained ? Vector(mode.basis.transpose() * block) : Vector(block);

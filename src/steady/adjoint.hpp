@@ -102,7 +102,7 @@ class Adjoint {
 
   [[nodiscard]] const Sensitivity::Flow& flow(std::size_t island, const model::Mode& mode) const;
   [[nodiscard]] Sums& sums_of(Pass& pass, std::size_t island, const model::Mode& mode) const;
-  [[nodiscard]] Vector begin_of(const Sensitivity::Segment& segment) const;
+  [[nodiscard]] const Vector& begin_of(const Sensitivity::Segment& segment) const;
   /// (y, z) of a mode at y; `inside`: a time at which its waves are those in force, s.
   [[nodiscard]] Vector signals_of(std::size_t island, const model::Mode& mode, const double* y, double time, double inside) const;
   [[nodiscard]] Vector later(const Sensitivity::Segment& segment, Vector yz, double since) const;
@@ -132,6 +132,7 @@ class Adjoint {
   std::vector<std::vector<Sensitivity::Share>> shares_;  ///< of each island
   std::vector<std::string> failures_;
   std::vector<char> forward_only_, kinks_;
+  mutable std::vector<Vector> begins_;                                  ///< (y, z) at the begin of each segment; empty: not asked for yet
   mutable std::map<const model::Mode*, linalg::Exponential> backward_;  ///< of A′ of a mode's own coordinates
 };
 

@@ -328,6 +328,7 @@ std::string Sensitivity::name_of(const LinearGuard& guard) const {
 /// Of an instant that a clock decides, or nothing that moves.
 double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& instant) const {
   double shift = 0.0;
+  if (instant.on_w.empty()) return shift;
   const double time = instant.time > 0.0 ? instant.time : length_;
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
     const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
