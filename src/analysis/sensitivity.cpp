@@ -269,6 +269,12 @@ class RunDerivatives : public RunMotion {
     return {sensitivity_->follow(p, start.xi), direct_of(p), "", false};
   }
 
+  Forward forward_to_last_rest(std::size_t p) override {
+    const steady::StartDerivative& start = start_of(p);
+    if (!start.failure.empty()) return {{}, {}, start.failure, false};
+    return {sensitivity_->follow_to_last_rest(p, start.xi), direct_of(p), "", false};
+  }
+
   std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
     steady::Adjoint::Read read = adjoint.read(sum.run, Vector());
     for (std::size_t p = 0; p < read.values.size(); ++p) {

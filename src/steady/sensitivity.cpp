@@ -55,6 +55,7 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   }
   first_.push_back(segments_.size());
   for (const TraceSegment& segment : trace.tail) add(segment);
+  for (std::size_t s = 0; s < segments_.size(); ++s) find_rests(s);
   add_static_parts();
   if (is_settled && !trace.steps.empty()) wrap_ = wrap_of(trace);
   for (const engine::IslandModel& island : model.islands) {
@@ -286,6 +287,7 @@ void Sensitivity::pass_segment(std::size_t parameter, std::size_t number, Vector
   auto block = xi.segment(stacking.first(segment.island), stacking.count(segment.island));
   const Flow& flow = flow_of(parameter, segment.island, mode);
   followed.begins[number] = begin_of(parameter, segment, block);
+  if (!rests_.empty()) check_rests(parameter, number, followed);
   const Vector end = at(flow, segment, followed.begins[number], segment.length);
   const Vector c = end.tail(mode.n1) * flow.scale;
   if (mode.constrained)
@@ -449,7 +451,7 @@ void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector
   for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
 }
 
-Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
+Followed Sensitivity::follow(std::size_t parameter, const Vector& start, std::size_t segments) const {
   Followed followed;
   followed.begins.resize(segments_.size());
   followed.shifts.assign(orbit_.instants().size(), 0.0);
@@ -457,8 +459,8 @@ Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
   if (!followed.failure.empty()) return followed;
   Vector xi = start;
   for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
-    for (std::size_t s = first_[i]; s < (i + 1 < first_.size() ? first_[i + 1] : static_first_); ++s)
-      pass_segment(parameter, s, xi, followed);
+    for (std::size_t s = first_[i]; s < first_[i + 1]; ++s) pass_segment(parameter, s, xi, followed);
+    if (first_[i + 1] >= segments) return followed;
     pass_instant(parameter, i, xi, followed);
   }
   for (std::size_t s = first_.back(); s < static_first_; ++s) pass_segment(parameter, s, xi, followed);

@@ -703,3 +703,49 @@ TEST_CASE("what .ic says of both nodes of a capacitor does not move with it", "[
   const double expected = -8.0 * std::exp(-0.5) * 1e-3 / (1e3 * 2e-6 * 2e-6);
   for (const Json& entry : moves["sensitivities"].array) CHECK(entry["derivative"].number == Approx(expected).epsilon(1e-9));
 }
+
+// Both time constants are 3 ms, so that after the jump to V = (C1·3.3 V + C2·1.1 V)/(C1 + C2) the diode carries and blocks nothing. Where it then conducts, v(b) = V e^{−t/(R(C1 + C2))}, R = Ra ∥ Rb;
+// where it blocks, V e^{−t/(Rb C2)}. It conducts for a larger Ra and C1, and for a smaller Rb and C2.
+TEST_CASE("a diode that rests at zero conducts for larger and blocks for smaller values of a parameter", "[unit]") {
+  constexpr double same = 1e-8;
+  const Scratch scratch;
+  const double c1 = 1e-6, c2 = 3e-6, ra = 3e3, rb = 1e3, t = 2e-3, start = (c1 * 3.3 + c2 * 1.1) / (c1 + c2),
+               v = start * std::exp(-t / 3e-3);
+  const double r = ra * rb / (ra + rb), fall = std::exp(-t / 3e-3), both = r * (c1 + c2);
+  const double by_start1 = (3.3 - start) / (c1 + c2) * fall, by_start2 = (1.1 - start) / (c1 + c2) * fall;
+  const double by_both = v * t / (both * both);  // to R(C1 + C2)
+  const std::vector<std::pair<double, double>> expected{{0.0, by_both * (c1 + c2) * std::pow(rb / (ra + rb), 2)},
+                                                        {by_both * (c1 + c2) * std::pow(ra / (ra + rb), 2), v * t / (rb * rb * c2)},
+                                                        {by_start1, by_start1 + by_both * r},
+                                                        {by_start2 + by_both * r, by_start2 + v * t / (rb * c2 * c2)}};
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told =
+        sensitivities_of(scratch,
+                         "rest\nC1 a 0 1u ic=3.3\nC2 b 0 3u ic=1.1\nD1 a b DI\nRb b 0 1k\nRa a 0 3k\n.model DI D\n.tran 10u 3m uic\n"
+                         ".meas tran v FIND v(b) AT=2m\n.sens param=Ra,Rb,C1,C2 method=" +
+                             method + "\n.end\n");
+    const auto& list = told["sensitivities"].array;
+    REQUIRE(list.size() == expected.size());
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      INFO(method << ": " << list[k]["parameter"].string);
+      const double size = std::abs(expected[k].first) + std::abs(expected[k].second);
+      CHECK(std::abs(list[k]["left"].number - expected[k].first) <= same * size);
+      CHECK(std::abs(list[k]["right"].number - expected[k].second) <= same * size);
+    }
+  }
+}
+
+// i(L1) = V1/R1·(1 − e^{−(t − Td) R1/L1}) behind the edge: until then the diode rests at zero, whatever the parameters are.
+TEST_CASE("a diode that rests until the first edge has derivatives", "[unit]") {
+  const Scratch scratch;
+  const Json told =
+      sensitivities_of(scratch,
+                       "edge\nV1 a 0 PULSE(0 10 10u 0 0 1 2)\nD1 a b DI\nL1 b c 1m\nR1 c 0 10\n.model DI D\n.tran 1u 110u uic\n"
+                       ".meas tran i FIND i(L1) AT=110u\n.sens param=R1,V1:V2 method=adjoint\n.end\n");
+  const auto& list = told["sensitivities"].array;
+  REQUIRE(list.size() == 2);
+  const double x = std::exp(-1.0);
+  CHECK(list[0]["derivative"].number == Approx(-0.1 * (1 - x) + 1.0 * 0.1 * x).epsilon(1e-10));  // (t − Td)/L1 = 0.1/Ω
+  CHECK(list[1]["derivative"].number == Approx(0.1 * (1 - x)).epsilon(1e-10));
+  for (const Json& each : list) CHECK(each["left"].number == each["right"].number);
+}
