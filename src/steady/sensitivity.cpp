@@ -460,7 +460,7 @@ Followed Sensitivity::follow(std::size_t parameter, const Vector& start, std::si
   Vector xi = start;
   for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
     for (std::size_t s = first_[i]; s < first_[i + 1]; ++s) pass_segment(parameter, s, xi, followed);
-    if (first_[i + 1] >= segments) return followed;
+    if (segments < static_first_ && first_[i + 1] >= segments) return followed;
     pass_instant(parameter, i, xi, followed);
   }
   for (std::size_t s = first_.back(); s < static_first_; ++s) pass_segment(parameter, s, xi, followed);

@@ -194,6 +194,8 @@ std::vector<Vector> Stacking::apart(const Vector& x) const {
 bool passes_guard(const System& system, const engine::Change& change, const std::vector<char>& on_before,
                   const std::vector<char>& on_after) {
   if (change.before != change.after) return true;
+  for (const Mode* const way : change.by_way_of)
+    if (way != change.before) return true;  // and back again at once
   if (change.guard < system.diodes) return false;
   const auto driven = static_cast<std::size_t>(system.controls[static_cast<std::size_t>(change.guard - system.diodes) / 2].driven);
   return on_before[driven] != on_after[driven];

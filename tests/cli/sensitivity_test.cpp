@@ -749,3 +749,20 @@ TEST_CASE("a diode that rests until the first edge has derivatives", "[unit]") {
   CHECK(list[1]["derivative"].number == Approx(0.1 * (1 - x)).epsilon(1e-10));
   for (const Json& each : list) CHECK(each["left"].number == each["right"].number);
 }
+
+// v(a) falls to zero where it reaches 4 V. Period and mean of v(b) from matrix exponentials and Brent's method (scipy), differentiated by differences of fourth order.
+TEST_CASE("an orbit whose switch closes and opens at one instant has derivatives", "[unit]") {
+  const Scratch scratch;
+  const std::vector<double> expected{5.22171375e-07, 2.07274018e-02, -2.84517332e-09, -6.89077255e-05, 1.72269314e-04,
+                                     8.53276859e-05, 3.10810796e+02, -4.26638429e-05, -3.32827018e-02, 6.47027216e-01};
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told = sensitivities_of(scratch,
+                                       "relaxation\nV1 in 0 10\nR1 in a 1k\nC1 a 0 1u\nS1 a 0 a 0 SW\nR2 a b 2k\nC2 b 0 1.5u\n"
+                                       ".model SW SW(Ron=0 Vt=3 Vh=1)\n.save v(a)\n.pss uic\n.meas pss t PERIOD\n.meas pss m AVG v(b)\n"
+                                       ".sens param=R1,C2,R2,V1,S1:Vt method=" +
+                                           method + "\n.end\n");
+    const auto& list = told["sensitivities"].array;
+    REQUIRE(list.size() == expected.size());
+    for (std::size_t k = 0; k < list.size(); ++k) CHECK(list[k]["derivative"].number == Approx(expected[k]).epsilon(1e-7));
+  }
+}
