@@ -25,8 +25,9 @@ struct Pair {
   std::optional<Drive::Held> held{};
 };
 
-/// The voltage of a node that a branch of sources alone ties to ground; empty where it is none, or where a name stands for several sources.
+/// A number, or the voltage of a node that a branch of sources alone ties to ground; empty where it is none, or where a name stands for several sources.
 std::optional<Drive::Held> held_by_sources(const model::Network& network, const model::Term& read) {
+  if (read.kind == Kind::one) return Drive::Held{{}, read.coefficient};
   if (read.kind != Kind::node_voltage) return std::nullopt;
   const auto name_of = [&](int source) { return network.sources[static_cast<std::size_t>(source)].label.name; };
   const auto is_alone = [&](const model::Term& term) {
