@@ -110,6 +110,10 @@ class Adjoint {
   void run(const Functional& functional, const Vector& end, Pass& pass) const;
   void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
   void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
+  [[nodiscard]] Vector of_range(const Sensitivity::Segment& segment, const Functional::Interval& interval, double since, double width,
+                                Range& range, bool collects) const;
+  [[nodiscard]] Vector point_by_point(const Sensitivity::Segment& segment, const Functional::Interval& interval, double since, Sums& sums,
+                                      Pass& pass) const;
   [[nodiscard]] Spread* spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
   [[nodiscard]] Range* range_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
   void fill(const Sensitivity::Segment& segment, Spread& spread) const;
