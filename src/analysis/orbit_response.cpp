@@ -65,8 +65,8 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
 }  // namespace
 
 SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
-  SmallSignalResult result =
-      small_signals(compiled, *state.inputs, state.compiled.network, *state.model, state.orbit, !state.common.sources.empty());
+  SmallSignalResult result = small_signals(compiled, *state.inputs, state.network_with_inputs(), state.model_with_inputs(),
+                                           state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty());
   const std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(*compiled.analyses.small_signal));
   if (!impulsive.empty()) leave_out_impulsive(compiled, impulsive, result);
   return result;

@@ -46,7 +46,10 @@ struct OrbitMove {
 class OrbitMoves : public RunMotion {
  public:
   OrbitMoves(const Compiled& compiled, const SteadyState& state, const Sensitivity& sensitivity, const LinearisedOrbit& linear)
-      : compiled_(compiled), state_(state), sensitivity_(sensitivity), variation_(steady::variation(linear.stacking(), state.orbit.trace)) {
+      : compiled_(compiled),
+        state_(state),
+        sensitivity_(sensitivity),
+        variation_(steady::variation(linear.stacking(), state.trace_with_inputs())) {
     const Eigen::Index n = linear.stacking().size();
     Matrix closing = Matrix::Identity(n, n) - (is_driven() ? variation_.x : variation_.return_map());
     const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
@@ -216,8 +219,9 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   const circuit::Measurements& measurements = state.compiled.measurements;
   if (!are_wanted(card, measurements)) return {};
   const bool is_driven = !state.common.sources.empty();
-  const LinearisedOrbit linear(*state.model, state.orbit.trace, state.orbit.period, is_driven, state.parameters->names);
-  const Sensitivity sensitivity(*state.model, state.orbit.trace, linear, *state.parameters, true);
+  const engine::ExactModel& model = state.model_with_inputs();
+  const LinearisedOrbit linear(model, state.trace_with_inputs(), state.orbit.period, is_driven, state.parameters->names);
+  const Sensitivity sensitivity(model, state.trace_with_inputs(), linear, *state.parameters, true);
   engine::Request request;
   request.stop = state.orbit.period;
   request.use_initial_conditions = true;
@@ -233,8 +237,9 @@ namespace {
 /// The orbit that a run starts on.
 struct OnOrbit {
   OnOrbit(const Compiled& compiled, const SteadyState& state)
-      : linear(*state.model, state.orbit.trace, state.orbit.period, !state.common.sources.empty(), state.parameters->names),
-        along(*state.model, state.orbit.trace, linear, *state.parameters, true),
+      : linear(state.model_with_inputs(), state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty(),
+               state.parameters->names),
+        along(state.model_with_inputs(), state.trace_with_inputs(), linear, *state.parameters, true),
         moves(compiled, state, along, linear) {}
   LinearisedOrbit linear;
   Sensitivity along;
@@ -315,8 +320,8 @@ class RunDerivatives : public RunMotion {
   [[nodiscard]] Vector carried(const Vector& from, const steady::Stacking& there, const steady::Stacking& here) const {
     Vector xi = Vector::Zero(here.size());
     for (std::size_t i = 0; i < run_.model->islands.size(); ++i)
-      for (std::size_t k = 0; k < orbit_->model->islands.size(); ++k)
-        if (orbit_->model->islands[k].island.name == run_.model->islands[i].island.name && there.count(k) == here.count(i))
+      for (std::size_t k = 0; k < orbit_->model_with_inputs().islands.size(); ++k)
+        if (orbit_->model_with_inputs().islands[k].island.name == run_.model->islands[i].island.name && there.count(k) == here.count(i))
           xi.segment(here.first(i), here.count(i)) = from.segment(there.first(k), there.count(k));
     return xi;
   }

@@ -16,6 +16,7 @@
 #include "engine/exact/start.hpp"
 #include "engine/left_out.hpp"
 #include "model/islands.hpp"
+#include "steady/carried_trace.hpp"
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/touches.hpp"
@@ -85,6 +86,7 @@ class Finder {
     else
       find_driven();
     judge();
+    if (state_.is_found && has_inputs_apart() && !carry_to_inputs()) return run_with_inputs();
     if (state_.is_found || state_.has_best_attempt) describe();
     return std::move(state_);
   }
@@ -101,14 +103,11 @@ class Finder {
       add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level_is_mean ? mean_of(probe) : card_.level);
       ++state_.compiled.measured_signals;
     }
-    if (compiled_.analyses.small_signal) {
-      const std::size_t signals = state_.compiled.network.signals.size();
-      state_.inputs = add_small_signal_inputs(*compiled_.analyses.small_signal, state_.compiled.network);
-      state_.compiled.measured_signals += state_.compiled.network.signals.size() - signals;
-    }
-    if (const auto& sensitivities = compiled_.analyses.sensitivities) {
-      state_.parameters = add_inputs(*sensitivities, compiled_.network, state_.compiled.network);
-      state_.compiled.measured_signals += state_.parameters->signals;
+    if (has_inputs_apart()) {
+      network_with_inputs_ = state_.compiled.network;
+      (void)add_all_inputs(network_with_inputs_);
+    } else {
+      state_.compiled.measured_signals += add_all_inputs(state_.compiled.network);
     }
     model_ = engine::prepare(state_.compiled.network, diagnostics);
     if (!model_) return false;
@@ -120,6 +119,41 @@ class Finder {
   }
 
  private:
+  /// Those of derivatives are many: the search runs without them.
+  [[nodiscard]] bool has_inputs_apart() const { return compiled_.analyses.sensitivities && !searches_with_inputs_; }
+
+  /// The number of signals that they bring along.
+  std::size_t add_all_inputs(model::Network& network) {
+    const std::size_t signals = network.signals.size();
+    if (const auto& small = compiled_.analyses.small_signal) state_.inputs = add_small_signal_inputs(*small, network);
+    if (const auto& sensitivities = compiled_.analyses.sensitivities)
+      state_.parameters = add_inputs(*sensitivities, compiled_.network, network);
+    return network.signals.size() - signals;
+  }
+
+  /// False where the model with the inputs differs in more than these.
+  bool carry_to_inputs() {
+    const auto apart = std::make_shared<OrbitWithInputs>();
+    apart->network = std::move(network_with_inputs_);
+    Diagnostics diagnostics;
+    apart->model = engine::prepare(apart->network, diagnostics);
+    if (!apart->model) return false;
+    apart->selectors = std::make_shared<engine::Selectors>(*apart->model, request_of_choice(compiled_.analyses.non_unique));
+    apart->trace = state_.orbit.trace;
+    state_.apart = apart;
+    return steady::carry(apart->trace, *model_, *apart->model, *apart->selectors, state_.orbit.period);
+  }
+
+  SteadyState run_with_inputs() {
+    searches_with_inputs_ = true;
+    state_ = {};
+    task_ = {};
+    Diagnostics diagnostics;
+    if (prepare(diagnostics)) return run();
+    fail("E-pss-not-converged", "the circuit with the inputs of its derivatives has no model");
+    return std::move(state_);
+  }
+
   bool fail(std::string id, std::string message, bool is_wrong_input = false) {
     state_.id = std::move(id);
     state_.message = std::move(message);
@@ -399,6 +433,8 @@ class Finder {
   const Compiled& compiled_;
   const circuit::SteadyState& card_;
   const std::atomic<int>& interrupt_;
+  bool searches_with_inputs_ = false;
+  model::Network network_with_inputs_;  ///< where it does not
   SteadyState state_;
   steady::OrbitTask task_;
   std::shared_ptr<const engine::ExactModel> model_;
