@@ -128,8 +128,15 @@ class Slots {
                        {}});
       return true;
     };
-    if (!add(moved.constant, instance_.formula->value.constant, [](const model::Term& t) { return t.kind == model::Term::Kind::one; }))
+    const double constant = instance_.formula->value.constant;
+    if (moved.constant != 0.0 && constant == 0.0) {  // its term is there all the same
+      const auto found = std::find_if(law.begin(), law.end(), [](const model::Term& t) { return t.kind == model::Term::Kind::one; });
+      if (found == law.end() || found->coefficient != 0.0) return false;
+      moves.push_back(
+          {is_current ? Moved::injection_term : Moved::branch_term, k, static_cast<int>(found - law.begin()), moved.constant, {}});
+    } else if (!add(moved.constant, constant, [](const model::Term& t) { return t.kind == model::Term::Kind::one; })) {
       return false;
+    }
     return std::all_of(moved.terms.begin(), moved.terms.end(), [&](const auto& term) {
       const auto& written = instance_.formula->value.terms;
       const auto own = std::find_if(written.begin(), written.end(), [&](const auto& other) { return other.first == term.first; });

@@ -767,20 +767,22 @@ TEST_CASE("an orbit whose switch closes and opens at one instant has derivatives
   }
 }
 
-// By hand: v(b) = k(3 V − m/2)/4 + m, v(e) = 10 Ω·(g v(b) − k·3 mA), v(f) = k²(v(e) − v(b)); k = 2, m = 0.5, g = 0.1.
+// By hand: v(b) = k(3 V − m/2)/4 + m, v(e) = 10 Ω·(g v(b) − k·3 mA), v(f) = k²(v(e) − v(b)); k = 2, m = 0.5, g = 0.1. A current z, which is 0, flows into e, too.
 TEST_CASE("parameters in expressions of B and E that are sums of signals are followed", "[unit]") {
   const Scratch scratch;
   const double k = 2.0, m = 0.5, g = 0.1;
   const double b = k * (3.0 - m / 2.0) / 4.0 + m, b_k = (3.0 - m / 2.0) / 4.0, b_m = 1.0 - k / 8.0;
   const double e = 10.0 * (g * b - k * 3e-3), e_k = 10.0 * (g * b_k - 3e-3), e_m = 10.0 * g * b_m, e_g = 10.0 * b;
-  const std::vector<double> expected{b_k,        b_m, 0.0, e_k, e_m, e_g, 2.0 * k * (e - b) + k * k * (e_k - b_k), k * k * (e_m - b_m),
-                                     k * k * e_g};
+  const std::vector<double> of_b{b_k, b_m, 0.0, 0.0}, of_e{e_k, e_m, e_g, 10.0};
+  std::vector<double> expected = of_b;
+  expected.insert(expected.end(), of_e.begin(), of_e.end());
+  for (std::size_t i = 0; i < of_b.size(); ++i) expected.push_back((i == 0 ? 2.0 * k * (e - b) : 0.0) + k * k * (of_e[i] - of_b[i]));
   for (const std::string method : {"forward", "adjoint"}) {
     const Json told =
         sensitivities_of(scratch,
-                         "formulas\n.param k=2 m=0.5 g=0.1\nV1 a 0 3\nB1 b 0 V={k*(v(a)-m/2)/4+m}\nV3 x 0 0\nR5 a x 1k\n"
-                         "B3 0 e I={g*v(b)-k*I(V3)}\nR3 e 0 10\nE4 f 0 value={-(v(b)-v(e))*k*k}\nR4 f 0 1\nC4 f 0 1n\n.tran 1u 1m\n"
-                         ".meas tran b AVG v(b)\n.meas tran e AVG v(e)\n.meas tran f AVG v(f)\n.sens param=k,m,g method=" +
+                         "formulas\n.param k=2 m=0.5 g=0.1 z=0\nV1 a 0 3\nB1 b 0 V={k*(v(a)-m/2)/4+m}\nV3 x 0 0\nR5 a x 1k\n"
+                         "B3 0 e I={g*v(b)-k*I(V3)+z}\nR3 e 0 10\nE4 f 0 value={-(v(b)-v(e))*k*k}\nR4 f 0 1\nC4 f 0 1n\n.tran 1u 1m\n"
+                         ".meas tran b AVG v(b)\n.meas tran e AVG v(e)\n.meas tran f AVG v(f)\n.sens param=k,m,g,z method=" +
                              method + "\n.end\n");
     const auto& list = told["sensitivities"].array;
     REQUIRE(list.size() == expected.size());
