@@ -94,6 +94,7 @@ class Columns {
   TwoSided failure_of(std::size_t parameter) {
     TwoSided failed = TwoSided::failed(motion_.failure(parameter));
     if (failed.failure.empty() && adjoint_) failed = failed_at_kink(adjoint_->failure(parameter), adjoint_->is_kink(parameter));
+    if (failed.failure.empty() && adjoint_ && sensitivity_.has_rests()) failed = failed_forward(motion_.forward_to_last_rest(parameter));
     return failed;
   }
 
@@ -103,11 +104,14 @@ class Columns {
     return failed;
   }
 
+  static TwoSided failed_forward(const RunMotion::Forward& forward) {
+    return forward.failure.empty() ? failed_at_kink(forward.followed.failure, forward.followed.is_kink)
+                                   : failed_at_kink(forward.failure, forward.is_kink);
+  }
+
   void take_forward(std::size_t parameter, const std::vector<std::size_t>& wanted, std::vector<TwoSided>& column) {
     const RunMotion::Forward forward = motion_.forward(parameter);
-    const bool has_motion = forward.failure.empty();
-    const TwoSided failed =
-        failed_at_kink(has_motion ? forward.followed.failure : forward.failure, has_motion ? forward.followed.is_kink : forward.is_kink);
+    const TwoSided failed = failed_forward(forward);
     ForwardReader reader(run_, sensitivity_, forward.followed, parameter, forward.direct);
     for (const std::size_t k : wanted)
       column[k] = failed.failure.empty() ? two_sided(functionals_.of(k), [&](const MeasuredSum& sum) { return reader.read(sum); }) : failed;

@@ -25,6 +25,8 @@ class RunMotion {
   /// Directions in which the start is not determined: only measurements that do not depend on them have derivatives.
   [[nodiscard]] virtual std::vector<steady::Vector> free_directions() const { return {}; }
   [[nodiscard]] virtual Forward forward(std::size_t parameter) = 0;
+  /// Its failures as far as diodes rest.
+  [[nodiscard]] virtual Forward forward_to_last_rest(std::size_t parameter) { return forward(parameter); }
   /// The sum for each parameter; the values of failed ones are not used.
   [[nodiscard]] virtual std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) = 0;
 };

@@ -72,7 +72,8 @@ class MeasuredFunctionals {
   std::vector<int> signals_;  ///< of all probes
   std::array<Shares, 8> shares_;
   std::size_t next_shares_ = 0;
-  measure::GradientValue read_;  ///< of an integral: results and numbers, added up
+  std::vector<linalg::LegendreValues> values_, weights_;  ///< of each probe of an expression, at the points of a part
+  measure::GradientValue read_;                           ///< of an integral: results and numbers, added up
 };
 
 }  // namespace pwlsim::analysis

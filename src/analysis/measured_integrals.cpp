@@ -30,16 +30,19 @@ linalg::LegendreValues cardinals(double x) {
     }
     return p;
   };
-  static const std::array<linalg::LegendreValues, linalg::legendre_points> at_points = [&] {
-    std::array<linalg::LegendreValues, linalg::legendre_points> table{};
-    for (std::size_t j = 0; j < table.size(); ++j) table[j] = polynomials(rule.point[j]);
-    return table;
+  // Σ_k (k + ½) w_j P_k(x_j) P_k(x): by k, then by j.
+  static const std::array<linalg::LegendreValues, linalg::legendre_points> table = [&] {
+    std::array<linalg::LegendreValues, linalg::legendre_points> entries{};
+    for (std::size_t j = 0; j < entries.size(); ++j) {
+      const linalg::LegendreValues at_point = polynomials(rule.point[j]);
+      for (std::size_t k = 0; k < entries.size(); ++k) entries[k][j] = (static_cast<double>(k) + 0.5) * rule.weight[j] * at_point[k];
+    }
+    return entries;
   }();
   const linalg::LegendreValues here = polynomials(x);
   linalg::LegendreValues values{};
-  for (std::size_t j = 0; j < values.size(); ++j)
-    for (std::size_t k = 0; k < values.size(); ++k)
-      values[j] += 0.5 * (2.0 * static_cast<double>(k) + 1.0) * rule.weight[j] * at_points[j][k] * here[k];
+  for (std::size_t k = 0; k < values.size(); ++k)
+    for (std::size_t j = 0; j < values.size(); ++j) values[j] += table[k][j] * here[k];
   return values;
 }
 
@@ -96,51 +99,74 @@ MeasuredFunctionals::AffineGradient MeasuredFunctionals::affine_gradient(const c
 }
 
 void MeasuredFunctionals::AffineGradient::at(const std::vector<double>& signals, std::vector<double>& gradient) const {
-  gradient = constant;
-  for (std::size_t j = 0; j < signals.size(); ++j)
+  gradient.resize(constant.size());
+  for (std::size_t j = 0; j < signals.size(); ++j) {
+    gradient[j] = constant[j];
     for (std::size_t k = 0; k < signals.size(); ++k) gradient[j] += slopes[j * signals.size() + k] * signals[k];
+  }
 }
+
+namespace {
+
+/// At the points of a part what is known at those of the piece.
+linalg::LegendreValues on_part(const double* values, const std::array<linalg::LegendreValues, linalg::legendre_points>& shares) {
+  linalg::LegendreValues sum{};
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[i] += shares[i][j] * values[j];
+  return sum;
+}
+
+/// Weights of the points of a part as those of the piece's.
+linalg::LegendreValues on_piece(const linalg::LegendreValues& weights,
+                                const std::array<linalg::LegendreValues, linalg::legendre_points>& shares) {
+  linalg::LegendreValues sum{};
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weights[i] * shares[i][j];
+  return sum;
+}
+
+}  // namespace
 
 /// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
 void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
                                      double to, bool squares, double scale, MeasuredFunctional& sum) {
   const KeptPiece& kept = run_.pieces[number];
-  const std::size_t n = linalg::legendre_points, width = signals_.size();
+  const std::size_t n = linalg::legendre_points, width = signals_.size(), count = gradient.probes().size();
   steady::Functional::Interval& interval = sum.sum.run.intervals[number];
   if (interval.weights.empty()) interval = {0.5 * (kept.from + kept.to), kept.begin, kept.length, std::vector<double>(n * width, 0.0)};
   constexpr double whole = 1e-14, of_time = 1e-15;
   const double near = whole + of_time * std::abs(to) / kept.length;
   const double begins = (from - kept.begin) / kept.length, ends = (to - kept.begin) / kept.length;
   const bool is_whole = std::abs(begins) <= near && std::abs(ends - 1.0) <= near;
-  std::vector<linalg::LegendreSeries> values;
-  if (!is_whole)
-    for (const int probe : gradient.probes()) values.emplace_back(kept.values.data() + static_cast<std::size_t>(probe) * n);
-  const auto& rule = linalg::gauss_legendre();
   const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
-  std::vector<double> signals(gradient.probes().size()), of_signals;
+  values_.resize(count);
+  weights_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double* const own = kept.values.data() + static_cast<std::size_t>(gradient.probes()[k]) * n;
+    if (is_whole)
+      std::copy_n(own, n, values_[k].begin());
+    else
+      values_[k] = on_part(own, shares->points);
+  }
+  const auto& rule = linalg::gauss_legendre();
+  std::vector<double> signals(count), of_signals;
   for (std::size_t i = 0; i < n; ++i) {
-    const double time = from + 0.5 * (rule.point[i] + 1.0) * (to - from);
-    const double x = is_whole ? rule.point[i] : 2.0 * (time - kept.begin) / kept.length - 1.0;
-    for (std::size_t k = 0; k < signals.size(); ++k)
-      signals[k] = is_whole ? kept.values[static_cast<std::size_t>(gradient.probes()[k]) * n + i] : values[k](x);
+    for (std::size_t k = 0; k < count; ++k) signals[k] = values_[k][i];
     double weight = 0.5 * (to - from) * rule.weight[i] * scale;
     if (!affine.constant.empty()) {
       affine.at(signals, of_signals);
     } else {
-      GradientValue at = gradient.at(signals, run_.record.values, time);
+      GradientValue at = gradient.at(signals, run_.record.values, from + 0.5 * (rule.point[i] + 1.0) * (to - from));
       if (squares) weight *= 2.0 * at.value;
       add_numbers(weight, at);
       of_signals = std::move(at.signals);
     }
-    const auto take = [&](std::size_t point, double share) {
-      for (std::size_t k = 0; k < signals.size(); ++k)
-        interval.weights[point * width + static_cast<std::size_t>(gradient.probes()[k])] += share * of_signals[k];
-    };
-    if (is_whole) {
-      take(i, weight);
-      continue;
-    }
-    for (std::size_t j = 0; j < n; ++j) take(j, weight * shares->points[i][j]);
+    for (std::size_t k = 0; k < count; ++k) weights_[k][i] = weight * of_signals[k];
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const linalg::LegendreValues own = is_whole ? weights_[k] : on_piece(weights_[k], shares->points);
+    const auto at = static_cast<std::size_t>(gradient.probes()[k]);
+    for (std::size_t i = 0; i < n; ++i) interval.weights[i * width + at] += own[i];
   }
 }
 

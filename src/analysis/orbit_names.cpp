@@ -38,13 +38,17 @@ class Positions {
     for (int i = 0; i < system.ports; ++i) {
       const model::Port& port = system.port[static_cast<std::size_t>(i)];
       if (hidden_.hold(port.name)) continue;
-      const bool is_switch = i >= system.diodes;
-      bool on = change.after->active.contains(i) == port.input_is_current;
-      if (is_switch && system.switch_inverted[static_cast<std::size_t>(i - system.diodes)] != 0) on = !on;
+      const bool is_switch = i >= system.diodes, on = is_on(system, *change.after, i);
+      const auto becomes = [&](bool now) { return is_switch ? (now ? "closes" : "opens") : (now ? "conducts" : "blocks"); };
       auto& known = (is_switch ? closed_ : conducting_)[port.name];
-      if (known == on) continue;
+      if (known != on) {
+        events.push_back(fmt::format("{} {}", port.name, becomes(on)));
+      } else if (is_switch && change.before != nullptr && is_on(system, *change.before, i) == on) {
+        const auto is_other = [&](const model::Mode* way) { return is_on(system, *way, i) != on; };
+        if (std::any_of(change.by_way_of.begin(), change.by_way_of.end(), is_other))
+          events.push_back(fmt::format("{} {} and {}", port.name, becomes(!on), becomes(on)));
+      }
       known = on;
-      events.push_back(fmt::format("{} {}", port.name, is_switch ? (on ? "closes" : "opens") : (on ? "conducts" : "blocks")));
     }
     return events;
   }
@@ -52,6 +56,11 @@ class Positions {
   [[nodiscard]] std::vector<std::string> conducting() const { return names(conducting_); }
 
  private:
+  static bool is_on(const model::System& system, const model::Mode& mode, int port) {
+    const bool on = mode.active.contains(port) == system.port[static_cast<std::size_t>(port)].input_is_current;
+    const bool is_inverted = port >= system.diodes && system.switch_inverted[static_cast<std::size_t>(port - system.diodes)] != 0;
+    return on != is_inverted;
+  }
   static std::vector<std::string> names(const std::map<std::string, bool>& ports) {
     std::vector<std::string> list;
     for (const auto& [name, on] : ports)

@@ -14,7 +14,7 @@
 
 #include "analysis/beside_kinks.hpp"
 #include "analysis/derivative_columns.hpp"
-#include "analysis/sensitivity_inputs.hpp"
+#include "analysis/recorded_run.hpp"
 #include "base/names.hpp"
 #include "steady/start_derivative.hpp"
 #include "waveform/csv.hpp"
@@ -34,8 +34,6 @@ using steady::Vector;
 constexpr double singular_closing = 1e-11;
 /// Of a derivative: what I − Φ cannot give.
 constexpr double inconsistent = 1e-7;
-/// Of a run: so far it goes on, so that what happens at its end is seen.
-constexpr double beyond_end = 1e-9;
 
 /// The orbit's derivative to one parameter.
 struct OrbitMove {
@@ -48,7 +46,10 @@ struct OrbitMove {
 class OrbitMoves : public RunMotion {
  public:
   OrbitMoves(const Compiled& compiled, const SteadyState& state, const Sensitivity& sensitivity, const LinearisedOrbit& linear)
-      : compiled_(compiled), state_(state), sensitivity_(sensitivity), variation_(steady::variation(linear.stacking(), state.orbit.trace)) {
+      : compiled_(compiled),
+        state_(state),
+        sensitivity_(sensitivity),
+        variation_(steady::variation(linear.stacking(), state.trace_with_inputs())) {
     const Eigen::Index n = linear.stacking().size();
     Matrix closing = Matrix::Identity(n, n) - (is_driven() ? variation_.x : variation_.return_map());
     const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
@@ -218,8 +219,9 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   const circuit::Measurements& measurements = state.compiled.measurements;
   if (!are_wanted(card, measurements)) return {};
   const bool is_driven = !state.common.sources.empty();
-  const LinearisedOrbit linear(*state.model, state.orbit.trace, state.orbit.period, is_driven, state.parameters->names);
-  const Sensitivity sensitivity(*state.model, state.orbit.trace, linear, *state.parameters, true);
+  const engine::ExactModel& model = state.model_with_inputs();
+  const LinearisedOrbit linear(model, state.trace_with_inputs(), state.orbit.period, is_driven, state.parameters->names);
+  const Sensitivity sensitivity(model, state.trace_with_inputs(), linear, *state.parameters, true);
   engine::Request request;
   request.stop = state.orbit.period;
   request.use_initial_conditions = true;
@@ -235,8 +237,9 @@ namespace {
 /// The orbit that a run starts on.
 struct OnOrbit {
   OnOrbit(const Compiled& compiled, const SteadyState& state)
-      : linear(*state.model, state.orbit.trace, state.orbit.period, !state.common.sources.empty(), state.parameters->names),
-        along(*state.model, state.orbit.trace, linear, *state.parameters, true),
+      : linear(state.model_with_inputs(), state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty(),
+               state.parameters->names),
+        along(state.model_with_inputs(), state.trace_with_inputs(), linear, *state.parameters, true),
         moves(compiled, state, along, linear) {}
   LinearisedOrbit linear;
   Sensitivity along;
@@ -247,35 +250,20 @@ struct OnOrbit {
 class RunDerivatives : public RunMotion {
  public:
   RunDerivatives(const Compiled& compiled, const SteadyState* state, const std::atomic<int>& interrupt, const measure::Record* measured)
-      : compiled_(compiled), card_(*compiled.analyses.sensitivities), orbit_(state), interrupt_(interrupt), known_(measured) {}
+      : compiled_(compiled),
+        card_(*compiled.analyses.sensitivities),
+        orbit_(state),
+        run_(record_run(compiled, state, interrupt, measured)) {}
 
   DerivativeTable run() {
-    const circuit::Transient& transient = *compiled_.analyses.transient;
-    const circuit::Measurements& measurements = compiled_.measurements;
-    model::Network network = compiled_.network;
-    inputs_ = add_inputs(card_, compiled_.network, network);
-    Diagnostics diagnostics;
-    model_ = engine::prepare(network, diagnostics);
-    if (!model_) return failed_derivatives(compiled_, measurements, "the circuit with its parameters as inputs has no model");
-    engine::Request request = request_of(compiled_.analyses, {});
-    request.interrupt = &interrupt_;
-    engine::March march(*model_, {request.non_unique, &interrupt_});
-    if (!find_start(transient)) return failed_derivatives(compiled_, measurements, failure_);
-    const auto simulate = [&](const engine::Request& asked, engine::RowSink& sink) { return march.run(begin_, asked, sink); };
-    request.unsaved_signals = network.signals.size();
-    const bool is_measured = known_ != nullptr && known_->values.size() == measurements.list.size();
-    MeasuredPass measured =
-        is_measured ? pass_of(measurements, *known_, transient.start.seconds, transient.stop.seconds)
-                    : measure_run(measurements, simulate, request, transient.start.seconds, transient.stop.seconds, 0.0, nullptr);
-    if (!take_trace(march, transient.stop.seconds * (1.0 + beyond_end), is_measured ? &measured : nullptr) &&
-        !take_trace(march, transient.stop.seconds, is_measured ? &measured : nullptr))
-      return failed_derivatives(compiled_, measurements, "the run did not complete");
-    steady::end_at(trace_, transient.stop.seconds);
-    const LinearisedOrbit linear(*model_, trace_, transient.stop.seconds, false, inputs_.names);
-    const Sensitivity sensitivity(*model_, trace_, linear, inputs_, false);
+    if (!run_.failure.empty()) return failed_derivatives(compiled_, compiled_.measurements, run_.failure);
+    const double stop = compiled_.analyses.transient->stop.seconds;
+    const LinearisedOrbit linear(*run_.model, run_.trace, stop, false, run_.inputs.names);
+    const Sensitivity sensitivity(*run_.model, run_.trace, linear, run_.inputs, false);
     linear_ = &linear;
     sensitivity_ = &sensitivity;
-    return table_of(card_, measurements, measured.record.values, derivative_columns(card_, measured, sensitivity, *this));
+    return table_of(card_, compiled_.measurements, run_.measured.record.values,
+                    derivative_columns(card_, run_.measured, sensitivity, *this));
   }
 
   std::string failure(std::size_t p) override { return start_of(p).failure; }
@@ -284,6 +272,12 @@ class RunDerivatives : public RunMotion {
     const steady::StartDerivative& start = start_of(p);
     if (!start.failure.empty()) return {{}, {}, start.failure, false};
     return {sensitivity_->follow(p, start.xi), direct_of(p), "", false};
+  }
+
+  Forward forward_to_last_rest(std::size_t p) override {
+    const steady::StartDerivative& start = start_of(p);
+    if (!start.failure.empty()) return {{}, {}, start.failure, false};
+    return {sensitivity_->follow_to_last_rest(p, start.xi), direct_of(p), "", false};
   }
 
   std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) override {
@@ -296,31 +290,6 @@ class RunDerivatives : public RunMotion {
   }
 
  private:
-  /// The run up to `stop`, and what of its pieces is needed, where `measured` is not null. False where it did not complete.
-  bool take_trace(engine::March& march, double stop, MeasuredPass* measured) {
-    steady::TraceRecorder recorder(begin_.on);
-    engine::RunState end = begin_;
-    std::optional<PieceLook> look;
-    if (measured != nullptr) look.emplace(*measured);
-    const engine::Answer answer = march.advance(end, stop, &recorder, look ? look->probes() : engine::Probes{});
-    trace_ = recorder.take();
-    if (look) look->finish();
-    return answer.outcome == engine::Outcome::completed;
-  }
-
-  bool find_start(const circuit::Transient& transient) {
-    if (orbit_ != nullptr) {
-      const auto there = state_in(*model_, *orbit_);
-      if (!there) failure_ = "the parts of the circuit differ between the run and the orbit";
-      if (there) begin_ = *there;
-      return there.has_value();
-    }
-    start_ = transient.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
-    if (start_.answer.outcome != engine::Outcome::completed) failure_ = "the run has no start";
-    begin_ = start_;
-    return failure_.empty();
-  }
-
   [[nodiscard]] DirectMoves direct_of(std::size_t p) const {
     const circuit::Transient& transient = *compiled_.analyses.transient;
     const int number = card_.parameters[p].number;
@@ -336,11 +305,11 @@ class RunDerivatives : public RunMotion {
   }
 
   steady::StartDerivative find_start_of(std::size_t p) {
-    const steady::ParameterInputs& own = inputs_.parameters[p];
+    const steady::ParameterInputs& own = run_.inputs.parameters[p];
     if (!own.failure.empty()) return {{}, own.failure};
     if (orbit_ == nullptr)
-      return compiled_.analyses.transient->use_initial_conditions ? steady::of_initial_values(*model_, linear_->stacking(), own)
-                                                                  : steady::of_operating_point(*model_, *linear_, start_, own);
+      return compiled_.analyses.transient->use_initial_conditions ? steady::of_initial_values(*run_.model, linear_->stacking(), own)
+                                                                  : steady::of_operating_point(*run_.model, *linear_, run_.start, own);
     if (!on_orbit_) on_orbit_ = std::make_unique<OnOrbit>(compiled_, *orbit_);
     const OrbitMove move = on_orbit_->moves.of(p);
     if (!move.failure.empty()) return {{}, move.failure};
@@ -350,9 +319,9 @@ class RunDerivatives : public RunMotion {
   /// From the orbit's model to that of the run, island by island.
   [[nodiscard]] Vector carried(const Vector& from, const steady::Stacking& there, const steady::Stacking& here) const {
     Vector xi = Vector::Zero(here.size());
-    for (std::size_t i = 0; i < model_->islands.size(); ++i)
-      for (std::size_t k = 0; k < orbit_->model->islands.size(); ++k)
-        if (orbit_->model->islands[k].island.name == model_->islands[i].island.name && there.count(k) == here.count(i))
+    for (std::size_t i = 0; i < run_.model->islands.size(); ++i)
+      for (std::size_t k = 0; k < orbit_->model_with_inputs().islands.size(); ++k)
+        if (orbit_->model_with_inputs().islands[k].island.name == run_.model->islands[i].island.name && there.count(k) == here.count(i))
           xi.segment(here.first(i), here.count(i)) = from.segment(there.first(k), there.count(k));
     return xi;
   }
@@ -360,14 +329,7 @@ class RunDerivatives : public RunMotion {
   const Compiled& compiled_;
   const Sensitivities& card_;
   const SteadyState* orbit_;
-  const std::atomic<int>& interrupt_;
-  const measure::Record* known_;  ///< null: the run has not been measured
-  steady::SensitivityInputs inputs_;
-  std::shared_ptr<const engine::ExactModel> model_;
-  engine::Start start_;
-  engine::RunState begin_;
-  steady::Trace trace_;
-  std::string failure_;
+  const RecordedRun run_;
   const LinearisedOrbit* linear_ = nullptr;
   const Sensitivity* sensitivity_ = nullptr;
   std::map<std::size_t, steady::StartDerivative> starts_;

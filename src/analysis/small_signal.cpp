@@ -275,11 +275,11 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
 }
 
 SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
-                                const engine::ExactModel& model, const steady::Orbit& orbit, bool is_driven) {
+                                const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven) {
   const SmallSignal& card = *compiled.analyses.small_signal;
-  const steady::LinearisedOrbit linear(model, orbit.trace, orbit.period, is_driven, inputs.names);
+  const steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
   steady::Transfer transfer(linear, network.signals.size());
-  const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, orbit.period)) : std::nullopt;
+  const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, period)) : std::nullopt;
   const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = moves_edges(card);
   std::vector<steady::Wave> waves;
   for (const std::string& name : is_timing ? card.sources : std::vector<std::string>()) {
@@ -290,14 +290,14 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
     if (!is_timing) return transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
     std::vector<Complex> by;
     for (const steady::Wave& wave : waves) {
-      const double period = std::get<model::Pulse>(wave.function).period;
-      by.push_back(is_duty ? Complex(period) : -period / (Complex(0.0, 2.0 * std::numbers::pi) * f));
+      const double own = std::get<model::Pulse>(wave.function).period;
+      by.push_back(is_duty ? Complex(own) : -own / (Complex(0.0, 2.0 * std::numbers::pi) * f));
     }
     return transfer.at(f, card.harmonic, amplitudes, shifts_of(linear, waves, by), sample).signals;
   };
   const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
     const bool is_limit = f == 0.0 && !is_driven && !is_timing && card.harmonic == 0 && !sample;
-    return is_limit ? limit_at_rest(orbit.period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
+    return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
   return evaluate(compiled, inputs, response);
 }

@@ -58,8 +58,8 @@ struct SmallSignalInputs {
 
 /// Around an orbit of a model with these inputs, in `network`.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
-                                              const model::Network& network, const engine::ExactModel& model, const steady::Orbit& orbit,
-                                              bool is_driven);
+                                              const model::Network& network, const engine::ExactModel& model, const steady::Trace& trace,
+                                              double period, bool is_driven);
 /// For a linear circuit: prepares it and checks whether it has a response before that is computed.
 class LinearSmallSignals {
  public:

@@ -16,10 +16,10 @@
 #include "engine/exact/start.hpp"
 #include "engine/left_out.hpp"
 #include "model/islands.hpp"
+#include "steady/carried_trace.hpp"
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/touches.hpp"
-#include "waveform/csv.hpp"
 
 namespace pwlsim::analysis {
 namespace {
@@ -86,6 +86,7 @@ class Finder {
     else
       find_driven();
     judge();
+    if (state_.is_found && has_inputs_apart() && !carry_to_inputs()) return run_with_inputs();
     if (state_.is_found || state_.has_best_attempt) describe();
     return std::move(state_);
   }
@@ -102,14 +103,11 @@ class Finder {
       add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level_is_mean ? mean_of(probe) : card_.level);
       ++state_.compiled.measured_signals;
     }
-    if (compiled_.analyses.small_signal) {
-      const std::size_t signals = state_.compiled.network.signals.size();
-      state_.inputs = add_small_signal_inputs(*compiled_.analyses.small_signal, state_.compiled.network);
-      state_.compiled.measured_signals += state_.compiled.network.signals.size() - signals;
-    }
-    if (const auto& sensitivities = compiled_.analyses.sensitivities) {
-      state_.parameters = add_inputs(*sensitivities, compiled_.network, state_.compiled.network);
-      state_.compiled.measured_signals += state_.parameters->signals;
+    if (has_inputs_apart()) {
+      network_with_inputs_ = state_.compiled.network;
+      (void)add_all_inputs(network_with_inputs_);
+    } else {
+      state_.compiled.measured_signals += add_all_inputs(state_.compiled.network);
     }
     model_ = engine::prepare(state_.compiled.network, diagnostics);
     if (!model_) return false;
@@ -121,6 +119,41 @@ class Finder {
   }
 
  private:
+  /// Those of derivatives are many: the search runs without them.
+  [[nodiscard]] bool has_inputs_apart() const { return compiled_.analyses.sensitivities && !searches_with_inputs_; }
+
+  /// The number of signals that they bring along.
+  std::size_t add_all_inputs(model::Network& network) {
+    const std::size_t signals = network.signals.size();
+    if (const auto& small = compiled_.analyses.small_signal) state_.inputs = add_small_signal_inputs(*small, network);
+    if (const auto& sensitivities = compiled_.analyses.sensitivities)
+      state_.parameters = add_inputs(*sensitivities, compiled_.network, network);
+    return network.signals.size() - signals;
+  }
+
+  /// False where the model with the inputs differs in more than these.
+  bool carry_to_inputs() {
+    const auto apart = std::make_shared<OrbitWithInputs>();
+    apart->network = std::move(network_with_inputs_);
+    Diagnostics diagnostics;
+    apart->model = engine::prepare(apart->network, diagnostics);
+    if (!apart->model) return false;
+    apart->selectors = std::make_shared<engine::Selectors>(*apart->model, request_of_choice(compiled_.analyses.non_unique));
+    apart->trace = state_.orbit.trace;
+    state_.apart = apart;
+    return steady::carry(apart->trace, *model_, *apart->model, *apart->selectors, state_.orbit.period);
+  }
+
+  SteadyState run_with_inputs() {
+    searches_with_inputs_ = true;
+    state_ = {};
+    task_ = {};
+    Diagnostics diagnostics;
+    if (prepare(diagnostics)) return run();
+    fail("E-pss-not-converged", "the circuit with the inputs of its derivatives has no model");
+    return std::move(state_);
+  }
+
   bool fail(std::string id, std::string message, bool is_wrong_input = false) {
     state_.id = std::move(id);
     state_.message = std::move(message);
@@ -402,6 +435,8 @@ class Finder {
   const Compiled& compiled_;
   const circuit::SteadyState& card_;
   const std::atomic<int>& interrupt_;
+  bool searches_with_inputs_ = false;
+  model::Network network_with_inputs_;  ///< where it does not
   SteadyState state_;
   steady::OrbitTask task_;
   std::shared_ptr<const engine::ExactModel> model_;
@@ -427,148 +462,6 @@ SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& 
     state.message = error->text;
   }
   return state;
-}
-
-std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state) {
-  const engine::RunState& begin = state.orbit.begin;
-  engine::RunState there;
-  there.on = begin.on;
-  there.on.resize(model.switches.size());
-  for (const engine::IslandModel& island : model.islands) {
-    const auto& known = state.model->islands;
-    const auto same = std::find_if(known.begin(), known.end(), [&](const engine::IslandModel& other) {
-      return other.island.name == island.island.name && other.extraction.system.n == island.extraction.system.n &&
-             other.extraction.system.ports == island.extraction.system.ports;
-    });
-    if (same == known.end()) return std::nullopt;
-    const auto at = static_cast<std::size_t>(same - known.begin());
-    there.xi.push_back(begin.xi[at]);
-    there.active.push_back(begin.active[at]);
-    const bool is_read_alike = !begin.signals.empty() && island.extraction.system.output_signal == same->extraction.system.output_signal;
-    if (is_read_alike) there.signals.push_back(begin.signals[at]);
-  }
-  if (there.signals.size() != there.xi.size()) there.signals.clear();
-  return there;
-}
-
-Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
-  std::shared_ptr<const engine::ExactModel> model = engine::prepare(compiled.network, diagnostics);
-  if (!model) return {};
-  std::optional<engine::RunState> from = state_in(*model, state);
-  if (!from) {
-    diagnostics.error("E-pss-not-converged", {},
-                      "the parts of the circuit differ between the run and the orbit; try .pss and .tran in decks of their own");
-    return {};
-  }
-  return [model, from = std::move(*from)](const engine::Request& request, engine::RowSink& sink) {
-    engine::March march(*model, {request.non_unique, request.interrupt});
-    return march.run(from, request, sink);
-  };
-}
-
-measure::Results orbit_measurements(const SteadyState& state, const std::atomic<int>& interrupt) {
-  return orbit_rows(state, "", nullptr, false, interrupt);
-}
-
-measure::Results orbit_rows(const SteadyState& state, const std::string& prefix, std::string* text, bool with_events,
-                            const std::atomic<int>& interrupt) {
-  class Lines : public waveform::RowWriter {
-   public:
-    Lines(const std::string& prefix, std::size_t columns, std::string* text) : prefix_(prefix), columns_(columns), text_(text) {}
-    bool write(std::span<const double> values) override {
-      for (std::size_t at = 0; text_ != nullptr && at < values.size(); at += columns_)
-        waveform::append_csv_row(*text_, prefix_, values.subspan(at, columns_));
-      return true;
-    }
-    bool flush() override { return true; }
-
-   private:
-    const std::string& prefix_;
-    std::size_t columns_;
-    std::string* text_;
-  } lines(prefix, 1 + state.compiled.saved_signals(), text);
-  RunControl control;
-  control.events = with_events && text != nullptr;
-  control.interrupt = &interrupt;
-  control.longest_window = most_periods_measured * state.orbit.period;
-  return run_rows(state.compiled, state.simulate, lines, control).measurements;
-}
-
-namespace {
-
-/// Signals of the deck that have impulses on the orbit whose size or time a small input moves: at jumps of the state, and at edges of sources where these
-/// move (`with_edges`).
-std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& state, bool with_edges) {
-  class Impulses : public engine::PieceSink {
-   public:
-    Impulses(std::size_t signals, std::function<bool(double)> counts) : has_(signals, 0), counts_(std::move(counts)) {}
-    void before_start(std::span<const double>) override {}
-    void take(const engine::Piece&) override {}
-    void impulse(double time, std::span<const double> values) override {
-      for (std::size_t k = 0; k < values.size() && counts_(time); ++k)
-        if (values[k] != 0.0) has_[k] = 1;
-    }
-    [[nodiscard]] std::vector<int> found() const {
-      std::vector<int> list;
-      for (std::size_t k = 0; k < has_.size(); ++k)
-        if (has_[k] != 0) list.push_back(static_cast<int>(k));
-      return list;
-    }
-
-   private:
-    std::vector<char> has_;
-    std::function<bool(double)> counts_;
-  };
-  const auto& steps = state.orbit.trace.steps;
-  const auto jumps = [](const steady::TraceStep& step) { return step.has_jump; };
-  if (!with_edges && std::none_of(steps.begin(), steps.end(), jumps)) return {};
-  constexpr double near = 1e-12;  // of the period
-  const double period = state.orbit.period;
-  const auto is_jump = [&](double time) {
-    return std::any_of(steps.begin(), steps.end(), [&](const steady::TraceStep& step) {
-      const double apart = std::abs(step.time - time);
-      return step.has_jump && std::min(apart, period - apart) <= near * period;
-    });
-  };
-  // Of the deck's own signals; those of the search stand behind them.
-  std::vector<int> signals;
-  for (std::size_t k = 0; k < compiled.network.signals.size(); ++k) signals.push_back(static_cast<int>(k));
-  Impulses impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
-  engine::Request request;
-  request.stop = period;
-  request.use_initial_conditions = true;
-  request.unsaved_signals = state.compiled.network.signals.size();
-  request.probes = {signals, 0.0, period, &impulses};
-  class Nowhere : public engine::RowSink {
-   public:
-    bool write(std::span<const double>, std::size_t) override { return true; }
-  } nowhere;
-  (void)state.simulate(request, nowhere);
-  return impulses.found();
-}
-
-}  // namespace
-
-SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
-  SmallSignalResult result =
-      small_signals(compiled, *state.inputs, state.compiled.network, *state.model, state.orbit, !state.common.sources.empty());
-  const std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(*compiled.analyses.small_signal));
-  if (!impulsive.empty()) leave_out_impulsive(compiled, impulsive, result);
-  return result;
-}
-
-DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
-  DeckResponse response;
-  if (state == nullptr) {
-    const LinearSmallSignals linear(compiled);
-    if (!linear.id().empty()) return {{}, linear.id(), linear.message()};
-    response.result = linear.result();
-    return response;
-  }
-  if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
-  if (!state->orbit.kink.empty()) return {{}, "E-ac-no-derivative", "the orbit has no derivative: " + state->orbit.kink};
-  response.result = small_signals(compiled, *state);
-  return response;
 }
 
 std::string orbit_summary(const SteadyState& state, const std::string& output) {

@@ -14,6 +14,7 @@
 #include "circuit/compile.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/exact/march.hpp"
+#include "engine/exact/selectors.hpp"
 #include "steady/orbit.hpp"
 #include "steady/parameter_inputs.hpp"
 #include "steady/period.hpp"
@@ -22,6 +23,14 @@ namespace pwlsim::analysis {
 
 /// Bound of | |λ| − 1 | below which the orbit is marginal.
 inline constexpr double marginal_multiplier = 1e-9;
+
+/// The orbit in a model that has the inputs of `.ac` and `.sens`, which are zero on it.
+struct OrbitWithInputs {
+  model::Network network;
+  std::shared_ptr<const engine::ExactModel> model;
+  std::shared_ptr<engine::Selectors> selectors;  ///< modes of the trace
+  steady::Trace trace;
+};
 
 struct SteadyState {
   bool is_found = false;
@@ -39,6 +48,11 @@ struct SteadyState {
   std::optional<steady::SensitivityInputs> parameters;  ///< of .sens, likewise
   circuit::Compiled compiled;                           ///< of the orbit: settled sources, one period, its own measurements
   Simulate simulate;                                    ///< runs over the period from the orbit
+  std::shared_ptr<const OrbitWithInputs> apart;         ///< where the inputs are not in `model` itself; null: they are
+
+  [[nodiscard]] const model::Network& network_with_inputs() const { return apart ? apart->network : compiled.network; }
+  [[nodiscard]] const engine::ExactModel& model_with_inputs() const { return apart ? *apart->model : *model; }
+  [[nodiscard]] const steady::Trace& trace_with_inputs() const { return apart ? apart->trace : orbit.trace; }
 };
 
 /// A search with a prepared model; empty if there is none.

@@ -7,6 +7,7 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/formula_moves.hpp"
 #include "circuit/transfer_function.hpp"
 
 namespace pwlsim::circuit {
@@ -53,8 +54,44 @@ bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan spa
 }
 
 bool FormulaReader::read(const Expression& expression, bool is_current) {
+  const std::vector<char> read_before = place_.scope.session().read_apart;
   const std::optional<Sum> value = sum(expression, {place_.scope});
-  return value && keep(*value, is_current, expression.span);
+  if (!value || !keep(*value, is_current, expression.span)) return false;
+  follow_parameters(expression, read_before);
+  return true;
+}
+
+/// Of a sum of signals; of other formulas nobody follows the parameters that they read.
+void FormulaReader::follow_parameters(const Expression& expression, const std::vector<char>& read_before) {
+  std::vector<char>& read = place_.scope.session().read_apart;
+  const elements::Formula& formula = *instance_.formula;
+  const auto is_signal_part = [](const elements::FormulaPart& part) {
+    return part.kind == elements::FormulaPart::Kind::voltage || part.kind == elements::FormulaPart::Kind::current;
+  };
+  if (read == read_before || !std::all_of(formula.parts.begin(), formula.parts.end(), is_signal_part)) return;
+  const auto part_of = [&](elements::FormulaPart::Kind kind, int index) -> std::optional<Sum> {
+    for (std::size_t k = 0; k < formula.parts.size(); ++k)
+      if (formula.parts[k].kind == kind && formula.parts[k].index == index) return Sum{0.0, {{static_cast<int>(k), 1.0}}};
+    return std::nullopt;
+  };
+  const auto signal = [&](const Expression& call) -> std::optional<Sum> {
+    const std::optional<Meaning> meaning = is_signal(call) ? of_signal(call) : std::nullopt;
+    if (!meaning) return std::nullopt;
+    // Its parts are numbered by the builder, which has begun anew: by what they read they are found in the formula.
+    const elements::Formula own = std::move(builder_).finish(meaning->value);
+    builder_ = {};
+    Sum sum;
+    for (const auto& [part, coefficient] : own.value.terms) {
+      const elements::FormulaPart& read_part = own.parts[static_cast<std::size_t>(part)];
+      const std::optional<Sum> known = part_of(read_part.kind, read_part.index);
+      if (!known) return std::nullopt;
+      sum = sum + coefficient * *known;
+    }
+    return sum;
+  };
+  builder_ = {};
+  instance_.formula_moves = formula_moves(expression, place_.scope, signal);
+  if (!instance_.formula_moves.empty()) read = read_before;
 }
 
 bool FormulaReader::read_transfer(const Expression* input, const Expression& transfer, bool is_current) {

@@ -74,6 +74,7 @@ class FormulaReader {
   Sum product(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
+  void follow_parameters(const Expression& expression, const std::vector<char>& read_before);
   Sum control();
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);

@@ -8,7 +8,7 @@
 namespace pwlsim::circuit {
 namespace {
 
-using Arguments = std::span<const double>;
+using ArgumentValues = std::span<const double>;
 
 struct Derivative {
   std::string_view name;
@@ -49,7 +49,7 @@ Partials power_partials(double a, double b) {
   return p;
 }
 
-void of_several(std::string_view name, Arguments a, std::span<double> out, bool& has_kink) {
+void of_several(std::string_view name, ArgumentValues a, std::span<double> out, bool& has_kink) {
   if (name == "abs") {
     out[0] = sign(a[0]);
     has_kink |= a[0] == 0.0;
@@ -84,7 +84,7 @@ void of_several(std::string_view name, Arguments a, std::span<double> out, bool&
 
 }  // namespace
 
-void function_partials(const BuiltinFunction& function, Arguments arguments, std::span<double> partials, bool& has_kink) {
+void function_partials(const BuiltinFunction& function, ArgumentValues arguments, std::span<double> partials, bool& has_kink) {
   std::fill(partials.begin(), partials.end(), 0.0);
   const auto* known = std::find_if(std::begin(of_one), std::end(of_one), [&](const Derivative& d) { return d.name == function.name; });
   if (known != std::end(of_one))

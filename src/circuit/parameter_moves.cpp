@@ -110,6 +110,40 @@ class Slots {
   /// Its whole waveform, by the derivatives of all its numbers.
   bool source_moves(const model::SourceFunction& derivative, NetworkMoves& moves) const { return add_source(derivative, moves); }
 
+  /// A sum of signals whose constant and coefficients move so. Each must have a term of its own in the law.
+  bool formula(const elements::AffineSum& moved, NetworkMoves& moves) const {
+    const bool is_current = instance_.formula_is_current;
+    const int k = is_current ? parts_.find(network_.injections, "") : parts_.find(network_.branches, "");
+    if (k < 0) return false;
+    const model::LinearForm& law =
+        is_current ? network_.injections[static_cast<std::size_t>(k)].current : network_.branches[static_cast<std::size_t>(k)].voltage;
+    const auto add = [&](double derivative, double coefficient, const auto& is_own) {
+      if (derivative == 0.0) return true;
+      const auto found = std::find_if(law.begin(), law.end(), is_own);
+      if (found == law.end() || coefficient == 0.0) return false;
+      moves.push_back({is_current ? Moved::injection_term : Moved::branch_term,
+                       k,
+                       static_cast<int>(found - law.begin()),
+                       derivative * found->coefficient / coefficient,
+                       {}});
+      return true;
+    };
+    const double constant = instance_.formula->value.constant;
+    if (moved.constant != 0.0 && constant == 0.0) {  // its term is there all the same
+      const auto found = std::find_if(law.begin(), law.end(), [](const model::Term& t) { return t.kind == model::Term::Kind::one; });
+      if (found == law.end() || found->coefficient != 0.0) return false;
+      moves.push_back(
+          {is_current ? Moved::injection_term : Moved::branch_term, k, static_cast<int>(found - law.begin()), moved.constant, {}});
+    } else if (!add(moved.constant, constant, [](const model::Term& t) { return t.kind == model::Term::Kind::one; })) {
+      return false;
+    }
+    return std::all_of(moved.terms.begin(), moved.terms.end(), [&](const auto& term) {
+      const auto& written = instance_.formula->value.terms;
+      const auto own = std::find_if(written.begin(), written.end(), [&](const auto& other) { return other.first == term.first; });
+      return own != written.end() && add(term.second, own->second, [&](const model::Term& t) { return is_part(term.first, t); });
+    });
+  }
+
   /// A gain, the only coefficient.
   bool gain(double p, NetworkMoves& moves) const {
     const auto& c = instance_.coefficients;
@@ -128,6 +162,28 @@ class Slots {
 
  private:
   [[nodiscard]] double value(std::string_view name) const { return instance_.values.get(name); }
+
+  /// Whether the term is that of a part of the formula.
+  [[nodiscard]] bool is_part(int number, const model::Term& term) const {
+    const elements::FormulaPart& part = instance_.formula->parts[static_cast<std::size_t>(number)];
+    const auto index = static_cast<std::size_t>(part.index);
+    if (part.kind == elements::FormulaPart::Kind::voltage)
+      return term.kind == model::Term::Kind::node_voltage && term.index == instance_.control_nodes[index].p;
+    const std::string& name = instance_.references[index].name;
+    const auto is_named = [&](const auto& list) { return same_name(list[static_cast<std::size_t>(term.index)].label.name, name); };
+    switch (term.kind) {
+      case model::Term::Kind::branch_current:
+        return is_named(network_.branches);
+      case model::Term::Kind::inductor_current:
+        return is_named(network_.inductors);
+      case model::Term::Kind::capacitor_current:
+        return is_named(network_.capacitors);
+      case model::Term::Kind::resistor_current:
+        return is_named(network_.resistors);
+      default:
+        return false;
+    }
+  }
 
   /// A number of the network that is proportional to a value of the card.
   template <class List, class Member>
@@ -489,6 +545,12 @@ class Follower {
       if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= instance.waveform_moves.size()) continue;
       const auto& moved = instance.waveform_moves[static_cast<std::size_t>(parameter.number)];
       if (moved && parameter.failure.empty()) (void)slots.source_moves(*moved, parameter.moves);
+    }
+    for (Sensitivities::Parameter& parameter : card_.parameters) {
+      if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= instance.formula_moves.size()) continue;
+      const elements::AffineSum& moved = instance.formula_moves[static_cast<std::size_t>(parameter.number)];
+      if (parameter.failure.empty() && !slots.formula(moved, parameter.moves))
+        parameter.failure = fmt::format("{} depends on it, which is not followed", instance.name);
     }
     for (const elements::Written& number : instance.written) {
       const auto name = name_of(number, instance.values), waveform = name_of(number, instance.waveform_values);

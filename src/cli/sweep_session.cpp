@@ -296,6 +296,7 @@ class Sweep {
       record.measurements.add(
           analysis::orbit_rows(state, prefix, orbits_.is_wanted() ? &texts.orbit : nullptr, task_.options.events, caught_signal()));
     state.orbit.trace = {};
+    state.apart.reset();
     state.compiled = {};
     state.simulate = nullptr;
   }

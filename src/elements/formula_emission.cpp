@@ -1,5 +1,6 @@
 #include "elements/formula_emission.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -122,6 +123,11 @@ void set_source_value(Emission& emission, LinearForm value, bool is_current) {
   Emitted& result = emission.result();
   model::Network& network = emission.builder().network();
   const auto index = static_cast<std::size_t>(result.item);
+  // A constant that a parameter of .sens moves has a term where it is 0, too.
+  const auto& moves = emission.instance().formula_moves;
+  const bool has_constant = std::any_of(value.begin(), value.end(), [](const model::Term& term) { return term.kind == Quantity::one; });
+  if (!has_constant && std::any_of(moves.begin(), moves.end(), [](const AffineSum& moved) { return moved.constant != 0.0; }))
+    value.push_back({Quantity::one, 0, 0.0});
   if (is_current && !emission.is_referenced()) {
     result.current = value;
     network.injections[index].current = std::move(value);

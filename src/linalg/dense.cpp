@@ -190,6 +190,12 @@ void multiply(const Matrix& m, const double* x, double* y) {
       for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
 }
 
+void multiply_sparse(const Matrix& m, const double* x, Vector& rows) {
+  rows.setZero();
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    if (x[j] != 0.0) rows += m.col(j).head(rows.size()) * x[j];
+}
+
 void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z) {
   const bool small = with_length(m.rows(), [&]<int rows>(Length<rows>) {
     Small<rows> sum;

@@ -16,6 +16,9 @@ using WideVector = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 /// y = M x, without allocation and without the dispatch cost that Eigen has for the sizes at hand (2 to 12). y must not alias x.
 void multiply(const Matrix& m, const double* x, double* y);
 
+/// The first rows.size() rows of M x, where most of x is zero.
+void multiply_sparse(const Matrix& m, const double* x, Vector& rows);
+
 /// z = M x + N y; z must not alias x or y.
 void multiply_two(const Matrix& m, const double* x, const Matrix& n, const double* y, double* z);
 

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
-#include "linalg/legendre.hpp"
+#include "steady/moments.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -15,78 +13,13 @@ namespace {
 using engine::Change;
 using model::Mode;
 
-constexpr double same_length = 1e-12;                    ///< of a length: intervals whose products are added up
 constexpr std::size_t least_kept = 48, most_kept = 512;  ///< lengths of one mode, before their sums are settled
 constexpr std::size_t entries_kept = 200'000;            ///< of the matrices of these
-constexpr int nodes = 12;                                ///< of an interpolation in the length
-constexpr double node_range = 1.0;  ///< lengths times the rate of the motion, over which it is one: its error is 2·(1/4)¹²/12! there
 
 std::size_t most_lengths(Eigen::Index rows, Eigen::Index columns) {
   const auto entries = static_cast<std::size_t>(std::max<Eigen::Index>(1, rows * columns));
   return std::clamp(entries_kept / entries, least_kept, most_kept);
 }
-
-/// Lagrange's polynomials on Chebyshev's points of an interval.
-class Interpolation {
- public:
-  Interpolation(double begin, double end) : middle_(0.5 * (begin + end)), half_(0.5 * (end - begin)) {}
-  [[nodiscard]] double node(int j) const { return middle_ + half_ * place(j); }
-  /// Of a value at `length`: the weight of each node.
-  [[nodiscard]] std::array<double, nodes> weights(double length) const {
-    std::array<double, nodes> weight{};
-    const double x = (length - middle_) / half_;
-    double sum = 0.0;
-    for (int j = 0; j < nodes; ++j) {
-      const double apart = x - place(j);
-      if (apart == 0.0) {
-        weight = {};
-        weight[static_cast<std::size_t>(j)] = 1.0;
-        return weight;
-      }
-      sum += weight[static_cast<std::size_t>(j)] = (j % 2 == 0 ? 1.0 : -1.0) * std::sin(angle(j)) / apart;
-    }
-    for (double& each : weight) each /= sum;
-    return weight;
-  }
-
- private:
-  static double angle(int j) { return (j + 0.5) * std::numbers::pi / nodes; }
-  static double place(int j) { return std::cos(angle(j)); }
-  double middle_, half_;
-};
-
-/// ∫ e^{A′(h − s)} K e^{Y′s} ds over [0, h]: Taylor on h/2^m, then G(2h) = e^{A′h} G + G e^{Y′h}. `rate`: of both, as linalg::Exponential has it.
-Matrix moment_of(const Matrix& a, const Matrix& y, const Matrix& k, double h, double rate) {
-  constexpr double reach = 0.5;
-  constexpr int terms = 24;  // the rate leaves out what is nilpotent: 2²⁴/24! is below rounding still
-  const int doublings = rate * h > reach ? static_cast<int>(std::ceil(std::log2(rate * h / reach))) : 0;
-  const double step = std::ldexp(h, -doublings);
-  const Matrix at = a.transpose(), yt = y.transpose();
-  // Powers of the block matrix (A′ K; 0 Y′).
-  Matrix right = k * step, term = right, sum = right;
-  for (int j = 2; j <= terms; ++j) {
-    right = right * yt * (step / j);
-    term = at * term * (step / j) + right;
-    sum += term;
-  }
-  if (doublings == 0) return sum;
-  const auto less_identity = [&](const Matrix& m) {
-    Matrix power = m * step, x = power;
-    for (int j = 2; j <= terms; ++j) {
-      power = m * power * (step / j);
-      x += power;
-    }
-    return x;
-  };
-  Matrix ea = less_identity(at), ey = less_identity(yt);
-  for (int d = 0; d < doublings; ++d) {
-    sum = Matrix(2.0 * sum + ea * sum + sum * ey);
-    ea = Matrix(2.0 * ea + ea * ea);
-    ey = Matrix(2.0 * ey + ey * ey);
-  }
-  return sum;
-}
-
 }  // namespace
 
 Adjoint::Adjoint(const Sensitivity& sensitivity, std::vector<int> signals) : along_(sensitivity), signals_(std::move(signals)) {
@@ -140,8 +73,11 @@ Vector Adjoint::signals_of(std::size_t island, const Mode& mode, const double* y
 }
 
 /// (y, z) at the begin of a segment.
-Vector Adjoint::begin_of(const Sensitivity::Segment& segment) const {
-  return signals_of(segment.island, *segment.mode, segment.y0->data(), segment.begin, segment.inside());
+const Vector& Adjoint::begin_of(const Sensitivity::Segment& segment) const {
+  if (begins_.empty()) begins_.resize(along_.segments_.size());
+  Vector& known = begins_[static_cast<std::size_t>(&segment - along_.segments_.data())];
+  if (known.size() == 0) known = signals_of(segment.island, *segment.mode, segment.y0->data(), segment.begin, segment.inside());
+  return known;
 }
 
 Vector Adjoint::later(const Sensitivity::Segment& segment, Vector yz, double since) const {
@@ -246,146 +182,6 @@ const linalg::Exponential& Adjoint::backward_of(const Mode& mode) const {
     back = backward_.emplace(&mode, linalg::Exponential(mode.flow.a().topLeftCorner(mode.n1, mode.n1).transpose(), mode.flow.rate())).first;
   return back->second;
 }
-
-/// Null where intervals of that length are still few.
-Adjoint::Spread* Adjoint::spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
-  constexpr int worth = 8;                  // so many intervals
-  constexpr std::size_t most_spreads = 32;  // of a mode
-  const auto same = [&](const Spread& known) { return std::abs(known.length - length) <= same_length * length; };
-  auto known = std::find_if(sums.spreads.begin(), sums.spreads.end(), same);
-  if (known == sums.spreads.end()) {
-    if (sums.spreads.size() == most_spreads) return nullptr;
-    sums.spreads.push_back({length, 0, {}, {}});
-    known = sums.spreads.end() - 1;
-  }
-  if (++known->uses < worth) return nullptr;
-  if (known->sum.size() == 0) fill(segment, *known);
-  return &*known;
-}
-
-void Adjoint::fill(const Sensitivity::Segment& segment, Spread& spread) const {
-  const Mode& mode = *segment.mode;
-  const auto& outputs = shares_[segment.island];
-  const auto& rule = linalg::gauss_legendre();
-  const auto count = static_cast<Eigen::Index>(outputs.size());
-  spread.sum = Matrix::Zero(static_cast<Eigen::Index>(linalg::legendre_points) * count, flow(segment.island, mode).source.rows());
-  spread.injection = Matrix::Zero(mode.n1, spread.sum.rows());
-  Vector work(2 * mode.n1);
-  for (std::size_t i = 0; i < linalg::legendre_points && mode.n1 > 0; ++i)
-    for (Eigen::Index k = 0; k < count; ++k) {
-      auto column = spread.injection.col(static_cast<Eigen::Index>(i) * count + k);
-      column = mode.outputs.row(outputs[static_cast<std::size_t>(k)].first).head(mode.n1).transpose();
-      backward_of(mode).apply_once(0.5 * (rule.point[i] + 1.0) * spread.length, column.data(), work.data());
-    }
-}
-
-/// Null where intervals of about that length are still few.
-Adjoint::Range* Adjoint::range_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
-  constexpr int worth = 3 * nodes;         // so many intervals
-  constexpr std::size_t most_ranges = 16;  // of a mode
-  const Mode& mode = *segment.mode;
-  if (sums.width < 0.0) {
-    const double rate = std::max(mode.flow.rate(), flow(segment.island, mode).signals->rate());
-    sums.width = rate > 0.0 ? node_range / rate : 0.0;
-  }
-  if (sums.width == 0.0) return nullptr;
-  const auto number = static_cast<std::int64_t>(std::min(1e18, std::floor(length / sums.width)));
-  const auto known = sums.ranges.find(number);
-  if (known == sums.ranges.end() && sums.ranges.size() == most_ranges) return nullptr;
-  Range& range = sums.ranges[number];
-  range.number = number;
-  if (++range.uses < worth) return nullptr;
-  if (!range.nodes.empty()) return &range;
-  const auto begin = static_cast<double>(number) * sums.width;
-  const Interpolation between(begin, begin + sums.width);
-  for (int j = 0; j < nodes; ++j) {
-    range.nodes.push_back({between.node(j), 0, {}, {}});
-    fill(segment, range.nodes.back());
-  }
-  return &range;
-}
-
-Vector Adjoint::weights_of(std::size_t island, const Functional::Interval& interval) const {
-  const auto& outputs = shares_[island];
-  Vector weights(static_cast<Eigen::Index>(linalg::legendre_points * outputs.size()));
-  Eigen::Index at = 0;
-  for (std::size_t i = 0; i < linalg::legendre_points; ++i)
-    for (const auto& output : outputs) weights[at++] = interval.weights[i * signals_.size() + output.second];
-  return weights;
-}
-
-void Adjoint::settle(std::size_t island, const Mode& mode, const Spread& spread, Sums& sums) const {
-  const auto& outputs = shares_[island];
-  const auto& rule = linalg::gauss_legendre();
-  const Sensitivity::Flow& own = flow(island, mode);
-  const auto count = static_cast<Eigen::Index>(outputs.size());
-  const Matrix a = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
-  const auto time_of = [&](std::size_t i) { return 0.5 * (rule.point[i] + 1.0) * spread.length; };
-  const auto to_time = [&](double time) {
-    Matrix e = own.signals->minus_identity(time);
-    e.diagonal().array() += 1.0;
-    return e;
-  };
-  Matrix lambda = Matrix::Zero(mode.n1, spread.sum.cols());  // λ (y, z)′, (y, z) at the begin
-  Matrix at = to_time(time_of(linalg::legendre_points - 1));
-  for (std::size_t i = linalg::legendre_points; i-- > 0;) {
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Eigen::Index row = outputs[static_cast<std::size_t>(k)].first;
-      const auto weights = spread.sum.row(static_cast<Eigen::Index>(i) * count + k);
-      lambda += mode.outputs.row(row).head(mode.n1).transpose() * weights;
-      sums.outputs.row(row) += weights * at.transpose();
-    }
-    const double before = i > 0 ? time_of(i - 1) : 0.0, length = time_of(i) - before;
-    at = to_time(before);
-    if (mode.n1 == 0) continue;
-    sums.moment += moment_of(a, own.source, lambda * at.transpose(), length, std::max(mode.flow.rate(), own.signals->rate()));
-    Vector work(2 * mode.n1);
-    for (Eigen::Index k = 0; k < lambda.cols(); ++k) backward_of(mode).apply(length, lambda.col(k).data(), work.data());
-  }
-}
-
-void Adjoint::settle(std::size_t island, const Mode& mode, Sums& sums, Pass& pass) const {
-  const Matrix own = mode.flow.a().topLeftCorner(mode.n1, mode.n1);
-  const Matrix& source = flow(island, mode).source;
-  const double rate = std::max(mode.flow.rate(), flow(island, mode).signals->rate());
-  const auto add = [&](const Matrix& sum, double length, int density) {
-    if (density < 0) {
-      sums.moment += moment_of(own, source, sum, length, rate);
-      return;
-    }
-    const Even& even = pass.even.at({&mode, density});
-    const Matrix moment = moment_of(even.a, source, sum, length, std::max(rate, even.backward.rate()));
-    sums.moment += moment.topRows(mode.n1);
-    for (const auto& [row, weight] : even.outputs) sums.outputs.row(row) += weight / even.scale * moment.row(mode.n1);
-  };
-  std::vector<Lengths>& list = sums.lengths;
-  std::sort(list.begin(), list.end(),
-            [](const Lengths& a, const Lengths& b) { return std::pair(a.density, a.length) < std::pair(b.density, b.length); });
-  for (std::size_t first = 0, last = 0; first < list.size(); first = last) {
-    const int density = list[first].density;
-    const auto is_near = [&](const Lengths& each) {
-      return each.density == density && (each.length - list[first].length) * rate <= node_range;
-    };
-    for (last = first + 1; last < list.size() && is_near(list[last]);) ++last;
-    if (last - first <= nodes) {
-      for (std::size_t k = first; k < last; ++k) add(list[k].sum, list[k].length, density);
-      continue;
-    }
-    const Interpolation between(list[first].length, list[last - 1].length);
-    std::array<Matrix, nodes> sum;
-    for (std::size_t k = first; k < last; ++k) {
-      const auto shares = between.weights(list[k].length);
-      for (std::size_t j = 0; j < shares.size(); ++j)
-        if (k == first)
-          sum[j] = shares[j] * list[k].sum;
-        else
-          sum[j] += shares[j] * list[k].sum;
-    }
-    for (int j = 0; j < nodes; ++j) add(sum[static_cast<std::size_t>(j)], between.node(j), density);
-  }
-  list.clear();
-}
-
 void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& injections) const {
   for (const Functional::Point& point : functional.points)
     for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
@@ -408,61 +204,6 @@ void Adjoint::take_points(const Functional& functional, Pass& pass, Injections& 
       injections[static_cast<std::size_t>(segment - along_.segments_.data())].push_back({since, weight + a.transpose() * of_rate});
     }
 }
-
-void Adjoint::take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const {
-  const auto& rule = linalg::gauss_legendre();
-  constexpr std::size_t points = linalg::legendre_points;
-  for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) {
-    const auto& outputs = shares_[island];
-    const Sensitivity::Segment* const segment = outputs.empty() ? nullptr : along_.segment_at(island, interval.inside, Side::right);
-    if (segment == nullptr) continue;
-    const Mode& mode = *segment->mode;
-    const double since = std::max(interval.begin - segment->begin, 0.0);
-    Sums& sums = sums_of(pass, island, mode);
-    Injection& injection = injections[static_cast<std::size_t>(segment - along_.segments_.data())].emplace_back();
-    injection.since = since;
-    if (Spread* const spread = spread_of(*segment, interval.length, sums)) {
-      const Vector weights = weights_of(island, interval);
-      if (pass.collects) spread->sum.noalias() += weights * later(*segment, begin_of(*segment), since).transpose();
-      injection.weight = spread->injection * weights;
-      continue;
-    }
-    if (Range* const range = range_of(*segment, interval.length, sums)) {
-      const Vector weights = weights_of(island, interval), yz = later(*segment, begin_of(*segment), since);
-      const auto begin = static_cast<double>(range->number) * sums.width;
-      const auto shares = Interpolation(begin, begin + sums.width).weights(interval.length);
-      injection.weight = Vector::Zero(mode.n1);
-      for (std::size_t j = 0; j < shares.size(); ++j) {
-        Spread& node = range->nodes[j];
-        const Vector own = shares[j] * weights;
-        if (pass.collects) node.sum.noalias() += own * yz.transpose();
-        injection.weight.noalias() += node.injection * own;
-      }
-      continue;
-    }
-    std::vector<Vector> yz{later(*segment, begin_of(*segment), since)};  // at the begin, then at each point
-    std::vector<double> length;
-    double before = 0.0;
-    for (std::size_t i = 0; i < points; ++i) {
-      const double at = 0.5 * (rule.point[i] + 1.0) * interval.length;
-      length.push_back(at - before);
-      yz.push_back(later(*segment, yz.back(), length.back()));
-      before = at;
-    }
-    Vector lambda = Vector::Zero(mode.n1);
-    for (std::size_t i = points; i-- > 0;) {
-      for (const auto& [row, signal] : outputs) {
-        const double weight = interval.weights[i * signals_.size() + signal];
-        if (weight == 0.0) continue;
-        lambda += weight * mode.outputs.row(row).head(mode.n1).transpose();
-        sums.outputs.row(row) += weight * yz[i + 1].transpose();
-      }
-      travel(*segment, length[i], yz[i], lambda, pass);
-    }
-    injection.weight = lambda;
-  }
-}
-
 void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pass) const {
   const Sensitivity::Segment& segment = along_.segments_[number];
   const Mode& mode = *segment.mode;
@@ -476,7 +217,7 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
     return;
   }
   auto block = pass.lambda.segment(stacking.first(segment.island), stacking.count(segment.island));
-  const Vector begin = begin_of(segment);
+  const Vector& begin = begin_of(segment);
   if (mode.constrained && pass.collects)
     sums_of(pass, segment.island, mode).lift.noalias() += block * later(segment, begin, segment.length).transpose();
   Vector lambda = mode.constrained ? Vector(mode.basis.transpose() * block) : Vector(block);
@@ -579,63 +320,6 @@ Adjoint::Read Adjoint::read(const Functional& functional, const Vector& end) con
   for (std::size_t p = 0; p < failures_.size(); ++p)
     read.values.push_back(failures_[p].empty() ? of_parameter(p, pass) + of_edges(p, pass) : 0.0);
   return read;
-}
-
-/// What the inputs of one parameter bring, by the sums of all modes.
-double Adjoint::of_parameter(std::size_t parameter, Pass& pass) const {
-  double total = 0.0;
-  for (const auto& entry : pass.sums) {
-    const std::size_t island = entry.first.first;
-    const Mode& mode = *entry.first.second;
-    const Sums& sums = entry.second;
-    Sensitivity::Flow own;
-    along_.add_drives(parameter, island, mode, own);
-    const int first_wave = own.ny + along_.first_of_waves(parameter, island);
-    const Eigen::Index n1 = mode.n1, n = along_.orbit_.stacking().count(island);
-    const auto of_column = [&](int column) {
-      Eigen::RowVectorXd weight = mode.outputs.col(n1 + column).transpose() * sums.outputs;
-      if (n1 > 0) weight += mode.flow.a().col(n1 + column).head(n1).transpose() * sums.moment;
-      if (mode.constrained) {
-        weight += mode.projector.col(n + column).head(n).transpose() * sums.jump;
-        weight += mode.lift.col(column).transpose() * sums.lift;
-      }
-      return weight;
-    };
-    const auto dot = [&](const Eigen::RowVectorXd& weight, const Eigen::RowVectorXd& row) {
-      return weight.head(own.ny).dot(row.head(own.ny)) + weight.segment(first_wave, own.nz).dot(row.tail(own.nz));
-    };
-    for (std::size_t k = 0; k < own.rows.size(); ++k) {
-      if (own.rows[k].size() == 0) continue;
-      const InputColumns& column = along_.orbit_.columns(island, k);
-      const auto row = static_cast<Eigen::Index>(k);
-      total += dot(of_column(column.value) + sums.value.row(row), own.rows[k]);
-      total += dot(of_column(column.slope) / column.rate + sums.slope.row(row), own.rows[k] * own.source);
-    }
-  }
-  return total;
-}
-
-/// Edges, clocks and thresholds that move.
-double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
-  const ParameterInputs& own = along_.inputs_.parameters[parameter];
-  if (own.waves.empty() && own.levels.empty()) return 0.0;
-  double total = 0.0;
-  Followed scratch;
-  for (const auto& [i, weight] : pass.read) {
-    const LinearInstant& instant = along_.orbit_.instants()[i];
-    if (!along_.edge_shift_of(parameter, instant.time, scratch)) total += weight * along_.corner_shift_of(parameter, instant);
-  }
-  for (std::size_t i = 0; i < pass.shifts.size(); ++i) {
-    if (pass.shifts[i] == 0.0) continue;
-    const LinearInstant& instant = along_.orbit_.instants()[i];
-    if (const auto edge = along_.edge_shift_of(parameter, instant.time, scratch)) {
-      total += pass.shifts[i] * *edge;
-      continue;
-    }
-    total += pass.shifts[i] * along_.level_shift_of(parameter, instant);
-    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant);
-  }
-  return total;
 }
 
 }  // namespace pwlsim::steady

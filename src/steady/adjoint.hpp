@@ -102,7 +102,7 @@ class Adjoint {
 
   [[nodiscard]] const Sensitivity::Flow& flow(std::size_t island, const model::Mode& mode) const;
   [[nodiscard]] Sums& sums_of(Pass& pass, std::size_t island, const model::Mode& mode) const;
-  [[nodiscard]] Vector begin_of(const Sensitivity::Segment& segment) const;
+  [[nodiscard]] const Vector& begin_of(const Sensitivity::Segment& segment) const;
   /// (y, z) of a mode at y; `inside`: a time at which its waves are those in force, s.
   [[nodiscard]] Vector signals_of(std::size_t island, const model::Mode& mode, const double* y, double time, double inside) const;
   [[nodiscard]] Vector later(const Sensitivity::Segment& segment, Vector yz, double since) const;
@@ -110,6 +110,10 @@ class Adjoint {
   void run(const Functional& functional, const Vector& end, Pass& pass) const;
   void take_points(const Functional& functional, Pass& pass, Injections& injections) const;
   void take_interval(const Functional::Interval& interval, Pass& pass, Injections& injections) const;
+  [[nodiscard]] Vector of_range(const Sensitivity::Segment& segment, const Functional::Interval& interval, double since, double width,
+                                Range& range, bool collects) const;
+  [[nodiscard]] Vector point_by_point(const Sensitivity::Segment& segment, const Functional::Interval& interval, double since, Sums& sums,
+                                      Pass& pass) const;
   [[nodiscard]] Spread* spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
   [[nodiscard]] Range* range_of(const Sensitivity::Segment& segment, double length, Sums& sums) const;
   void fill(const Sensitivity::Segment& segment, Spread& spread) const;
@@ -132,6 +136,7 @@ class Adjoint {
   std::vector<std::vector<Sensitivity::Share>> shares_;  ///< of each island
   std::vector<std::string> failures_;
   std::vector<char> forward_only_, kinks_;
+  mutable std::vector<Vector> begins_;                                  ///< (y, z) at the begin of each segment; empty: not asked for yet
   mutable std::map<const model::Mode*, linalg::Exponential> backward_;  ///< of A′ of a mode's own coordinates
 };
 

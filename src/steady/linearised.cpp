@@ -17,6 +17,12 @@ Vector outputs_of(const Mode& mode, const std::vector<double>& y) {
   return outputs;
 }
 
+/// An instant of others, or a corner of a source that the island does not read.
+bool is_nothing(const Change& change) {
+  return change.before == change.after && change.y_before == change.y_after &&
+         std::none_of(change.by_way_of.begin(), change.by_way_of.end(), [&](const Mode* mode) { return mode != change.after; });
+}
+
 /// How a control that sources alone decide stands just before an instant.
 struct ClockValue {
   double value = 0.0, slope = 0.0, size = 0.0;
@@ -76,6 +82,7 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
         if (block.source >= 0 && island.island.network.sources[static_cast<std::size_t>(block.source)].label.name == inputs[k])
           own[k] = {block.first, block.first + 1, block.rate};
   }
+  instants_.reserve(trace.steps.size());
   for (std::size_t i = 0; i < trace.steps.size(); ++i) {
     const TraceStep& step = trace.steps[i];
     if (i > 0) {
@@ -93,8 +100,6 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
 void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {
   LinearInstant& instant = instants_.emplace_back();
   instant.time = step.time;
-  instant.on_w.assign(inputs_, 0.0);
-  instant.on_slope.assign(inputs_, 0.0);
   for (const TraceSegment& s : step.segments) instant.segments.push_back({s.island, s.mode, s.begin, s.length});
   for (const Change& change : changes) {
     const System& system = stacking_.system(change.island);
@@ -106,7 +111,7 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     linear.by_way_of = change.by_way_of;
     linear.d = Vector::Zero(n);
     linear.outputs = Vector::Zero(static_cast<Eigen::Index>(system.outputs.size()));
-    if (change.before == nullptr || change.y_before.empty()) continue;
+    if (change.before == nullptr || change.y_before.empty() || is_nothing(change)) continue;
     const auto is_constrained = [](const Mode* mode) { return mode->constrained; };
     if (std::any_of(change.by_way_of.begin(), change.by_way_of.end(), is_constrained)) {
       Vector before = state_speed(system, *change.before, change.y_before);
@@ -118,7 +123,8 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     }
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
-  for (const Change& change : changes) take_beside(change, instant);
+  for (const Change& change : changes)
+    if (!is_nothing(change)) take_beside(change, instant);
 }
 
 /// Guards that are passed by chance at the time of another one, or of an edge.
@@ -128,8 +134,6 @@ void LinearisedOrbit::take_beside(const Change& change, LinearInstant& instant) 
   if (rows.empty() || !depends_on_order(stacking_.system(change.island), change)) return;
   for (const int row : rows) {
     LinearGuard guard;
-    guard.on_w.assign(inputs_, 0.0);
-    guard.on_slope.assign(inputs_, 0.0);
     take_guard(change, row, guard);
     if (guard.island >= 0) instant.beside.push_back(std::move(guard));
   }
@@ -139,7 +143,7 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
   const Mode& mode = *change.before;
   const auto row = mode.guards.row(number);
   Vector rate(mode.ny);
-  linalg::multiply(mode.flow.a(), change.y_before.data(), rate.data());
+  linalg::multiply_sparse(mode.flow.a(), change.y_before.data(), rate);
   const double fall = row.dot(rate);
   if (fall == 0.0) return;
   instant.island = static_cast<int>(change.island);
@@ -152,6 +156,8 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
   }
   const Eigen::RowVectorXd on_c = row.head(mode.n1) * (-1.0 / fall);
   instant.on_state = mode.constrained ? Eigen::RowVectorXd(on_c * mode.basis.transpose()) : on_c;
+  instant.on_w.assign(inputs_, 0.0);
+  instant.on_slope.assign(inputs_, 0.0);
   for (std::size_t k = 0; k < inputs_; ++k) {
     const InputColumns& column = columns_[change.island][k];
     if (column.value < 0) continue;
@@ -173,6 +179,8 @@ void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std:
       const ClockValue at = clock_value(system, control, time);
       const double level = on_before[driven] != 0 ? control.off_level : control.on_level;
       if (at.slope == 0.0 || std::abs(at.value - level) > on_level * (at.size + std::abs(level))) continue;
+      instant.on_w.assign(inputs_, 0.0);
+      instant.on_slope.assign(inputs_, 0.0);
       for (std::size_t k = 0; k < inputs_; ++k)
         if (const InputColumns& column = columns_[island][k]; column.value >= 0)
           instant.on_w[k] = -control.value.state[system.n + column.value] / at.slope;

@@ -43,7 +43,7 @@ struct LinearChange {
 struct LinearGuard {
   int island = -1;                     ///< whose deviation decides δt; −1: none
   Eigen::RowVectorXd on_state;         ///< of that island's ξ
-  std::vector<double> on_w, on_slope;  ///< of each input and its derivative
+  std::vector<double> on_w, on_slope;  ///< of each input and its derivative; empty: none moves it
   int level_switch = -1;               ///< whose threshold is passed; −1: none
   bool is_off_level = false;           ///< the threshold at which it opens
   double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate

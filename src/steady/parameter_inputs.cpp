@@ -167,6 +167,7 @@ class Adder {
       model::Term read = terms[static_cast<std::size_t>(move.term)];
       read.coefficient = 1.0;
       terms.push_back(source_of(input).front());
+      if (read.kind == Kind::one) return Pair{input, -1};
       if (auto held = held_by_sources(original_, read)) return Pair{input, -1, {}, std::move(held)};
       return Pair{input, new_signal({read})};
     });
@@ -206,9 +207,9 @@ class Adder {
         return add_wave({source(move.index), original_.sources[at].function, *move.function, move.index, original_.sources[at].label.name},
                         result);
       case Item::branch_term:
-        return drive(result, term(Item::branch_term, move, network_.branches, &model::Branch::voltage), p);
+        return add_term(move, network_.branches, &model::Branch::voltage, result);
       case Item::injection_term:
-        return drive(result, term(Item::injection_term, move, network_.injections, &model::Injection::current), p);
+        return add_term(move, network_.injections, &model::Injection::current, result);
       case Item::initial_voltage:
         result.starts.push_back({true, original_.capacitors[at].label.name, p});
         return;
@@ -225,6 +226,18 @@ class Adder {
       case Item::coupling:
         return;
     }
+  }
+
+  /// The coefficient of a signal, or a constant.
+  template <class Element>
+  void add_term(const model::NetworkMove& move, std::vector<Element>& list, LinearForm Element::*form, ParameterInputs& result) {
+    const LinearForm& terms = list[static_cast<std::size_t>(move.index)].*form;
+    const bool is_constant = terms[static_cast<std::size_t>(move.term)].kind == Kind::one;
+    const Pair pair = term(move.item, move, list, form);
+    if (is_constant)
+      add_drop(pair, move.derivative, result);
+    else
+      drive(result, pair, move.derivative);
   }
 
   static void add_drop(const Pair& pair, double drop, ParameterInputs& result) {

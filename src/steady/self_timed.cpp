@@ -23,15 +23,25 @@ constexpr double time_constants = 8.0;  ///< the first look
 constexpr double periods_per_hint = 50.0;
 constexpr int most_other_instants = 100'000;  ///< while the event that was asked for does not come
 
+/// The mode that a change leads to; where it leads back to the one before, the first other one on the way, in which the circuit is for no time. Null: there is none.
+const model::Mode* mode_changed_to(const engine::Change& change) {
+  if (change.before == nullptr) return nullptr;
+  if (!(change.before->active == change.after->active)) return change.after;
+  for (const model::Mode* const way : change.by_way_of)
+    if (!(way->active == change.before->active)) return way;
+  return nullptr;
+}
+
 /// What an instant changes: the modes and switches right of it, where something changed.
 std::string signature(const InstantView& view, const std::vector<char>& before) {
   std::string text;
   for (const engine::Change& change : view.changes) {
-    if (change.before == nullptr || change.before->active == change.after->active) continue;
-    text += fmt::format("{}:", change.island);
-    const int ports = change.after->guards.rows() > 0 ? static_cast<int>(change.after->k.rows()) : 0;
+    const model::Mode* const to = mode_changed_to(change);
+    if (to == nullptr) continue;
+    text += fmt::format("{}{}", change.island, to == change.after ? ':' : '~');
+    const int ports = to->guards.rows() > 0 ? static_cast<int>(to->k.rows()) : 0;
     for (int i = 0; i < ports; ++i) {
-      const bool was = change.before->active.contains(i), is = change.after->active.contains(i);
+      const bool was = change.before->active.contains(i), is = to->active.contains(i);
       if (was != is) text += fmt::format("{}{}", is ? '+' : '-', i);
     }
   }
@@ -147,13 +157,16 @@ class Finder {
     for (std::size_t i = 0; i < last.on.size(); ++i)
       if (before[i] != last.on[i]) return fmt::format("{} {}", march_.model().switches[i].name, last.on[i] != 0 ? "closes" : "opens");
     for (const engine::Change& change : last.changes) {
-      if (change.before == nullptr) continue;
+      const model::Mode* const to = mode_changed_to(change);
+      if (to == nullptr) continue;
       const model::System& system = march_.model().islands[change.island].extraction.system;
       for (int i = 0; i < system.ports; ++i) {
-        const bool is = change.after->active.contains(i);
+        const bool is = to->active.contains(i);
         const model::Port& port = system.port[static_cast<std::size_t>(i)];
-        if (change.before->active.contains(i) != is)
-          return fmt::format("{} {}", port.name, is == port.input_is_current ? "conducts" : "blocks");
+        if (change.before->active.contains(i) == is) continue;
+        const bool conducts = is == port.input_is_current;
+        if (i < system.diodes) return fmt::format("{} {}", port.name, conducts ? "conducts" : "blocks");
+        return fmt::format("{} {}", port.name, conducts ? "closes" : "opens");
       }
     }
     return "a change of mode";
@@ -167,6 +180,22 @@ class Finder {
 
 }  // namespace
 
+namespace {
+
+/// Whether the switch changes and changes back at this instant.
+bool returns_at_once(const engine::SwitchInfo& info, const InstantView& view) {
+  if (info.port < 0) return false;
+  return std::any_of(view.changes.begin(), view.changes.end(), [&](const engine::Change& change) {
+    if (change.island != static_cast<std::size_t>(info.island) || change.before == nullptr) return false;
+    const bool was = change.before->active.contains(info.port);
+    if (change.after->active.contains(info.port) != was) return false;
+    return std::any_of(change.by_way_of.begin(), change.by_way_of.end(),
+                       [&](const model::Mode* way) { return way->active.contains(info.port) != was; });
+  });
+}
+
+}  // namespace
+
 Orbit find_self_timed_orbit(engine::March& march, const engine::RunState& start, const SelfTimedTask& task) {
   return Finder(march, task).run(start);
 }
@@ -175,8 +204,9 @@ std::optional<Section> section_of(const engine::ExactModel& model, std::string_v
   const std::string name = fmt::format("{} {}", element, closes ? "closes" : "opens");
   for (std::size_t i = 0; i < model.switches.size(); ++i)
     if (same_name(model.switches[i].name, element) && model.switches[i].island >= 0)
-      return Section{name, [i, closes](const InstantView& view, const std::vector<char>& before) {
-                       return before[i] != view.on[i] && (view.on[i] != 0) == closes;
+      return Section{name, [i, closes, &info = model.switches[i]](const InstantView& view, const std::vector<char>& before) {
+                       if (before[i] != view.on[i]) return (view.on[i] != 0) == closes;
+                       return returns_at_once(info, view);
                      }};
   for (std::size_t island = 0; island < model.islands.size(); ++island) {
     const model::System& system = model.islands[island].extraction.system;

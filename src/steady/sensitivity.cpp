@@ -1,13 +1,10 @@
 #include "steady/sensitivity.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "linalg/legendre.hpp"
 #include "model/store_values.hpp"
+#include "steady/sensitivity_parts.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -15,15 +12,6 @@ namespace {
 using engine::Change;
 using model::Mode;
 using model::System;
-
-/// Of the run and of a time: edges this near are one.
-constexpr double same_time = 1e-12;
-/// Two shifts of one instant that differ by less are one.
-constexpr double same_shift = 1e-9;
-/// Two shifts that differ by less of the run, for a change by all of the parameter, are one.
-constexpr double no_shift = 1e-11;
-
-Vector vector_of(const std::vector<double>& y) { return Eigen::Map<const Vector>(y.data(), static_cast<Eigen::Index>(y.size())); }
 
 /// A row over x = (ξ, ζ) as one over y = (c, ζ).
 Eigen::RowVectorXd in_mode(const Mode& mode, int n, const Eigen::RowVectorXd& row) {
@@ -55,6 +43,7 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   }
   first_.push_back(segments_.size());
   for (const TraceSegment& segment : trace.tail) add(segment);
+  for (std::size_t s = 0; s < segments_.size(); ++s) find_rests(s);
   add_static_parts();
   if (is_settled && !trace.steps.empty()) wrap_ = wrap_of(trace);
   for (const engine::IslandModel& island : model.islands) {
@@ -78,14 +67,6 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
     if (sound_[p] != 0) all_.waves.insert(all_.waves.end(), waves.begin(), waves.end());
   }
 }
-
-namespace {
-
-/// Nothing but sources: runs evaluate them when they are read.
-bool is_static(const System& system) { return system.n == 0 && system.ports == 0; }
-
-}  // namespace
-
 Vector Sensitivity::seen(std::size_t island, const Mode& mode, const double* y) const {
   const auto& kept = kept_[island];
   Vector own(mode.n1 + static_cast<Eigen::Index>(kept.size()));
@@ -286,6 +267,7 @@ void Sensitivity::pass_segment(std::size_t parameter, std::size_t number, Vector
   auto block = xi.segment(stacking.first(segment.island), stacking.count(segment.island));
   const Flow& flow = flow_of(parameter, segment.island, mode);
   followed.begins[number] = begin_of(parameter, segment, block);
+  if (!rests_.empty()) check_rests(parameter, number, followed);
   const Vector end = at(flow, segment, followed.begins[number], segment.length);
   const Vector c = end.tail(mode.n1) * flow.scale;
   if (mode.constrained)
@@ -293,162 +275,7 @@ void Sensitivity::pass_segment(std::size_t parameter, std::size_t number, Vector
   else
     block = c;
 }
-
-std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double time, Followed& followed) const {
-  std::optional<double> shift;
-  const double near = same_time * (length_ + time);
-  for (const Wave& wave : inputs_.parameters[parameter].waves) {
-    const std::optional<double> own = edge_shift(wave, time, near, is_settled_);
-    if (!own) continue;
-    if (shift && std::abs(*own - *shift) > same_shift * (std::abs(*own) + std::abs(*shift)))
-      followed.fail(fmt::format("edges of {} at t = {} s move differently", wave.name, time), true);
-    if (!shift) shift = own;
-  }
-  return shift;
-}
-
-/// An edge that moves must be alone at its instant.
-void Sensitivity::check_others(std::size_t parameter, const LinearInstant& instant, Followed& followed) const {
-  const auto& waves = inputs_.parameters[parameter].waves;
-  if (instant.island >= 0)
-    followed.fail(fmt::format("a moving edge meets another event, {}, at t = {} s", name_of(instant), instant.time), true);
-  for (const Wave& other : jumping_) {
-    const bool is_own = std::any_of(waves.begin(), waves.end(), [&](const Wave& wave) { return wave.name == other.name; });
-    if (is_own || !edge_shift(other, instant.time, same_time * (length_ + instant.time), is_settled_)) continue;
-    followed.fail(fmt::format("a moving edge meets a fixed one of {} at t = {} s", other.name, instant.time), true);
-  }
-}
-
-/// The diode or switch behind a guard.
-std::string Sensitivity::name_of(const LinearGuard& guard) const {
-  if (guard.level_switch >= 0) return model_.switches[static_cast<std::size_t>(guard.level_switch)].name;
-  return orbit_.stacking().system(static_cast<std::size_t>(guard.island)).port[static_cast<std::size_t>(guard.row)].name;
-}
-
-/// Of an instant that a clock decides, or nothing that moves.
-double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& instant) const {
-  double shift = 0.0;
-  const double time = instant.time > 0.0 ? instant.time : length_;
-  for (const Wave& wave : inputs_.parameters[parameter].waves) {
-    const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
-    if (on_w == 0.0) continue;
-    const double left = time - same_time * (length_ + time);
-    shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
-  }
-  return shift;
-}
-
-double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const {
-  const LinearInstant& instant = orbit_.instants()[number];
-  if (const auto edge = edge_shift_of(parameter, instant.time, followed)) {
-    if (*edge != 0.0) check_others(parameter, instant, followed);
-    return *edge;
-  }
-  const double level = level_shift_of(parameter, instant);
-  return level + (instant.island < 0 ? clock_shift_of(parameter, instant) : passage_of(parameter, number, instant, xi));
-}
-
-double Sensitivity::corner_shift_of(std::size_t parameter, const LinearInstant& instant) const {
-  if (instant.island >= 0 || instant.level_switch >= 0) return 0.0;
-  for (const Wave& wave : inputs_.parameters[parameter].waves)
-    if (const auto shift = corner_shift(wave, instant.time, same_time * (length_ + instant.time), is_settled_)) return *shift;
-  return 0.0;
-}
-
-double Sensitivity::level_shift_of(std::size_t parameter, const LinearGuard& guard) const {
-  double shift = 0.0;
-  for (const LevelMove& level : inputs_.parameters[parameter].levels)
-    if (level.number == guard.level_switch) shift += (guard.is_off_level ? level.off : level.on) / guard.level_rate;
-  return shift;
-}
-
-double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const {
-  const auto island = static_cast<std::size_t>(guard.island);
-  const Stacking& stacking = orbit_.stacking();
-  const double time = orbit_.instants()[number].time;
-  double shift = guard.on_state * xi.segment(stacking.first(island), stacking.count(island));
-  const bool is_wrap = number == 0 && is_settled_;
-  for (const Change& change : is_wrap ? wrap_.changes : trace_.steps[number].changes) {
-    if (change.island != island || change.before == nullptr) continue;
-    const Flow& flow = flow_of(parameter, island, *change.before);
-    Vector yz(flow.ny + flow.nz);
-    yz << seen(island, *change.before, change.y_before.data()), waves_at(flow, parameter, time, time - same_time * (length_ + time));
-    const Vector rate = flow.source * yz;
-    for (std::size_t k = 0; k < flow.rows.size(); ++k)
-      if (flow.rows[k].size() > 0) shift += guard.on_w[k] * flow.rows[k].dot(yz) + guard.on_slope[k] * flow.rows[k].dot(rate);
-    break;
-  }
-  return shift;
-}
-
-/// What is passed at the same time by chance is passed apart for other values of the parameter, in one order or the other.
-void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const {
-  const double value = std::abs(inputs_.parameters[parameter].value), rounding = no_shift * length_;
-  const double time = orbit_.instants()[number].time;
-  for (const LinearGuard& guard : orbit_.instants()[number].beside) {
-    const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
-    if (apart * value <= rounding || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
-    followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
-                  true);
-  }
-}
-
-/// y in each mode that a change goes by way of, where it is constrained. Where one is entered for no time, its sources are those of the mode after.
-std::vector<Vector> Sensitivity::states_by_way(const Change& change) const {
-  const System& system = orbit_.stacking().system(change.island);
-  std::vector<Vector> states(change.by_way_of.size());
-  Vector x(system.size());
-  model::from_mode(system, *change.after, change.y_after.data(), x.data());
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    const Mode& mode = *change.by_way_of[k];
-    if (!mode.constrained) continue;
-    states[k].resize(mode.ny);
-    if (&mode == change.after)
-      states[k] = vector_of(change.y_after);
-    else
-      model::to_mode(system, mode, x.data(), states[k].data());
-  }
-  return states;
-}
-
-void Sensitivity::pass_change(std::size_t parameter, const Change& change, const LinearChange& linear, double time, double shift,
-                              Vector& xi) const {
-  const Stacking& stacking = orbit_.stacking();
-  const int n = stacking.count(change.island);
-  if (n == 0) return;
-  auto block = xi.segment(stacking.first(change.island), n);
-  const std::vector<Vector> states = states_by_way(change);
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    const Mode& mode = *change.by_way_of[k];
-    if (!mode.constrained) continue;
-    const Flow& flow = flow_of(parameter, change.island, mode);
-    Vector yz(flow.ny + flow.nz);
-    yz << seen(change.island, mode, states[k].data()), waves_at(flow, parameter, time, time + same_time * (length_ + time));
-    block = mode.projector.topLeftCorner(n, n) * Vector(block) + inputs_of(flow, change.island, mode.projector, n, yz).head(n);
-  }
-  if (linear.d.size() > 0) block += linear.d * shift;
-}
-
-void Sensitivity::check_changes(std::size_t number, Followed& followed) const {
-  const double time = orbit_.instants()[number].time;
-  for (const Change& change : trace_.steps[number].changes) {
-    if (change.cause == engine::Cause::accumulation) followed.fail(fmt::format("events accumulate at t = {} s", time), false);
-    if (change.cause == engine::Cause::undecided && change.before != change.after)
-      followed.fail(fmt::format("the event at t = {} s could not be distinguished from others", time), false);
-  }
-}
-
-void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const {
-  const LinearInstant& instant = orbit_.instants()[number];
-  const double shift = shift_of(parameter, number, xi, followed);
-  followed.shifts[number] = shift != 0.0 ? shift : corner_shift_of(parameter, instant);
-  check_changes(number, followed);
-  check_beside(parameter, number, shift, xi, followed);
-  const auto& changes = trace_.steps[number].changes;
-  for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
-}
-
-Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
+Followed Sensitivity::follow(std::size_t parameter, const Vector& start, std::size_t segments) const {
   Followed followed;
   followed.begins.resize(segments_.size());
   followed.shifts.assign(orbit_.instants().size(), 0.0);
@@ -456,8 +283,8 @@ Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
   if (!followed.failure.empty()) return followed;
   Vector xi = start;
   for (std::size_t i = 0; i < orbit_.instants().size(); ++i) {
-    for (std::size_t s = first_[i]; s < (i + 1 < first_.size() ? first_[i + 1] : static_first_); ++s)
-      pass_segment(parameter, s, xi, followed);
+    for (std::size_t s = first_[i]; s < first_[i + 1]; ++s) pass_segment(parameter, s, xi, followed);
+    if (segments < static_first_ && first_[i + 1] >= segments) return followed;
     pass_instant(parameter, i, xi, followed);
   }
   for (std::size_t s = first_.back(); s < static_first_; ++s) pass_segment(parameter, s, xi, followed);
@@ -465,175 +292,6 @@ Followed Sensitivity::follow(std::size_t parameter, const Vector& start) const {
   followed.end = xi;
   if (followed.failure.empty() && !xi.allFinite()) followed.failure = "its derivative leaves the range of numbers";
   return followed;
-}
-
-const Sensitivity::Segment* Sensitivity::segment_at(std::size_t island, double time, Side side) const {
-  const auto& list = of_island_[island];
-  if (list.empty()) return nullptr;
-  const double near = same_time * (length_ + time);
-  // The first that ends behind the time, or at it on its left.
-  auto found = std::partition_point(list.begin(), list.end(), [&](std::size_t s) {
-    const double end = segments_[s].end();
-    return side == Side::right ? end <= time + near : end < time - near;
-  });
-  if (found == list.end()) --found;
-  return &segments_[*found];
-}
-
-std::vector<Sensitivity::Share> Sensitivity::shares_of(std::size_t island, const std::vector<int>& signals) const {
-  std::vector<Share> shares;
-  const auto& own = orbit_.stacking().system(island).output_signal;
-  for (std::size_t k = 0; k < own.size(); ++k)
-    for (std::size_t j = 0; j < signals.size(); ++j)
-      if (own[k] == signals[j]) shares.emplace_back(static_cast<Eigen::Index>(k), j);
-  return shares;
-}
-
-std::vector<MovedJet> Sensitivity::moved_signals_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                                    double time, Side side) const {
-  std::vector<MovedJet> jets(signals.size());
-  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const std::vector<Share> shares = shares_of(island, signals);
-    const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
-    if (segment == nullptr) continue;
-    const Mode& mode = *segment->mode;
-    const Flow& flow = flow_of(parameter, island, mode);
-    const Vector state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())],
-                            std::clamp(time - segment->begin, 0.0, segment->length));
-    const Vector rate = flow.block->a() * state;
-    const Eigen::Index width = flow.ny + flow.nz;
-    for (const auto& [row, signal] : shares) {
-      const auto moved = [&, row = row](const Vector& v) {
-        return mode.outputs.row(row).head(mode.n1).dot(v.tail(mode.n1)) * flow.scale + flow.outputs.row(row).dot(v.head(width));
-      };
-      jets[signal].moved += moved(state);
-      jets[signal].moved_rate += moved(rate);
-    }
-  }
-  return jets;
-}
-
-std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, double time, Side side) const {
-  std::vector<SignalJet> jets(signals.size());
-  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const std::vector<Share> shares = shares_of(island, signals);
-    const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
-    if (segment == nullptr) continue;
-    const double since = std::clamp(time - segment->begin, 0.0, segment->length);
-    const bool is_end = since > 0.0 && segment->length - since <= same_time * same_time * (length_ + time);
-    Vector y = vector_of(is_end ? *segment->y1 : *segment->y0), work(2 * y.size());
-    if (since > 0.0 && !is_end) segment->mode->flow.apply(since, y.data(), work.data());
-    const Vector rate = segment->mode->flow.a() * y;
-    for (const auto& [row, signal] : shares) {
-      jets[signal].value += segment->mode->outputs.row(row).dot(y);
-      jets[signal].rate += segment->mode->outputs.row(row).dot(rate);
-    }
-  }
-  return jets;
-}
-
-bool Sensitivity::may_jump(std::size_t instant, const std::vector<int>& signals) const {
-  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
-  for (std::size_t island = 0; island < model_.islands.size(); ++island)
-    if (is_static(orbit_.stacking().system(island)) && !shares_of(island, signals).empty()) return true;  // such parts have no changes
-  for (const Change& change : trace_.steps[instant].changes) {
-    const std::vector<Share> shares = shares_of(change.island, signals);
-    if (shares.empty()) continue;
-    if (change.before == nullptr || change.y_before.empty()) return true;
-    const Eigen::Map<const Vector> before(change.y_before.data(), change.before->ny), after(change.y_after.data(), change.after->ny);
-    for (const auto& [row, signal] : shares) {
-      const double left = change.before->outputs.row(row).dot(before), right = change.after->outputs.row(row).dot(after);
-      if (!(std::abs(left - right) <= rounding * (std::abs(left) + std::abs(right)))) return true;
-    }
-  }
-  return false;
-}
-
-const Sensitivity::Flow::Integral& Sensitivity::integral_of(const Flow& flow, const Eigen::RowVectorXd& row) const {
-  for (const Flow::Integral& known : flow.integrals)
-    if (known.row == row) return known;
-  Flow::Integral& own = flow.integrals.emplace_back();
-  const Matrix& a = flow.block->a();
-  const Eigen::Index size = a.rows();
-  const double rate = flow.block->rate(), weight = row.norm();
-  own.row = row;
-  own.scale = weight > 0.0 ? weight / rate : 1.0;
-  Matrix block = Matrix::Zero(size + 1, size + 1);
-  block.topLeftCorner(size, size) = a;
-  block.bottomLeftCorner(1, size) = row / own.scale;
-  own.block = std::make_unique<linalg::Exponential>(std::move(block), 2.0 * rate);
-  return own;
-}
-
-double Sensitivity::moved_over(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                               const Functional::Stretch& stretch) const {
-  long double sum = 0.0L;
-  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const std::vector<Share> shares = shares_of(island, signals);
-    if (shares.empty()) continue;
-    for (const std::size_t number : of_island_[island]) {
-      const Segment& segment = segments_[number];
-      const double from = std::max(segment.begin, stretch.begin), to = std::min(segment.end(), stretch.end);
-      if (!(from < to)) continue;
-      const Mode& mode = *segment.mode;
-      const Flow& flow = flow_of(parameter, island, mode);
-      Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(flow.ny + flow.nz + mode.n1);
-      for (const auto& [output, signal] : shares) {
-        row.head(flow.ny + flow.nz) += stretch.weights[signal] * flow.outputs.row(output);
-        row.tail(mode.n1) += stretch.weights[signal] * flow.scale * mode.outputs.row(output).head(mode.n1);
-      }
-      if (row.isZero(0.0)) continue;
-      const Flow::Integral& integral = integral_of(flow, row);
-      Vector state(row.size() + 1), work(2 * state.size());
-      state << at(flow, segment, followed.begins[number], from - segment.begin), 0.0;
-      integral.block->apply(to - from, state.data(), work.data());
-      sum += static_cast<long double>(state[row.size()]) * integral.scale;
-    }
-  }
-  return static_cast<double>(sum);
-}
-
-std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
-                                                       double inside, double begin, double length) const {
-  constexpr int worth_a_matrix = 24;  // so many uses
-  const auto& rule = linalg::gauss_legendre();
-  std::vector<std::vector<double>> values(linalg::legendre_points, std::vector<double>(signals.size(), 0.0));
-  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
-    const std::vector<Share> shares = shares_of(island, signals);
-    const Segment* const segment = shares.empty() ? nullptr : segment_at(island, inside, Side::right);
-    if (segment == nullptr) continue;
-    const Mode& mode = *segment->mode;
-    const Flow& flow = flow_of(parameter, island, mode);
-    const Eigen::Index width = flow.ny + flow.nz;
-    Matrix rows(static_cast<Eigen::Index>(shares.size()), width + mode.n1);
-    for (std::size_t k = 0; k < shares.size(); ++k)
-      rows.row(static_cast<Eigen::Index>(k)) << flow.outputs.row(shares[k].first),
-          mode.outputs.row(shares[k].first).head(mode.n1) * flow.scale;
-    Vector state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())], begin - segment->begin),
-           work(2 * state.size());
-    Flow::Points& points = flow.points[length];
-    if (points.rows.size() == 0 && ++points.uses >= worth_a_matrix) {
-      points.rows.resize(rows.rows() * static_cast<Eigen::Index>(linalg::legendre_points), rows.cols());
-      for (std::size_t i = 0; i < linalg::legendre_points; ++i)
-        points.rows.middleRows(static_cast<Eigen::Index>(i) * rows.rows(), rows.rows()) =
-            rows + rows * flow.block->minus_identity(0.5 * (rule.point[i] + 1.0) * length);
-    }
-    double since = 0.0;
-    const Vector all = points.rows.size() > 0 ? Vector(points.rows * state) : Vector();
-    for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
-      Vector own;
-      if (all.size() > 0) {
-        own = all.segment(static_cast<Eigen::Index>(i) * rows.rows(), rows.rows());
-      } else {
-        const double next = 0.5 * (rule.point[i] + 1.0) * length;
-        flow.block->apply_once(next - since, state.data(), work.data());
-        since = next;
-        own = rows * state;
-      }
-      for (std::size_t k = 0; k < shares.size(); ++k) values[i][shares[k].second] += own[static_cast<Eigen::Index>(k)];
-    }
-  }
-  return values;
 }
 
 }  // namespace pwlsim::steady

@@ -51,7 +51,11 @@ class Sensitivity {
               bool is_settled);
 
   /// Starts from the derivative `start` of the stacked ξ just before t = 0.
-  [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start) const;
+  [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start) const { return follow(parameter, start, segments_.size()); }
+  /// Whether some diode carries and blocks nothing throughout a segment: then what a parameter makes of it decides the mode on each side of its value.
+  [[nodiscard]] bool has_rests() const { return !rests_.empty(); }
+  /// The same as far as the last of these segments: a failure tells of a parameter that ends such a rest.
+  [[nodiscard]] Followed follow_to_last_rest(std::size_t parameter, const Vector& start) const;
   /// Signals of the model at a time of the run; of the time of an instant on that side.
   [[nodiscard]] std::vector<SignalJet> signals_at(const std::vector<int>& signals, double time, Side side) const;
   /// Their derivatives to a parameter.
@@ -106,7 +110,11 @@ class Sensitivity {
     mutable std::vector<Integral> integrals;
   };
 
+  /// So many segments.
+  [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start, std::size_t segments) const;
   void add(const TraceSegment& segment);
+  void find_rests(std::size_t segment);
+  void check_rests(std::size_t parameter, std::size_t segment, Followed& followed) const;
   /// y without the inputs.
   [[nodiscard]] Vector seen(std::size_t island, const model::Mode& mode, const double* y) const;
   [[nodiscard]] Eigen::RowVectorXd seen_row(std::size_t island, const model::Mode& mode, const Eigen::RowVectorXd& row) const;
@@ -164,6 +172,7 @@ class Sensitivity {
   std::size_t static_first_ = 0;                     ///< segments of parts with only sources, which runs do not report
   std::deque<std::vector<double>> sources_;          ///< their y
   std::vector<std::size_t> first_;                   ///< segment that ends at instant i; the last: of the tail
+  std::map<std::size_t, std::vector<int>> rests_;    ///< diodes at rest, by segment
   std::vector<std::vector<std::size_t>> of_island_;  ///< its segments in order
   std::vector<std::map<std::string, Eigen::RowVectorXd>> stores_;
   std::vector<Wave> jumping_;  ///< sources of the model that may jump, without derivatives

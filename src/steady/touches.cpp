@@ -8,9 +8,9 @@
 namespace pwlsim::steady {
 namespace {
 
-constexpr int points = 32;              ///< of a segment, between which a least value is looked for
-constexpr double zero = 1e-9;           ///< of the guard's largest value in the segment
-constexpr int most_steps = 60;          ///< of the golden section
+constexpr int points = 32;      ///< of a segment, between which a least value is looked for
+constexpr double zero = 1e-9;   ///< of the guard's largest value in the segment
+constexpr int most_steps = 60;  ///< of the golden section
 constexpr double golden = 0.6180339887498949;
 
 class Guards {
@@ -43,13 +43,15 @@ void look(const TraceSegment& segment, std::set<std::pair<std::size_t, int>>& se
   Guards guards(segment);
   const double step = segment.length / points;
   for (int row = 0; row < mode.guards.rows(); ++row) {
-    if (mode.guard_constant[static_cast<std::size_t>(row)] != 0 || mode.guard_norm[row] == 0.0 || seen.count({segment.island, row}) != 0) continue;
+    if (mode.guard_constant[static_cast<std::size_t>(row)] != 0 || mode.guard_norm[row] == 0.0 || seen.count({segment.island, row}) != 0)
+      continue;
     std::vector<double> values;
     for (int k = 0; k <= points; ++k) values.push_back(guards.at(row, k * step));
     const double largest = *std::max_element(values.begin(), values.end());
     for (int k = 1; k < points; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      if (values[i] > values[i - 1] || values[i] > values[i + 1] || !(largest > 0.0) || values[i - 1] <= zero * largest || values[i + 1] <= zero * largest)
+      if (values[i] > values[i - 1] || values[i] > values[i + 1] || !(largest > 0.0) || values[i - 1] <= zero * largest ||
+          values[i + 1] <= zero * largest)
         continue;
       const double tau = guards.lowest(row, (k - 1) * step, (k + 1) * step);
       if (std::abs(guards.at(row, tau)) > zero * largest) continue;

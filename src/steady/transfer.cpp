@@ -179,7 +179,7 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
   const double near = just_beside * orbit_.period();
   pass.take_amplitudes(at.time > near ? at.time - near : orbit_.period() - near);
   Complex delta = shift;
-  for (std::size_t k = 0; k < orbit_.inputs(); ++k) delta += pass.amplitudes[k] * (at.on_w[k] + j * pass.omega * at.on_slope[k]);
+  for (std::size_t k = 0; k < at.on_w.size(); ++k) delta += pass.amplitudes[k] * (at.on_w[k] + j * pass.omega * at.on_slope[k]);
   if (at.island >= 0) {
     const auto island = static_cast<std::size_t>(at.island);
     delta += (at.on_state.cast<Complex>() * pass.r.segment(stacking.first(island), stacking.count(island))).value();

@@ -45,12 +45,13 @@ class Propagators {
   std::map<std::pair<const Mode*, double>, Matrix> known_;
 };
 
-/// y′.
-Vector rate_of(const Mode& mode, const std::vector<double>& y) {
-  Vector rate(mode.ny);
-  linalg::multiply(mode.flow.a(), y.data(), rate.data());
+/// Its first `count` entries of y′; inputs, of which there may be many, are zero.
+Vector rate_of(const Mode& mode, const std::vector<double>& y, Eigen::Index count) {
+  Vector rate(count);
+  linalg::multiply_sparse(mode.flow.a(), y.data(), rate);
   return rate;
 }
+Vector rate_of(const Mode& mode, const std::vector<double>& y) { return rate_of(mode, y, mode.ny); }
 
 class Walk {
  public:
@@ -193,6 +194,8 @@ std::vector<Vector> Stacking::apart(const Vector& x) const {
 bool passes_guard(const System& system, const engine::Change& change, const std::vector<char>& on_before,
                   const std::vector<char>& on_after) {
   if (change.before != change.after) return true;
+  for (const Mode* const way : change.by_way_of)
+    if (way != change.before) return true;  // and back again at once
   if (change.guard < system.diodes) return false;
   const auto driven = static_cast<std::size_t>(system.controls[static_cast<std::size_t>(change.guard - system.diodes) / 2].driven);
   return on_before[driven] != on_after[driven];
@@ -207,7 +210,7 @@ Vector state_speed(const model::System& system, const model::Mode& mode, const s
 
 Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
   if (mode.constrained) return state_speed(system, mode, y).head(system.n);
-  return rate_of(mode, y).head(mode.n1);
+  return rate_of(mode, y, mode.n1);
 }
 
 std::vector<int> guards_beside(const engine::Change& change, double near) {

@@ -703,3 +703,92 @@ TEST_CASE("what .ic says of both nodes of a capacitor does not move with it", "[
   const double expected = -8.0 * std::exp(-0.5) * 1e-3 / (1e3 * 2e-6 * 2e-6);
   for (const Json& entry : moves["sensitivities"].array) CHECK(entry["derivative"].number == Approx(expected).epsilon(1e-9));
 }
+
+// Both time constants are 3 ms, so that after the jump to V = (C1·3.3 V + C2·1.1 V)/(C1 + C2) the diode carries and blocks nothing. Where it then conducts, v(b) = V e^{−t/(R(C1 + C2))}, R = Ra ∥ Rb;
+// where it blocks, V e^{−t/(Rb C2)}. It conducts for a larger Ra and C1, and for a smaller Rb and C2.
+TEST_CASE("a diode that rests at zero conducts for larger and blocks for smaller values of a parameter", "[unit]") {
+  constexpr double same = 1e-8;
+  const Scratch scratch;
+  const double c1 = 1e-6, c2 = 3e-6, ra = 3e3, rb = 1e3, t = 2e-3, start = (c1 * 3.3 + c2 * 1.1) / (c1 + c2),
+               v = start * std::exp(-t / 3e-3);
+  const double r = ra * rb / (ra + rb), fall = std::exp(-t / 3e-3), both = r * (c1 + c2);
+  const double by_start1 = (3.3 - start) / (c1 + c2) * fall, by_start2 = (1.1 - start) / (c1 + c2) * fall;
+  const double by_both = v * t / (both * both);  // to R(C1 + C2)
+  const std::vector<std::pair<double, double>> expected{{0.0, by_both * (c1 + c2) * std::pow(rb / (ra + rb), 2)},
+                                                        {by_both * (c1 + c2) * std::pow(ra / (ra + rb), 2), v * t / (rb * rb * c2)},
+                                                        {by_start1, by_start1 + by_both * r},
+                                                        {by_start2 + by_both * r, by_start2 + v * t / (rb * c2 * c2)}};
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told =
+        sensitivities_of(scratch,
+                         "rest\nC1 a 0 1u ic=3.3\nC2 b 0 3u ic=1.1\nD1 a b DI\nRb b 0 1k\nRa a 0 3k\n.model DI D\n.tran 10u 3m uic\n"
+                         ".meas tran v FIND v(b) AT=2m\n.sens param=Ra,Rb,C1,C2 method=" +
+                             method + "\n.end\n");
+    const auto& list = told["sensitivities"].array;
+    REQUIRE(list.size() == expected.size());
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      INFO(method << ": " << list[k]["parameter"].string);
+      const double size = std::abs(expected[k].first) + std::abs(expected[k].second);
+      CHECK(std::abs(list[k]["left"].number - expected[k].first) <= same * size);
+      CHECK(std::abs(list[k]["right"].number - expected[k].second) <= same * size);
+    }
+  }
+}
+
+// i(L1) = V1/R1·(1 − e^{−(t − Td) R1/L1}) behind the edge: until then the diode rests at zero, whatever the parameters are.
+TEST_CASE("a diode that rests until the first edge has derivatives", "[unit]") {
+  const Scratch scratch;
+  const Json told =
+      sensitivities_of(scratch,
+                       "edge\nV1 a 0 PULSE(0 10 10u 0 0 1 2)\nD1 a b DI\nL1 b c 1m\nR1 c 0 10\n.model DI D\n.tran 1u 110u uic\n"
+                       ".meas tran i FIND i(L1) AT=110u\n.sens param=R1,V1:V2 method=adjoint\n.end\n");
+  const auto& list = told["sensitivities"].array;
+  REQUIRE(list.size() == 2);
+  const double x = std::exp(-1.0);
+  CHECK(list[0]["derivative"].number == Approx(-0.1 * (1 - x) + 1.0 * 0.1 * x).epsilon(1e-10));  // (t − Td)/L1 = 0.1/Ω
+  CHECK(list[1]["derivative"].number == Approx(0.1 * (1 - x)).epsilon(1e-10));
+  for (const Json& each : list) CHECK(each["left"].number == each["right"].number);
+}
+
+// v(a) falls to zero where it reaches 4 V. Period and mean of v(b) from matrix exponentials and Brent's method (scipy), differentiated by differences of fourth order.
+TEST_CASE("an orbit whose switch closes and opens at one instant has derivatives", "[unit]") {
+  const Scratch scratch;
+  const std::vector<double> expected{5.22171375e-07, 2.07274018e-02, -2.84517332e-09, -6.89077255e-05, 1.72269314e-04,
+                                     8.53276859e-05, 3.10810796e+02, -4.26638429e-05, -3.32827018e-02, 6.47027216e-01};
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told = sensitivities_of(scratch,
+                                       "relaxation\nV1 in 0 10\nR1 in a 1k\nC1 a 0 1u\nS1 a 0 a 0 SW\nR2 a b 2k\nC2 b 0 1.5u\n"
+                                       ".model SW SW(Ron=0 Vt=3 Vh=1)\n.save v(a)\n.pss uic\n.meas pss t PERIOD\n.meas pss m AVG v(b)\n"
+                                       ".sens param=R1,C2,R2,V1,S1:Vt method=" +
+                                           method + "\n.end\n");
+    const auto& list = told["sensitivities"].array;
+    REQUIRE(list.size() == expected.size());
+    for (std::size_t k = 0; k < list.size(); ++k) CHECK(list[k]["derivative"].number == Approx(expected[k]).epsilon(1e-7));
+  }
+}
+
+// By hand: v(b) = k(3 V − m/2)/4 + m, v(e) = 10 Ω·(g v(b) − k·3 mA), v(f) = k²(v(e) − v(b)); k = 2, m = 0.5, g = 0.1. A current z, which is 0, flows into e, too.
+TEST_CASE("parameters in expressions of B and E that are sums of signals are followed", "[unit]") {
+  const Scratch scratch;
+  const double k = 2.0, m = 0.5, g = 0.1;
+  const double b = k * (3.0 - m / 2.0) / 4.0 + m, b_k = (3.0 - m / 2.0) / 4.0, b_m = 1.0 - k / 8.0;
+  const double e = 10.0 * (g * b - k * 3e-3), e_k = 10.0 * (g * b_k - 3e-3), e_m = 10.0 * g * b_m, e_g = 10.0 * b;
+  const std::vector<double> of_b{b_k, b_m, 0.0, 0.0}, of_e{e_k, e_m, e_g, 10.0};
+  std::vector<double> expected = of_b;
+  expected.insert(expected.end(), of_e.begin(), of_e.end());
+  for (std::size_t i = 0; i < of_b.size(); ++i) expected.push_back((i == 0 ? 2.0 * k * (e - b) : 0.0) + k * k * (of_e[i] - of_b[i]));
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told =
+        sensitivities_of(scratch,
+                         "formulas\n.param k=2 m=0.5 g=0.1 z=0\nV1 a 0 3\nB1 b 0 V={k*(v(a)-m/2)/4+m}\nV3 x 0 0\nR5 a x 1k\n"
+                         "B3 0 e I={g*v(b)-k*I(V3)+z}\nR3 e 0 10\nE4 f 0 value={-(v(b)-v(e))*k*k}\nR4 f 0 1\nC4 f 0 1n\n.tran 1u 1m\n"
+                         ".meas tran b AVG v(b)\n.meas tran e AVG v(e)\n.meas tran f AVG v(f)\n.sens param=k,m,g,z method=" +
+                             method + "\n.end\n");
+    const auto& list = told["sensitivities"].array;
+    REQUIRE(list.size() == expected.size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      INFO(method << ": " << list[i]["measurement"].string << " to " << list[i]["parameter"].string);
+      CHECK(list[i]["derivative"].number == Approx(expected[i]).epsilon(1e-10).margin(1e-12));
+    }
+  }
+}

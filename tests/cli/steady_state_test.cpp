@@ -457,3 +457,25 @@ TEST_CASE("sources without a common period: period= must hold whole numbers of t
   CHECK(near.status == 0);
   CHECK_THAT(near.err, Contains("warning[W-pss-cut-source]") && Contains("periods of V2"));
 }
+
+// The capacitor charges towards 10 V, and is empty at once where it reaches 4 V: T = RC ln(10/6). With R2 and C2 beside it the map of v(b) from one discharge to the next was
+// iterated by another program (scipy: matrix exponentials, Brent's method), and differentiated by a central difference.
+TEST_CASE("a switch that closes and opens at one instant makes an oscillator", "[unit]") {
+  const Scratch scratch;
+  const std::string head = "relaxation\nV1 in 0 10\nR1 in a 1k\nC1 a 0 1u\nS1 a 0 a 0 SW\n.model SW SW(Ron=0 Vt=3 Vh=1)\n.save v(a)\n";
+  for (const std::string card : {".pss uic", ".pss uic on=S1", ".pss uic off=S1", ".pss uic when v(a)=3 rise"}) {
+    INFO(card);
+    const Json orbit = steady_state_of(scratch, head + card + "\n.end\n")["pss"];
+    CHECK(orbit["period"].number == Approx(1e-3 * std::log(10.0 / 6.0)).epsilon(1e-11));
+    bool is_told = false;
+    for (const Json& mode : orbit["modes"].array) is_told |= mode["event"].string == "S1 closes and opens";
+    CHECK(is_told);
+  }
+  for (const std::string card : {".pss uic", ".pss uic when v(a)=3 rise"}) {
+    const Json orbit = steady_state_of(scratch, head + "R2 a b 2k\nC2 b 0 1.5u\n" + card + "\n.end\n")["pss"];
+    CHECK(orbit["period"].number == Approx(0.0005164810287712603).epsilon(1e-10));
+    REQUIRE(orbit["multipliers"].array.size() == 2);
+    const double largest = std::min(orbit["multipliers"].array[0]["re"].number, orbit["multipliers"].array[1]["re"].number);
+    CHECK(largest == Approx(0.8394060).epsilon(1e-6));  // the difference has so many digits
+  }
+}
