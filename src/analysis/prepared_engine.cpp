@@ -87,13 +87,36 @@ PreparedEngine prepare_exact(const model::Network& network, Diagnostics& diagnos
           true};
 }
 
+struct ModelWhenNeeded {
+  model::Network network;
+  std::shared_ptr<const engine::ExactModel> model{};
+  Diagnostics diagnostics{};
+
+  [[nodiscard]] bool prepare() {
+    if (!model && !diagnostics.has_errors()) model = engine::prepare(network, diagnostics);
+    return model != nullptr;
+  }
+  /// The first error of the circuit's structure.
+  [[nodiscard]] engine::Answer failure() const {
+    engine::Answer answer;
+    answer.outcome = engine::Outcome::no_solution;
+    for (const Diagnostic& diagnostic : diagnostics.all()) {
+      if (diagnostic.severity != Severity::error) continue;
+      answer.id = diagnostic.id;
+      answer.message = diagnostic.text;
+      break;
+    }
+    return answer;
+  }
+};
+
 /// The exact engine on Krylov segments. Where they find no solution, or the run has a controller, by dense modes, or by steps where those would be too large.
 PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
-  if (!model || !is_tolerance(reltol, diagnostics)) return {"exact", {}, {}, {}};
   const std::string reason = too_large(network);
   const PreparedEngine dense = exact_engine_when_needed(network);
   const bool steps = !reason.empty() && choice == EngineChoice::automatic;
+  if (!model || (steps && !is_tolerance(reltol, diagnostics))) return {"exact", {}, {}, {}};
   Simulate by_steps = [run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
     engine::Answer answer = run(request, sink);
     answer.engine = "sparse";
@@ -129,14 +152,17 @@ void append(const Diagnostics& more, Diagnostics& diagnostics) {
 }  // namespace
 
 PreparedEngine exact_engine_when_needed(const model::Network& network) {
-  const auto prepare = [network, model = std::make_shared<std::shared_ptr<const engine::ExactModel>>()] {
-    Diagnostics known;
-    if (!*model) *model = engine::prepare(network, known);
-    return *model;
-  };
+  const auto when_needed = std::make_shared<ModelWhenNeeded>(ModelWhenNeeded{network});
   return {"exact",
-          [prepare](const engine::Request& request, engine::RowSink& sink) { return engine::run(*prepare(), request, sink); },
-          [prepare] { return engine::operating_point(*prepare()); },
+          [when_needed](const engine::Request& request, engine::RowSink& sink) {
+            return when_needed->prepare() ? engine::run(*when_needed->model, request, sink) : when_needed->failure();
+          },
+          [when_needed] {
+            if (when_needed->prepare()) return engine::operating_point(*when_needed->model);
+            engine::OperatingPoint none;
+            none.answer = when_needed->failure();
+            return none;
+          },
           {},
           true};
 }
@@ -155,7 +181,8 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
 }
 
 bool has_modes(const model::Network& network, EngineChoice choice) {
-  return choice == EngineChoice::exact || choice == EngineChoice::dense || (choice == EngineChoice::automatic && too_large(network).empty());
+  return choice == EngineChoice::exact || choice == EngineChoice::dense ||
+         (choice == EngineChoice::automatic && too_large(network).empty());
 }
 
 bool runs_by_segments(const model::Network& network, EngineChoice choice) {

@@ -110,11 +110,11 @@ double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const 
 
 /// What is passed at the same time by chance is passed apart for other values of the parameter, in one order or the other.
 void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const {
-  const double value = std::abs(inputs_.parameters[parameter].value), rounding = no_shift * length_;
+  const double value = std::abs(inputs_.parameters[parameter].value), least = no_shift * length_;
   const double time = orbit_.instants()[number].time;
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
     const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
-    if (apart * value <= rounding || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
+    if (apart * value <= least || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
     followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
                   true);
   }
