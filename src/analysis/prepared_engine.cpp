@@ -110,14 +110,14 @@ struct ModelWhenNeeded {
   }
 };
 
-/// The exact engine on Krylov segments. Where they find no solution, or the run has a controller, by dense modes, or by steps where those would be too large.
+/// The exact engine on Krylov segments. Where they find no solution, or the run has a controller or measurements, by dense modes, or by steps where those would be too large.
 PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   const std::string reason = too_large(network);
   const PreparedEngine dense = exact_engine_when_needed(network);
   const bool steps = !reason.empty() && choice == EngineChoice::automatic;
   if (!model || (steps && !is_tolerance(reltol, diagnostics))) return {"exact", {}, {}, {}};
-  Simulate by_steps = [run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
+  const Simulate by_steps = [run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
     engine::Answer answer = run(request, sink);
     answer.engine = "sparse";
     return answer;
@@ -129,11 +129,19 @@ PreparedEngine prepare_segments(const model::Network& network, EngineChoice choi
     if (steps) remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
     return remarks;
   };
+  Simulate measured = reason.empty() ? dense.simulate : segment_run(model);
+  if (steps)
+    measured = [=](const engine::Request& request, engine::RowSink& sink) {
+      engine::Answer answer = by_steps(request, sink);
+      answer.remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
+      return answer;
+    };
   Simulate simulate = segment_run(model);
-  if (steps || reason.empty()) simulate = tried_first(std::move(simulate), steps ? std::move(by_steps) : dense.simulate, why);
+  if (steps || reason.empty()) simulate = tried_first(std::move(simulate), steps ? by_steps : dense.simulate, why);
   return {"exact",
-          [simulate = std::move(simulate), dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
-            return request.sampler != nullptr ? dense(request, sink) : simulate(request, sink);
+          [simulate = std::move(simulate), measured, dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
+            if (request.sampler != nullptr) return dense(request, sink);
+            return request.probes.sink != nullptr ? measured(request, sink) : simulate(request, sink);
           },
           reason.empty() ? dense.operating_point : [=] { return engine::sparse::operating_point(*model); },
           {},

@@ -101,7 +101,7 @@ void Locator::derive_with_decays(const Segment& s) {
   }
 }
 
-/// Whether the guards at the interval's end, which is in ye_ and ge_, are those sums: eigenvectors of decays that are nearly parallel can be far off.
+/// Whether the guards at the interval's end, which is in ye_ and ge_, are those sums, and the slow motion's part what it was bound to be: eigenvectors of decays that are nearly parallel can be far off.
 bool Locator::decays_hold(const Segment& s, double h) {
   const Mode& slow = *s.mode->slow;
   const model::Decays& decays = *slow.decays;
@@ -110,14 +110,20 @@ bool Locator::decays_hold(const Segment& s, double h) {
   for (std::size_t k = 0; k < end_left_.size(); ++k) end_left_[k] = left_of(decays.time_constants[static_cast<Eigen::Index>(k)], s.tau + h);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int row = s.rows[i];
-    double sum = linalg::row_times(slow.guards, row, slow_state_.data());
-    double size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(ge_[i]);
+    const double slow_end = linalg::row_times(slow.guards, row, slow_state_.data());
+    const double slow_size = linalg::absolute_row_times(slow.guards, row, slow_state_.data());
+    double sum = slow_end, size = slow_size + std::abs(ge_[i]), at_first = 0.0;
     for (std::size_t k = 0; k < end_left_.size(); ++k) {
       const double term = decays.guards(row, static_cast<Eigen::Index>(k)) * s.decays[k];
       sum += term * end_left_[k];
-      size += std::abs(term);
+      size += std::abs(term * end_left_[k]);
+      at_first += std::abs(term);
     }
-    if (std::abs(sum - ge_[i]) > tolerance::decay_mismatch * size + guard_noise_[i]) return false;
+    const double rounding = tolerance::decay_rounding * at_first + guard_noise_[i];
+    if (std::abs(sum - ge_[i]) > tolerance::decay_mismatch * size + rounding) return false;
+    // The slow motion that begins where the decays leave the state, too.
+    const double bend = 0.5 * slow_k2_[i] * h * h;
+    if (std::abs(slow_g_[i] + h * slow_gd_[i] - slow_end) > bend + tolerance::decay_mismatch * slow_size + rounding) return false;
   }
   return true;
 }

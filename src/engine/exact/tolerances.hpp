@@ -52,6 +52,9 @@ inline constexpr double converged_state = 1e-15;
 /// Of: the terms of a guard, as a sum of the slow motion and of decays.
 /// Why: the square root of rounding and some digits: a larger difference means that the decays are not those of the state.
 inline constexpr double decay_mismatch = 1e-6;
+/// Of: the decays' terms at first, when they are over.
+/// Why: some 10^5 units of rounding: what is left then is the slow motion, whose sign must be known.
+inline constexpr double decay_rounding = 1e-11;
 /// Of: the terms that a guard is made of.
 /// Why: 450 units of rounding: a minimum this close to zero touches it.
 inline constexpr double graze = 1e-13;

@@ -42,7 +42,7 @@ constexpr double least_share_of_scale = 1e-3;  ///< states of that size are not 
 /// Of the run: a segment so short moved nothing.
 constexpr double no_time = 1e-13;
 constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
-constexpr double signal_rounding = 1e-12;
+constexpr double signal_rounding = 1e-10;
 constexpr double shortest_piece = 1e-12;  ///< of the segment
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
