@@ -229,6 +229,31 @@ X1009 a sub4
   CHECK(run.answer.statistics.steps < many_intervals);
 }
 
+// L1 drives 8.07 mA through 617 kΩ into C2 until it ends: q = A (e^{s₁t} − e^{s₂t}), L s² + R s + 1/C = 0, i = q' = 0 at t = ln(s₂/s₁)/(s₁ − s₂), 17 time constants of the
+// fast decay. What is left of i then was known to 10⁻⁸ of the decay only, with the wrong sign, and the current went on backwards.
+TEST_CASE("a current that ends long after its decay ends", "[regression]") {
+  const DeckRun run = run_text(R"(late end
+D1 n1 0 DI
+L1 n1 n3 0.00567 ic=-0.00807
+C1 n5 n4 2.21e-06 ic=0
+R1 n2 0 617000
+C2 n5 n2 3.88e-07 ic=0
+D4 n5 n3 DI
+.model DI D
+.save i(L1) v(n5,n2)
+.tran 0.0001288659793814433 0.01288659793814433 uic
+.end
+)");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.answer.certificate.complementarity < 1e-13);
+  REQUIRE(run.rows.size() > 2);
+  CHECK(run.rows[1][1] == 0.0);
+  const long double i0 = 0.00807L, l = 0.00567L, r = 617000.0L, c = 3.88e-7L;
+  const long double fast = -r / (2 * l) - std::sqrt(r * r / (4 * l * l) - 1 / (l * c)), slow = 1 / (l * c) / fast;
+  const long double t = std::log(slow / fast) / (fast - slow), q = i0 / (fast - slow) * (std::exp(fast * t) - std::exp(slow * t));
+  CHECK(run.rows[1][2] == Approx(static_cast<double>(-q / c)).epsilon(1e-12));
+}
+
 // While the charge of the stages evens out in 10⁻¹⁰ s, a guard leaves zero by its slow motion, whose second derivative a norm bounds 10⁷ times too high.
 TEST_CASE("a guard that leaves zero beside decays is enclosed by few intervals", "[regression]") {
   const DeckRun run = run_text(R"(multiplier
