@@ -5,21 +5,17 @@
 #include <utility>
 
 #include "analysis/abandonable.hpp"
+#include "analysis/listener.hpp"
 
 namespace pwlsim::analysis {
 namespace {
 
-/// Stands between an engine and those that it tells, and lives as long as the engine may run.
-class Gate : public engine::RowSink, public engine::EventWatcher, public engine::PieceSink {
+/// Lives as long as the engine may run.
+class Gate : public Listener {
  public:
-  Gate(const engine::Request& request, engine::RowSink& rows)
-      : request_(request), rows_(rows), watcher_(request.watcher), pieces_(request.probes.sink), progress_(request.progress) {
-    if (watcher_ != nullptr) request_.watcher = this;
-    if (pieces_ != nullptr) request_.probes.sink = this;
+  Gate(const engine::Request& request, engine::RowSink& rows) : Listener(request, rows), progress_(request.progress) {
     if (progress_) request_.progress = [this](double time) { pass([&] { progress_(time); }); };
   }
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
 
   void run(const Simulate& simulate) { answer = simulate(request_, *this); }
   /// Nothing passes any more. The answer is then this one.
@@ -70,10 +66,6 @@ class Gate : public engine::RowSink, public engine::EventWatcher, public engine:
     if (!is_closed_) tell();
   }
 
-  engine::Request request_;
-  engine::RowSink& rows_;
-  engine::EventWatcher* watcher_;
-  engine::PieceSink* pieces_;
   std::function<void(double)> progress_;
   std::mutex mutex_;
   bool is_closed_ = false;

@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "analysis/abandonable.hpp"
 #include "analysis/abandonable_run.hpp"
@@ -117,29 +116,22 @@ PreparedEngine prepare_segments(const model::Network& network, EngineChoice choi
   const PreparedEngine dense = exact_engine_when_needed(network);
   const bool steps = !reason.empty() && choice == EngineChoice::automatic;
   if (!model || (steps && !is_tolerance(reltol, diagnostics))) return {"exact", {}, {}, {}};
-  const Simulate by_steps = [run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
+  const Simulate by_steps = [=, run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
     engine::Answer answer = run(request, sink);
     answer.engine = "sparse";
+    answer.remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
     return answer;
   };
+  const Simulate segments = segment_run(model);
+  // Empty: what segments do not solve is not solved.
+  const Simulate other = steps ? by_steps : reason.empty() ? dense.simulate : Simulate{};
   const auto why = [=](const engine::Answer& failed) {
-    std::vector<engine::Remark> remarks{
-        {"N-other-engine", fmt::format("Krylov segments found no solution at t = {}; the whole run was repeated {}",
-                                       quantity(failed.time, "s"), steps ? "with the sparse engine" : "with dense modes")}};
-    if (steps) remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
-    return remarks;
+    return engine::Remark{"N-other-engine", fmt::format("Krylov segments found no solution at t = {}; the whole run was repeated {}",
+                                                        quantity(failed.time, "s"), steps ? "with the sparse engine" : "with dense modes")};
   };
-  Simulate measured = reason.empty() ? dense.simulate : segment_run(model);
-  if (steps)
-    measured = [=](const engine::Request& request, engine::RowSink& sink) {
-      engine::Answer answer = by_steps(request, sink);
-      answer.remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
-      return answer;
-    };
-  Simulate simulate = segment_run(model);
-  if (steps || reason.empty()) simulate = tried_first(std::move(simulate), steps ? by_steps : dense.simulate, why);
+  const Simulate simulate = other ? tried_first(segments, other, why) : segments, measured = other ? other : segments;
   return {"exact",
-          [simulate = std::move(simulate), measured, dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
+          [simulate, measured, dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
             if (request.sampler != nullptr) return dense(request, sink);
             return request.probes.sink != nullptr ? measured(request, sink) : simulate(request, sink);
           },
@@ -189,7 +181,7 @@ double relative_tolerance(const std::optional<double>& asked, const circuit::Ana
 }
 
 bool has_modes(const model::Network& network, EngineChoice choice) {
-  return choice == EngineChoice::exact || choice == EngineChoice::dense ||
+  return choice == EngineChoice::exact || choice == EngineChoice::modes ||
          (choice == EngineChoice::automatic && too_large(network).empty());
 }
 

@@ -10,8 +10,8 @@
 
 namespace pwlsim::analysis {
 
-/// `dense`: the exact engine with dense modes at any size.
-enum class EngineChoice { automatic, exact, sparse, krylov, dense };
+/// `modes`: the exact engine with dense modes at any size.
+enum class EngineChoice { automatic, exact, sparse, krylov, modes };
 
 struct PreparedEngine {
   std::string name;   ///< "exact", "sparse" or "krylov"

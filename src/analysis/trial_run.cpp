@@ -5,19 +5,15 @@
 #include <variant>
 #include <vector>
 
+#include "analysis/listener.hpp"
+
 namespace pwlsim::analysis {
 namespace {
 
-/// Stands between an engine and those that it tells.
-class Keeper : public engine::RowSink, public engine::EventWatcher, public engine::PieceSink {
+/// Tells them when the run counts.
+class Keeper : public Listener {
  public:
-  Keeper(const engine::Request& request, engine::RowSink& rows)
-      : request_(request), rows_(rows), watcher_(request.watcher), pieces_(request.probes.sink) {
-    if (watcher_ != nullptr) request_.watcher = this;
-    if (pieces_ != nullptr) request_.probes.sink = this;
-  }
-  Keeper(const Keeper&) = delete;
-  Keeper& operator=(const Keeper&) = delete;
+  Keeper(const engine::Request& request, engine::RowSink& rows) : Listener(request, rows) {}
 
   [[nodiscard]] engine::Answer run(const Simulate& simulate) { return simulate(request_, *this); }
   [[nodiscard]] bool has_passed_on() const { return passes_on_; }
@@ -91,10 +87,6 @@ class Keeper : public engine::RowSink, public engine::EventWatcher, public engin
   }
   void tell(const Impulse& impulse) { pieces_->impulse(impulse.time, impulse.values); }
 
-  engine::Request request_;
-  engine::RowSink& rows_;
-  engine::EventWatcher* watcher_;
-  engine::PieceSink* pieces_;
   std::vector<Told> told_;
   std::size_t size_ = 0;  ///< of what is kept, bytes
   bool passes_on_ = false, accepts_ = true;
@@ -106,14 +98,14 @@ bool has_failed(engine::Outcome outcome) {
 
 }  // namespace
 
-Simulate tried_first(Simulate first, Simulate second, std::function<std::vector<engine::Remark>(const engine::Answer&)> why) {
+Simulate tried_first(Simulate first, Simulate second, std::function<engine::Remark(const engine::Answer&)> why) {
   return
       [first = std::move(first), second = std::move(second), why = std::move(why)](const engine::Request& request, engine::RowSink& sink) {
         Keeper keeper(request, sink);
         engine::Answer answer = keeper.run(first);
         if (has_failed(answer.outcome) && !keeper.has_passed_on()) {
           engine::Answer other = second(request, sink);
-          for (engine::Remark& remark : why(answer)) other.remarks.push_back(std::move(remark));
+          other.remarks.push_back(why(answer));
           return other;
         }
         if (!keeper.pass_on() && answer.outcome == engine::Outcome::completed) answer.outcome = engine::Outcome::sink_stopped;

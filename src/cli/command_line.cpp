@@ -229,7 +229,7 @@ EngineChoice engine_choice(const std::string& engine, Complaints& complaints) {
   if (engine == "sparse") return EngineChoice::sparse;
   if (engine == "exact") return EngineChoice::exact;
   if (engine == "krylov") return EngineChoice::krylov;
-  if (engine == "modes") return EngineChoice::dense;
+  if (engine == "modes") return EngineChoice::modes;
   if (!engine.empty() && engine != "auto")
     complaints.add("E-option-value", fmt::format("`--engine {}` does not name an engine; try auto, exact, modes, krylov or sparse", engine));
   return EngineChoice::automatic;

@@ -38,14 +38,18 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
   return true;
 }
 
-/// ‖V‖‖V⁻¹‖: what cancels in the modes' coordinates.
-Wide condition(const WideMatrix& v) { return v.norm() * Eigen::PartialPivLU<WideMatrix>(v).inverse().norm(); }
+/// ‖V‖‖W‖, W = V⁻¹: what cancels in the modes' coordinates.
+Wide condition(const WideMatrix& v, const WideMatrix& w) { return v.norm() * w.norm(); }
 
 /// The same with sources in the unit in which they move the states as fast as these move themselves, and eigenvectors of length 1. `states`: the first rows.
-Wide condition_in_own_units(const WideMatrix& m, WideMatrix v, Eigen::Index states) {
+Wide condition_in_own_units(const WideMatrix& m, WideMatrix v, WideMatrix w, Eigen::Index states) {
   const Wide rate = m.topLeftCorner(states, states).norm(), push = m.topRightCorner(states, m.cols() - states).norm();
-  if (rate > 0.0L && push > 0.0L) v.bottomRows(v.rows() - states) *= push / rate;
-  return condition(v.colwise().normalized());
+  if (rate > 0.0L && push > 0.0L) {
+    v.bottomRows(v.rows() - states) *= push / rate;
+    w.rightCols(w.cols() - states) *= rate / push;
+  }
+  w.array().colwise() *= v.colwise().norm().transpose().array();
+  return condition(v.colwise().normalized(), w);
 }
 
 /// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
@@ -80,7 +84,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   // Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ).
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
-  if (!(condition(v) < largest_condition) && !(condition_in_own_units(m, v, mode.n1) < largest_condition)) return nullptr;
+  if (!(condition(v, w) < largest_condition) && !(condition_in_own_units(m, v, w, mode.n1) < largest_condition)) return nullptr;
   if (!knows_every_rate(w * (m * v - v * lambda), lambda, tolerance::slowest_rate * m.norm())) return nullptr;
 
   auto form = std::make_unique<ModalForm>();

@@ -75,7 +75,7 @@ engine::Answer run(const Simulate& simulate, Listener& listener) {
   return simulate(request, listener);
 }
 
-std::vector<engine::Remark> why(const engine::Answer& failed) { return {{"N-other", std::to_string(static_cast<int>(failed.time))}}; }
+engine::Remark why(const engine::Answer& failed) { return {"N-other", std::to_string(static_cast<int>(failed.time))}; }
 
 }  // namespace
 

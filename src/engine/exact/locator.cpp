@@ -82,7 +82,7 @@ void Locator::prepare(Segment& s) {
   }
   if (rows <= g_.size()) return;
   for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_,
-                  &slow_k2_, &guard_noise_})
+                  &slow_k2_, &slow_g2_, &guard_noise_})
     v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
 }
@@ -162,8 +162,6 @@ void Locator::derive(const Segment& s) {
 void Locator::bound_second(const Segment& s, double h) {
   Bound b = bound_of(s, 2, derivatives_.data() + 2 * s.mode->ny, h);
   for (std::size_t i = 0; i < s.rows.size(); ++i) k2_[i] = bound_at(s, b, s.rows[i]);
-  if (s.decays.empty()) return;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
 }
 
 void Locator::state_at(const Segment& s, double step, double* out) {

@@ -164,6 +164,7 @@ class Locator {
   std::vector<double> block_bound_;
   Bound slow_bound_;                 ///< of the slow motion beside decays
   std::vector<double> slope_doubt_;  ///< possible errors of the guards' slopes from rounding of the decays' weights
+  std::vector<double> slow_g2_;      ///< second derivatives of the slow motion's guards at the interval's start
   /// Of the slow motion at the interval's start: guards, slopes, their rounding, bounds of the second derivative.
   std::vector<double> slow_g_, slow_gd_, slow_doubt_, slow_k2_;
   bool decays_agree_ = true;         ///< guards and slopes at the interval's start are those sums

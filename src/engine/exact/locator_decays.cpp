@@ -78,7 +78,7 @@ void Locator::derive_with_decays(const Segment& s) {
     slope_doubt_[i] = 0.0;
     double value = slow_g_[i], size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(g_[i]);
     double slope = slow_gd_[i], slope_size = slow_size, doubt = 0.0, doubt_of_slope = 0.0;
-    g2_[i] = linalg::row_times(slow.guards, row, slow_bend_.data());
+    g2_[i] = slow_g2_[i] = linalg::row_times(slow.guards, row, slow_bend_.data());
     for (std::size_t k = 0; k < decay_left_.size(); ++k) {
       const auto column = static_cast<Eigen::Index>(k);
       const double constant = decays.time_constants[column];
@@ -131,8 +131,7 @@ bool Locator::decays_hold(const Segment& s, double h) {
 /// Guard i and its slope as sums, `at` s from the interval's start; the slow motion to second order.
 Locator::Line Locator::sum_at(const Segment& s, std::size_t i, double at) const {
   const model::Decays& decays = *s.mode->slow->decays;
-  const double bend = linalg::row_times(s.mode->slow->guards, s.rows[i], slow_bend_.data());
-  Line line{slow_g_[i] + at * (slow_gd_[i] + 0.5 * at * bend), slow_gd_[i] + at * bend};
+  Line line{slow_g_[i] + at * (slow_gd_[i] + 0.5 * at * slow_g2_[i]), slow_gd_[i] + at * slow_g2_[i]};
   for (std::size_t k = 0; k < decay_left_.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const double constant = decays.time_constants[column];
@@ -221,9 +220,10 @@ Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, std::size_t f
     lowest_slope += (std::min(-now, -then) - doubt) / constant;
     highest_slope += (std::max(-now, -then) + doubt) / constant;
   }
+  const bool is_above = first > 0 || g_[i] > 0.0;  // not only about to be
   if (lowest_slope > 0.0) return Verdict::excluded;
-  if ((first > 0 || g_[i] > 0.0) && least > guard_noise_[i]) return Verdict::excluded;
-  if ((first > 0 || g_[i] > 0.0) && highest_slope < 0.0 && most_at_end < -guard_noise_[i]) return Verdict::one_root;
+  if (is_above && least > guard_noise_[i]) return Verdict::excluded;
+  if (is_above && highest_slope < 0.0 && most_at_end < -guard_noise_[i]) return Verdict::one_root;
   return Verdict::undecided;
 }
 

@@ -164,7 +164,6 @@ class Block {
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
-  [[nodiscard]] bool take_jump(Instant& instant);
   Sought take_jump_of(const Point& step, double h);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] Sought jump_by_step(const Point& step, double h);
@@ -173,7 +172,7 @@ class Block {
                                                            const Position& on, double share) const;
   [[nodiscard]] bool is_jump_of(const Position& on);
   [[nodiscard]] bool is_continuous();
-  [[nodiscard]] bool moves_to(const std::vector<double>& z) const;
+  [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);

@@ -57,14 +57,6 @@ ExactSegment::Opened Block::open_segment(const Position& on) {
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
 
-/// States that a segment starts with, against those of the instant, which are in states_.
-bool Block::take_jump(Instant& instant) {
-  segment_->unknowns(segment_->at(0.0), first_.z);
-  const bool jumps = difference(states_, first_.z) > least_jump;
-  instant.jump |= moves_to(first_.z);
-  return jumps;
-}
-
 /// Whether the segment in that position goes on from the states as they are.
 bool Block::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
@@ -86,16 +78,20 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
-  const bool jumps = take_jump(instant);
-  if (jumps && segment_->distance(point_.z, first_.z) > least_distance) return take_jump_of(step, h);
+  segment_->unknowns(segment_->at(0.0), first_.z);
+  const bool differs = difference(states_, first_.z) > least_jump;
+  if (differs && segment_->distance(point_.z, first_.z) > least_distance) {
+    instant.jump = true;
+    return take_jump_of(step, h);
+  }
   if (segment_->negative().empty()) return Sought::found;
   const std::vector<double> z = first_.z;
   first_ = step;
   if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
     return Sought::found;
-  if (!jumps || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
+  if (!differs || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
   point_.on = on;
-  (void)take_jump(instant);
+  segment_->unknowns(segment_->at(0.0), first_.z);
   return take_jump_of(step, h);
 }
 
@@ -206,12 +202,12 @@ bool Block::is_jump_of(const Position& on) {
 bool Block::is_continuous() {
   std::vector<double> z;
   segment_->unknowns(segment_->at(0.0), z);
-  return !moves_to(z);
+  return !moves(states_, point_.z, z);
 }
 
-/// Whether states move from those of the instant, beyond rounding.
-bool Block::moves_to(const std::vector<double>& z) const {
-  return difference(states_, z) > least_jump && segment_->distance(point_.z, z) > least_distance;
+/// Whether states, those of `from`, move beyond rounding.
+bool Block::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
+  return difference(states, to) > least_jump && segment_->distance(from, to) > least_distance;
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -381,7 +377,7 @@ bool Block::begin_segment() {
   segment_->set_signals(signals_);
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time);
-  instant.jump |= difference(states, next.z) > least_jump && segment_->distance(z, next.z) > least_distance;
+  instant.jump |= moves(states, z, next.z);
   instant.mode_change |= next.on != position_before_;
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
