@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "base/largest.hpp"
@@ -15,7 +16,10 @@ namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
 constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
+constexpr int least_to_foretell = 8;        ///< vectors: a look at fewer costs less than a vector
+constexpr double share_of_foretold = 0.8;   ///< as it goes faster the further it comes
 constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
+constexpr double steps_of_rich = 32.0;      ///< where motions of all rates take part, as in a grid of R and C: a third of the vectors, or what ends within them
 constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
 constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
 constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
@@ -40,6 +44,19 @@ constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: roun
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
 constexpr double muting = 30.0, most_muted = 1e6;
+
+/// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
+int next_dimension(int before, double error_before, int now, double error_now, double wanted) {
+  const int next = *std::upper_bound(dimensions.begin(), dimensions.end() - 1, now);
+  const double gain = std::log(error_before / error_now) / (now - before);
+  if (now < least_to_foretell || !(gain > 0.0) || !(error_now > wanted)) return next;
+  const double foretold = now + share_of_foretold * std::log(error_now / wanted) / gain;
+  return std::max(next, static_cast<int>(std::min<double>(foretold, dimensions.back())));
+}
+
+double largest_error(const std::vector<KrylovSpace::Checkpoint>& points) {
+  return std::accumulate(points.begin(), points.end(), 0.0, [](double most, const auto& point) { return std::max(most, point.error); });
+}
 
 }  // namespace
 
@@ -90,7 +107,7 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
-  const double wanted = std::max(steps_of_length / length, habits_[key_].turning / usual_turn);
+  const double wanted = std::max((is_rich_ ? steps_of_rich : steps_of_length) / length, habits_[key_].turning / usual_turn);
   auto& shifts = habits_[key_].shifts;
   double best = 0.0;
   for (const double shift : shifts)
@@ -107,17 +124,22 @@ double ExactSegment::shift_for(double length) {
 bool ExactSegment::resolve() {
   double before = INFINITY;
   int last = 0;
-  for (const int m : dimensions) {
+  for (int m = dimensions.front();;) {
     space_.grow(m);
     if (!space_.is_sound()) break;
-    const std::vector<double>& error = space_.estimate(length_);
-    estimate_ = *std::max_element(error.begin(), error.end());
+    const auto& points = space_.estimate(length_);
+    estimate_ = largest_error(points);
     if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= rounding_tolerance * size_)) return true;
     if (space_.is_full()) break;
     if (!(estimate_ < before) && before <= rounding_tolerance * size_) break;
+    const int next = next_dimension(last, before, m, estimate_, tolerance_ * size_);
     before = estimate_;
     last = m;
-    if (m == dimensions.back()) return is_cut_within(error);
+    if (m == dimensions.back()) {
+      is_rich_ = true;
+      return is_cut_within(points);
+    }
+    m = next;
   }
   if (last == 0 || !(before <= rounding_tolerance * size_)) return false;
   space_.shrink(last);
@@ -127,9 +149,12 @@ bool ExactSegment::resolve() {
 }
 
 /// The part of length_ whose error is within the tolerance. False: there is none.
-bool ExactSegment::is_cut_within(const std::vector<double>& error) {
-  const auto bad = std::find_if(error.begin(), error.end(), [&](double e) { return !(e <= tolerance_ * size_); });
-  length_ *= static_cast<double>(bad - error.begin()) / KrylovSpace::checkpoints;
+bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points) {
+  length_ = 0.0;
+  for (const auto& point : points) {
+    if (!(point.error <= tolerance_ * size_)) break;
+    length_ = point.tau;
+  }
   estimate_ = tolerance_ * size_;
   return length_ > 0.0;
 }
@@ -143,8 +168,7 @@ void ExactSegment::stretch(double longest, double shift) {
   }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
-    const std::vector<double>& error = space_.estimate(longer);
-    const double most = *std::max_element(error.begin(), error.end());
+    const double most = largest_error(space_.estimate(longer));
     if (!(most <= tolerance_ * size_)) return;
     estimate_ = most;
     length_ = longer;
@@ -155,6 +179,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   for (int cut = 0; cut < most_cuts && length > shortest_share * stop_; ++cut) {
+    const bool was_rich = is_rich_;
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
@@ -171,7 +196,9 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
       stretch(start.longest, shift);
       return Opened::yes;
     }
-    length /= static_cast<double>(KrylovSpace::checkpoints);
+    const bool becomes_rich = is_rich_ && !was_rich;
+    if (becomes_rich) habits_[key_].shifts.clear();
+    if (!becomes_rich) length /= static_cast<double>(KrylovSpace::checkpoints);
   }
   return Opened::unresolved;
 }

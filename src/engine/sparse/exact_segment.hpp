@@ -119,7 +119,7 @@ class ExactSegment {
   [[nodiscard]] double shift_for(double length);
   [[nodiscard]] Opened build(Factors& factors, const Start& start);
   [[nodiscard]] bool resolve();
-  [[nodiscard]] bool is_cut_within(const std::vector<double>& error);
+  [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);
   void stretch(double longest, double shift);
   void take_guards(const Position& on);
@@ -142,6 +142,7 @@ class ExactSegment {
   double voltage_ = 0.0;  ///< largest of a node before the start
   Position on_;
   bool takes_positive_ = false;
+  bool is_rich_ = false;  ///< a segment has taken all vectors there are
   int passing_ = -1;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;

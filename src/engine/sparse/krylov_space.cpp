@@ -19,6 +19,8 @@ constexpr double least_change = 1e-15;          ///< of z itself: the same
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
 constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
 constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
+constexpr double little_rounding =
+    1e-9;  ///< of the √energy that counts: far below what a segment refuses to begin with (`start_tolerance`)
 constexpr double worst_condition = 1e12;
 constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
 constexpr int corrections = 3;
@@ -224,7 +226,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
-  rounding_ = rounding_of(right_, 0.0);
+  rounding_ = rounding_of(right_, little_rounding * size);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
@@ -342,24 +344,26 @@ double KrylovSpace::turning(double least) const {
   return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
 }
 
-const std::vector<double>& KrylovSpace::estimate(double length) {
+const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;
-  estimate_.assign(checkpoints, 0.0);
-  const Matrix step = flow_.minus_identity(length / checkpoints);
-  Vector y = first_, moved(m);
+  estimate_.clear();
+  const double step = std::exp2(std::ceil(std::log2(length / checkpoints)));  // whose powers the flow keeps
+  Vector y = first_;
+  work_.resize(2 * m);
   reach_ = first_.cwiseAbs();
   const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
   const double at_start = share_of_start * std::abs(last_row_.dot(y));
-  double integral = 0.0, before = std::abs(d.dot(y));
-  for (int i = 0; i < checkpoints && m > 0; ++i) {
-    moved.noalias() = step * y;
-    y += moved;
+  double integral = 0.0, before = std::abs(d.dot(y)), reached = 0.0;
+  while (reached < length && m > 0) {
+    const double h = std::min(step, length - reached);
+    flow_.apply_once(h, y.data(), work_.data());
+    reached = h < step ? length : reached + h;
     reach_ = reach_.cwiseMax(y.cwiseAbs());
     const double now = std::abs(d.dot(y));
-    integral += 0.5 * (before + now) * length / checkpoints;
+    integral += 0.5 * (before + now) * h;
     before = now;
-    estimate_[static_cast<std::size_t>(i)] = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
-    if (!(y.norm() <= most_growth * norm_)) estimate_[static_cast<std::size_t>(i)] = INFINITY;
+    const double error = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
+    estimate_.push_back({reached, y.norm() <= most_growth * norm_ ? error : INFINITY});
   }
   return estimate_;
 }

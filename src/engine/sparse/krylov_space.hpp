@@ -66,10 +66,13 @@ class KrylovSpace {
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
   /// The fastest oscillation in the space, radians per s; a bound of it where that is not more than `least`.
   [[nodiscard]] double turning(double least) const;
-  /// The error in the norm of the space at k·length/checkpoints, k = 1 … checkpoints: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is far too
-  /// large where the start is rough.
+  /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is
+  /// far too large where the start is rough.
   static constexpr int checkpoints = 32;
-  [[nodiscard]] const std::vector<double>& estimate(double length);
+  struct Checkpoint {
+    double tau = 0.0, error = 0.0;
+  };
+  [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
   /// Of a form: its row on y. Without its sources and constant.
   [[nodiscard]] linalg::Vector row_of_unknowns(const Form& form) const;
   /// The whole of it.
@@ -129,7 +132,8 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, estimate_, values_, magnitudes_;
+  std::vector<double> right_, product_, sizes_, values_, magnitudes_, work_;
+  std::vector<Checkpoint> estimate_;
   std::vector<double> given_;  ///< right-hand side of the last solution
 };
 
