@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/largest.hpp"
 #include "engine/sparse/fastest.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -119,7 +120,14 @@ void Block::signals(double time, std::span<const int> numbers, double* values) {
   }
 }
 
-double Block::signal_size(int number) const { return signals_[static_cast<std::size_t>(number)].size(point_.z.data(), point_.w.data()); }
+/// A segment knows all voltages to a part of the largest of them so far, and all currents to a part of the largest.
+double Block::signal_size(int number) const {
+  const Form& form = signals_[static_cast<std::size_t>(number)];
+  if (!segment_) return form.size(point_.z.data(), point_.w.data());
+  double size = std::abs(form.constant) + Form::size_of(form.w, point_.w.data());
+  for (const Form::Part& part : form.z) size += std::abs(part.coefficient) * (part.index < descriptor_.nodes() ? largest_voltage_ : largest_current_);
+  return size;
+}
 
 bool Block::advance() {
   instant_.reset();
@@ -252,8 +260,16 @@ void Block::settle_in(Point& next) {
   if (thresholds_.asks_anything()) watch_controls();
   for (std::size_t i = 0; i < signals_.size(); ++i)
     signal_scale_[i] = std::max(signal_scale_[i], std::abs(signals_[i].value(point_.z.data(), point_.w.data())));
+  if (segment_ && request_.probes.sink != nullptr) note_largest_unknowns();
   ++steps_;
   if (positions_.size() < most_positions) positions_.insert(std::hash<std::string_view>()({point_.on.data(), point_.on.size()}));
+}
+
+void Block::note_largest_unknowns() {
+  const std::span<const double> all(point_.z);
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  largest_voltage_ = std::max(largest_voltage_, largest(all.first(nodes)));
+  largest_current_ = std::max(largest_current_, largest(all.subspan(nodes)));
 }
 
 void Block::control_size(double error) {

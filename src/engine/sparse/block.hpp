@@ -47,6 +47,8 @@ class Block {
   void signals(double time, std::span<const int> numbers, double* values);
   /// Sum of the magnitudes that a saved signal is a sum of, at time().
   [[nodiscard]] double signal_size(int number) const;
+  /// Of it: rounding of the solutions of a step, and what a segment leaves. Smaller values may be nothing else.
+  static constexpr double rounding_of_signals = 1e-12;
 
   struct Instant {
     double time = 0.0;
@@ -93,6 +95,7 @@ class Block {
   bool absorb(double h);
   void accept(const Trial& trial, double reach);
   void settle_in(Point& next);
+  void note_largest_unknowns();
   void control_size(double error);
   bool reduce(double h, double error);
   bool fail_step(Solved solved, double error);
@@ -205,6 +208,7 @@ class Block {
   std::vector<char> watched_on_;  ///< positions of switches, as their controls have them, when controls were looked at last
   std::vector<Form> signals_;
   std::vector<double> signal_scale_;
+  double largest_voltage_ = 0.0, largest_current_ = 0.0;  ///< of segments that are measured
   bool signals_read_sources_ = false;
   CertificateRecorder certificate_;
   bool passive_ = false;

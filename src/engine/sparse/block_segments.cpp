@@ -483,12 +483,13 @@ bool Block::is_resolved(double from, double to) {
   for (std::size_t k = 0; k < signals_.size(); ++k) {
     const linalg::LegendreSeries series(&values[k * linalg::legendre_points]);
     const double start = segment_->signal(k, y);
-    // A signal that begins far from what drives it is a small difference of large terms at first.
+    // A signal that begins far from what drives it is nothing but rounding at first.
     double size = std::max(signal_scale_[k], segment_->signal_terms(k, y)), last = 0.0;
+    const double noise = rounding_of_signals * signal_size(static_cast<int>(k));
     for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
     for (std::size_t c = 0; c < last_coefficients; ++c)
       last = std::max(last, std::abs(series.coefficients()[linalg::legendre_points - 1 - c]));
-    if (last > signal_rounding * size || std::abs(series(-1.0) - start) > signal_rounding * size) return false;
+    if (std::max(last, std::abs(series(-1.0) - start)) > std::max(signal_rounding * size, noise)) return false;
   }
   return true;
 }

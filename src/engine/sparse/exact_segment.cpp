@@ -38,6 +38,7 @@ constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
 constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
+constexpr double least_digits = 1e-8;        ///< of the largest voltage, and of the largest current: what may be rounding of vectors
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
@@ -163,16 +164,36 @@ bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& poi
 void ExactSegment::stretch(double longest, double shift) {
   longest = std::min(longest, std::max(length_, most_stretch / shift));
   if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
-    length_ = longest;
-    (void)space_.estimate(length_);  // for its reach
+    (void)space_.estimate(longest);  // for its reach
+    if (has_digits()) {
+      length_ = longest;
+      return;
+    }
   }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
     const double most = largest_error(space_.estimate(longer));
-    if (!(most <= tolerance_ * size_)) return;
+    if (!(most <= tolerance_ * size_) || !has_digits()) return;
     estimate_ = most;
     length_ = longer;
   }
+}
+
+/// Whether voltages and currents are more than what rounding leaves of sums of vectors: in currents that a constraint of voltages decides, as that of a wire across an
+/// inductor, each vector has the rounding of the one before it 1/h times.
+bool ExactSegment::has_digits() {
+  const int nodes = descriptor_.nodes();
+  space_.unknowns(space_.end().data(), ends_);
+  const std::vector<double> first = space_.first_unknowns();
+  const auto size = [&](std::size_t from, std::size_t count, double so_far) {
+    return std::max({so_far, largest(std::span(first).subspan(from, count)), largest(std::span(ends_).subspan(from, count))});
+  };
+  const auto is_known = [&](int from, int count, double so_far) {
+    return count == 0 || rounding_of_rows * space_.largest_terms(from, count) <=
+                             least_digits * size(static_cast<std::size_t>(from), static_cast<std::size_t>(count), so_far);
+  };
+  return is_known(0, nodes, std::max(voltage_, least_voltage_)) &&
+         is_known(nodes, descriptor_.size() - nodes, std::max(current_, least_voltage_ / descriptor_.r0()));
 }
 
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
@@ -187,7 +208,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
-    if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss) {
+    if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
         habits_[key_].turning = turning;
@@ -226,6 +247,7 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   start_ = start.time;
   on_ = start.on;
   voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));
+  current_ = largest(std::span(start.z).subspan(static_cast<std::size_t>(descriptor_.nodes())));
   key_ = key(start.on);
   sources_.states(start.time, zeta_);
   if (start.stepped > 0.0) {

@@ -122,6 +122,7 @@ class ExactSegment {
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);
   void stretch(double longest, double shift);
+  [[nodiscard]] bool has_digits();
   void take_guards(const Position& on);
   void find_parallel_ports();
   [[nodiscard]] bool is_short_circuited(int row) const;
@@ -139,7 +140,7 @@ class ExactSegment {
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
-  double voltage_ = 0.0;  ///< largest of a node before the start
+  double voltage_ = 0.0, current_ = 0.0;  ///< largest before the start
   Position on_;
   bool takes_positive_ = false;
   bool is_rich_ = false;  ///< a segment has taken all vectors there are
@@ -155,7 +156,7 @@ class ExactSegment {
   bool located_ = false;
   std::vector<int> negative_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
-  std::vector<double> zeta_, y_, work_;
+  std::vector<double> zeta_, y_, work_, ends_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;

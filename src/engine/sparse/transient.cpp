@@ -17,8 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double merge_fraction = 1e-14;
 constexpr std::size_t rows_per_block = 256;
-/// Of the terms that a signal is a sum of: rounding of the solutions of a step.
-constexpr double rounding_of_terms = 1e-12;
 constexpr int steps_between_checks = 64;
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
@@ -230,7 +228,7 @@ void Transient::note_noise() {
     for (std::size_t k = 0; k < track->shares.size(); ++k)
       sizes[static_cast<std::size_t>(track->probes[k])] += track->block.signal_size(track->shares[k]);
   probe_noise_.resize(sizes.size(), 0.0);
-  for (std::size_t i = 0; i < sizes.size(); ++i) probe_noise_[i] = std::max(probe_noise_[i], rounding_of_terms * sizes[i]);
+  for (std::size_t i = 0; i < sizes.size(); ++i) probe_noise_[i] = std::max(probe_noise_[i], Block::rounding_of_signals * sizes[i]);
 }
 
 /// A row before what the part's last step came upon; the one after it waits for the parts that come upon the same.
