@@ -405,6 +405,7 @@ void ExactSegment::judge_start() {
   model::Verifier verifier;
   if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
   negative_.clear();
+  passed_ = -1;
   const linalg::Matrix& a = mode_->flow.a();
   const linalg::Vector first = a * space_.first(), second = a * first;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
@@ -417,6 +418,7 @@ void ExactSegment::judge_start() {
     const double slope = linalg::row_times(mode_->guards, row, first.data());
     if (row == passing_ && departure.order == 0 && slope > 0.0 && value + passed_share * length_ * slope >= 0.0) {
       departure = {1, slope};
+      passed_ = row;
     } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
       departure = {2, bend};
     } else if (departure.order > 0 && value > 0.0 && takes_positive_) {

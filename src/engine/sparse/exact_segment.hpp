@@ -63,6 +63,8 @@ class ExactSegment {
   [[nodiscard]] double length() const { return length_; }
   /// Guards that fall below zero at once: ports by number, then controls.
   [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
+  /// The port that has just passed zero, and is below it for a small part of the segment: where a leak carries what rounding leaves of its current. −1: none.
+  [[nodiscard]] int passed() const { return passed_; }
 
   /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
@@ -144,7 +146,7 @@ class ExactSegment {
   Position on_;
   bool takes_positive_ = false;
   bool is_rich_ = false;  ///< a segment has taken all vectors there are
-  int passing_ = -1;
+  int passing_ = -1, passed_ = -1;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;
   std::unordered_map<int, double> muted_;
