@@ -386,7 +386,7 @@ bool Block::begin_segment() {
     jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, impulse_share));
   }
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
-  certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->passed());
+  certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
   certificate_.add_estimate(segment_->worst_estimate());
   settle_in(next);
   finish_instant(instant);

@@ -30,10 +30,10 @@ void CertificateRecorder::add_step(const Point& from, const Stepper::Trial& tria
   add_energy(from, trial);
 }
 
-void CertificateRecorder::add_point(const Point& point, const PortSolver& ports, double rate, int passing) {
+void CertificateRecorder::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising) {
   if (!sampled()) return;
   add_rows(point, rate);
-  add_ports(point, ports, passing);
+  add_ports(point, ports, rising);
 }
 
 void CertificateRecorder::add_rows(const Point& point, double rate) {
@@ -63,10 +63,10 @@ CertificateRecorder::Rounding CertificateRecorder::rounding_at(const Point& poin
           rounding_of_unknowns * std::max(least_, largest(z.subspan(nodes)))};
 }
 
-void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports, int passing) {
+void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising) {
   const Rounding rounding = rounding_at(point);
   for (int i = 0; i < descriptor_.first_switch(); ++i) {
-    if (i == passing) continue;
+    if (std::find(rising.begin(), rising.end(), i) != rising.end()) continue;
     const Port& port = descriptor_.ports()[static_cast<std::size_t>(i)];
     const auto beyond = [](double value, double zero) { return std::abs(value) > zero ? value : 0.0; };
     const double u = beyond(point.z[static_cast<std::size_t>(port.row)], rounding.input);

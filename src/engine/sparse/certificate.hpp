@@ -1,6 +1,8 @@
 #pragma once
 /// Residuals of the equations on samples of the accepted steps.
 
+#include <span>
+
 #include "engine/run.hpp"
 #include "engine/sparse/stepper.hpp"
 
@@ -20,8 +22,8 @@ class CertificateRecorder {
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
   /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
-  /// `passing`: a port whose sign is not judged there, as it has just passed zero.
-  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, int passing = -1);
+  /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.
+  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, std::span<const int> rising = {});
   /// A segment's error by its own estimate, relative to the largest √energy: a bound of its energy's error.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
@@ -33,7 +35,7 @@ class CertificateRecorder {
   [[nodiscard]] Rounding rounding_at(const Point& point) const;
   [[nodiscard]] bool sampled();
   void add_rows(const Point& point, double rate = 0.0);
-  void add_ports(const Point& point, const PortSolver& ports, int passing = -1);
+  void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {});
   void add_energy(const Point& from, const Stepper::Trial& trial);
   [[nodiscard]] double energy(const Point& point);
 

@@ -405,20 +405,21 @@ void ExactSegment::judge_start() {
   model::Verifier verifier;
   if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
   negative_.clear();
-  passed_ = -1;
+  rising_.clear();
   const linalg::Matrix& a = mode_->flow.a();
   const linalg::Vector first = a * space_.first(), second = a * first;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     model::Departure& departure = segment_.departures[i];
     if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
-    if (departure.value > 0.0) continue;
     const int row = segment_.rows[i];
-    const double value = linalg::row_times(mode_->guards, row, segment_.y0.data());
-    const double bend = linalg::row_times(mode_->guards, row, second.data());
+    const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    if (row == passing_ && departure.order == 0 && slope > 0.0 && value + passed_share * length_ * slope >= 0.0) {
+    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + passed_share * length_ * slope >= 0.0;
+    if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
+    if (departure.value > 0.0) continue;
+    const double bend = linalg::row_times(mode_->guards, row, second.data());
+    if (row == passing_ && departure.order == 0 && is_soon_positive) {
       departure = {1, slope};
-      passed_ = row;
     } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
       departure = {2, bend};
     } else if (departure.order > 0 && value > 0.0 && takes_positive_) {

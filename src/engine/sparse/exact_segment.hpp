@@ -63,8 +63,9 @@ class ExactSegment {
   [[nodiscard]] double length() const { return length_; }
   /// Guards that fall below zero at once: ports by number, then controls.
   [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
-  /// The port that has just passed zero, and is below it for a small part of the segment: where a leak carries what rounding leaves of its current. −1: none.
-  [[nodiscard]] int passed() const { return passed_; }
+  /// Ports that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what
+  /// rounding leaves of a current.
+  [[nodiscard]] const std::vector<int>& rising() const { return rising_; }
 
   /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
@@ -146,7 +147,7 @@ class ExactSegment {
   Position on_;
   bool takes_positive_ = false;
   bool is_rich_ = false;  ///< a segment has taken all vectors there are
-  int passing_ = -1, passed_ = -1;
+  int passing_ = -1;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;
   std::unordered_map<int, double> muted_;
@@ -156,7 +157,7 @@ class ExactSegment {
   Locator locator_;
   Passage passage_;
   bool located_ = false;
-  std::vector<int> negative_, free_, idle_;
+  std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> zeta_, y_, work_, ends_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
