@@ -129,11 +129,10 @@ PreparedEngine prepare_segments(const model::Network& network, EngineChoice choi
     return engine::Remark{"N-other-engine", fmt::format("Krylov segments found no solution at t = {}; the whole run was repeated {}",
                                                         quantity(failed.time, "s"), steps ? "with the sparse engine" : "with dense modes")};
   };
-  const Simulate simulate = other ? tried_first(segments, other, why) : segments, measured = other ? other : segments;
+  const Simulate simulate = other ? tried_first(segments, other, why) : segments;
   return {"exact",
-          [simulate, measured, dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
-            if (request.sampler != nullptr) return dense(request, sink);
-            return request.probes.sink != nullptr ? measured(request, sink) : simulate(request, sink);
+          [simulate, dense = dense.simulate](const engine::Request& request, engine::RowSink& sink) {
+            return request.sampler != nullptr ? dense(request, sink) : simulate(request, sink);
           },
           reason.empty() ? dense.operating_point : [=] { return engine::sparse::operating_point(*model); },
           {},
