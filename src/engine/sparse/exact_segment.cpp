@@ -44,6 +44,7 @@ constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter o
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
+constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
 constexpr double muting = 30.0, most_muted = 1e6;
 
 /// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
@@ -169,11 +170,15 @@ void ExactSegment::stretch(double longest, double shift) {
       length_ = longest;
       return;
     }
+    (void)space_.estimate(length_);
   }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
     const double most = largest_error(space_.estimate(longer));
-    if (!(most <= tolerance_ * size_) || !has_digits()) return;
+    if (!(most <= tolerance_ * size_) || !has_digits()) {
+      (void)space_.estimate(length_);  // for its reach, again
+      return;
+    }
     estimate_ = most;
     length_ = longer;
   }
@@ -183,14 +188,11 @@ void ExactSegment::stretch(double longest, double shift) {
 /// inductor, each vector has the rounding of the one before it 1/h times.
 bool ExactSegment::has_digits() {
   const int nodes = descriptor_.nodes();
-  space_.unknowns(space_.end().data(), ends_);
   const std::vector<double> first = space_.first_unknowns();
-  const auto size = [&](std::size_t from, std::size_t count, double so_far) {
-    return std::max({so_far, largest(std::span(first).subspan(from, count)), largest(std::span(ends_).subspan(from, count))});
-  };
   const auto is_known = [&](int from, int count, double so_far) {
-    return count == 0 || rounding_of_rows * space_.largest_terms(from, count) <=
-                             least_digits * size(static_cast<std::size_t>(from), static_cast<std::size_t>(count), so_far);
+    if (count == 0) return true;
+    const double size = std::max(so_far, largest(std::span(first).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(count))));
+    return rounding_of_rows * space_.largest_terms(from, count) <= least_digits * size;
   };
   return is_known(0, nodes, std::max(voltage_, least_voltage_)) &&
          is_known(nodes, descriptor_.size() - nodes, std::max(current_, least_voltage_ / descriptor_.r0()));
@@ -410,6 +412,7 @@ void ExactSegment::judge_start() {
   const linalg::Vector first = a * space_.first(), second = a * first;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     model::Departure& departure = segment_.departures[i];
+    if (departure.order > most_derivatives) departure = {-1, 0.0};
     if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());

@@ -159,7 +159,7 @@ class ExactSegment {
   bool located_ = false;
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
-  std::vector<double> zeta_, y_, work_, ends_;
+  std::vector<double> zeta_, y_, work_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;

@@ -365,7 +365,6 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
     const double error = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
     estimate_.push_back({reached, y.norm() <= most_growth * norm_ ? error : INFINITY});
   }
-  end_ = y;
   return estimate_;
 }
 

@@ -73,8 +73,6 @@ class KrylovSpace {
     double tau = 0.0, error = 0.0;
   };
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
-  /// y at the length last estimated.
-  [[nodiscard]] const linalg::Vector& end() const { return end_; }
   /// Of a form: its row on y. Without its sources and constant.
   [[nodiscard]] linalg::Vector row_of_unknowns(const Form& form) const;
   /// The whole of it.
@@ -132,7 +130,7 @@ class KrylovSpace {
   linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
   linalg::Matrix measured_;                  ///< what the norm measures of Z
   linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
-  linalg::Vector first_, end_, last_row_, reach_;  ///< y(0), y at the end, eᵀK, max |y|
+  linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
   std::vector<double> right_, product_, sizes_, values_, magnitudes_, work_;
   std::vector<Checkpoint> estimate_;
