@@ -175,6 +175,7 @@ class Block {
                                                            const Position& on, double share) const;
   [[nodiscard]] bool is_jump_of(const Position& on);
   [[nodiscard]] bool is_continuous();
+  [[nodiscard]] double least_distance() const;
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);

@@ -18,8 +18,8 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// A state jumps by more than this of its size, and all together by more than that of the largest √energy: ten times what a segment's truncation moves.
-constexpr double least_jump = 1e-8, least_distance = 1e-11;
+/// A state jumps by more than this of its size, and all together by more than that of the largest √energy, and by more than so many errors of the segment.
+constexpr double least_jump = 1e-8, least_of_energy = 1e-11, least_errors = 10.0;
 constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
 constexpr double impulse_share = 1e-6;
 constexpr double rounding_of_impulses = 1e-9;  ///< of the largest in a voltage, and in a port's current
@@ -80,7 +80,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   const Point step = first_;
   segment_->unknowns(segment_->at(0.0), first_.z);
   const bool differs = difference(states_, first_.z) > least_jump;
-  if (differs && segment_->distance(point_.z, first_.z) > least_distance) {
+  if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
     instant.jump = true;
     return take_jump_of(step, h);
   }
@@ -205,9 +205,11 @@ bool Block::is_continuous() {
   return !moves(states_, point_.z, z);
 }
 
+double Block::least_distance() const { return std::max(least_of_energy, least_errors * segment_->estimate()); }
+
 /// Whether states, those of `from`, move beyond rounding.
 bool Block::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
-  return difference(states, to) > least_jump && segment_->distance(from, to) > least_distance;
+  return difference(states, to) > least_jump && segment_->distance(from, to) > least_distance();
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of

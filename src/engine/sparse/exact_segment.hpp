@@ -110,6 +110,8 @@ class ExactSegment {
     std::uint64_t segments = 0, vectors = 0, intervals = 0, sampled = 0;
   };
   [[nodiscard]] Counts counts() const { return {segments_, vectors_, locator_.intervals(), locator_.sampled()}; }
+  /// Its error as estimated, of the largest √energy.
+  [[nodiscard]] double estimate() const { return size_ > 0.0 ? estimate_ / size_ : 0.0; }
   /// The largest estimate of an error so far, of the largest √energy.
   [[nodiscard]] double worst_estimate() const { return worst_; }
 
