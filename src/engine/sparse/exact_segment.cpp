@@ -16,10 +16,11 @@ namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
 constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
-constexpr int least_to_foretell = 8;        ///< vectors: a look at fewer costs less than a vector
-constexpr double share_of_foretold = 0.8;   ///< as it goes faster the further it comes
-constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
-constexpr double steps_of_rich = 32.0;      ///< where motions of all rates take part, as in a grid of R and C: a third of the vectors, or what ends within them
+constexpr int least_to_foretell = 8;       ///< vectors: a look at fewer costs less than a vector
+constexpr double share_of_foretold = 0.8;  ///< as it goes faster the further it comes
+constexpr double steps_of_length = 16.0;   ///< length of a segment over γ
+constexpr double steps_of_rich =
+    32.0;  ///< where decays of all rates take part, as in a grid of R and C: a third of the vectors, or what ends within them
 constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
 constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
 constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
@@ -44,7 +45,7 @@ constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter o
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
-constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
+constexpr int most_derivatives = 4;          ///< at the start: what begins with a higher power of time is at rest until it is visible
 constexpr double muting = 30.0, most_muted = 1e6;
 
 /// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
@@ -138,7 +139,7 @@ bool ExactSegment::resolve() {
     before = estimate_;
     last = m;
     if (m == dimensions.back()) {
-      is_rich_ = true;
+      is_rich_ = is_rich_ || space_.turning(usual_turn * space_.shift()) <= usual_turn * space_.shift();
       return is_cut_within(points);
     }
     m = next;
@@ -191,7 +192,8 @@ bool ExactSegment::has_digits() {
   const std::vector<double> first = space_.first_unknowns();
   const auto is_known = [&](int from, int count, double so_far) {
     if (count == 0) return true;
-    const double size = std::max(so_far, largest(std::span(first).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(count))));
+    const double size =
+        std::max(so_far, largest(std::span(first).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(count))));
     return rounding_of_rows * space_.largest_terms(from, count) <= least_digits * size;
   };
   return is_known(0, nodes, std::max(voltage_, least_voltage_)) &&
