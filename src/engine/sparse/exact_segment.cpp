@@ -39,7 +39,7 @@ constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
 constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
-constexpr double least_digits = 1e-8;        ///< of the largest voltage, and of the largest current: what may be rounding of vectors
+constexpr double least_digits = 1e-10;        ///< of the largest voltage, and of the largest current: what may be rounding of vectors
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
