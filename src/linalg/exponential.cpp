@@ -1,7 +1,9 @@
 #include "linalg/exponential.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "linalg/small.hpp"
 #include "linalg/tolerances.hpp"
@@ -75,6 +77,38 @@ Matrix squared(const Matrix& x) {
   });
   if (!small) result += x * x;
   return result;
+}
+
+double column_norm(const Matrix& x) { return x.cwiseAbs().colwise().sum().maxCoeff(); }
+
+/// e^X − I = X + X²/2 + … in groups of four powers, by a quarter of the products. Paterson and Stockmeyer, SIAM J. Comput. 2 (1973).
+Matrix polynomial_minus_identity(const Matrix& x) {
+  constexpr int group = 4;
+  std::array<Matrix, group> power{x, x * x};
+  power[2] = power[1] * x;
+  power[3] = power[1] * power[1];
+  std::array<double, group> size{};
+  std::transform(power.begin(), power.end(), size.begin(), column_norm);
+  std::vector<double> factor;  // 1/k!
+  double term = 1.0, whole = 1.0;
+  for (int k = 1; k <= most_terms; ++k) {
+    term /= k;
+    factor.push_back(term);
+    if (k % group == 1 && factor.size() > 1) whole *= size.back();
+    if (k % group == 0 && !(term * whole * *std::max_element(size.begin(), size.end()) > tolerance::negligible_term * size.front())) break;
+  }
+  const auto sum_of = [&](std::size_t first) {
+    Matrix sum = factor[first] * power[0];
+    for (std::size_t i = 1; i < group; ++i) sum += factor[first + i] * power[i];
+    return sum;
+  };
+  std::size_t first = factor.size() - group;
+  Matrix sum = sum_of(first);
+  while (first > 0) {
+    first -= group;
+    sum = power[3] * sum + sum_of(first);
+  }
+  return sum;
 }
 
 double largest_entry(const double* x, Eigen::Index n) {
@@ -205,14 +239,7 @@ bool Exponential::continue_series(const double* powers, int k, double tau, doubl
 Matrix Exponential::taylor_minus_identity(double tau) const {
   Matrix sum(a_.rows(), a_.cols());
   if (with_length(a_.rows(), [&]<int length>(Length<length>) { small_minus_identity<length>(a_.data(), tau, sum.data()); })) return sum;
-  Matrix term = a_ * tau;
-  sum = term;
-  for (int k = 2; k <= most_terms; ++k) {
-    term = (a_ * term) * (tau / k);
-    sum += term;
-    if (term.cwiseAbs().maxCoeff() <= tolerance::negligible_term * sum.cwiseAbs().maxCoeff()) break;
-  }
-  return sum;
+  return polynomial_minus_identity(a_ * tau);
 }
 
 const Matrix& Exponential::power(int p) const {
