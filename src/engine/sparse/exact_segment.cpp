@@ -40,6 +40,7 @@ constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
 constexpr double least_digits = 1e-10;        ///< of the largest voltage, and of the largest current: what may be rounding of vectors
+constexpr double most_rounding = 1e-11;      ///< of the largest √energy, over a segment that is longer than it was made for
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
@@ -166,8 +167,7 @@ bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& poi
 void ExactSegment::stretch(double longest, double shift) {
   longest = std::min(longest, std::max(length_, most_stretch / shift));
   if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
-    (void)space_.estimate(longest);  // for its reach
-    if (has_digits()) {
+    if (is_precise(space_.estimate(longest)) && has_digits()) {
       length_ = longest;
       return;
     }
@@ -175,14 +175,20 @@ void ExactSegment::stretch(double longest, double shift) {
   }
   for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
     const double longer = std::min(2.0 * length_, longest);
-    const double most = largest_error(space_.estimate(longer));
-    if (!(most <= tolerance_ * size_) || !has_digits()) {
+    const auto& points = space_.estimate(longer);
+    const double most = largest_error(points);
+    if (!(most <= tolerance_ * size_) || !is_precise(points) || !has_digits()) {
       (void)space_.estimate(length_);  // for its reach, again
       return;
     }
     estimate_ = most;
     length_ = longer;
   }
+}
+
+/// Whether what rounding of the vectors adds up to is small over the length last estimated.
+bool ExactSegment::is_precise(const std::vector<KrylovSpace::Checkpoint>& points) const {
+  return points.empty() || points.back().rounding <= most_rounding * size_;
 }
 
 /// Whether voltages and currents are more than what rounding leaves of sums of vectors: in currents that a constraint of voltages decides, as that of a wire across an

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/largest.hpp"
 
@@ -15,6 +16,7 @@ using linalg::Matrix;
 using linalg::Vector;
 
 constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
+constexpr double little_change = 1e-14;         ///< of z: rounding of T z that is not looked at more closely
 constexpr double least_change = 1e-15;          ///< of z itself: the same
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
 constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
@@ -207,6 +209,7 @@ void KrylovSpace::reserve(int columns) {
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
+  delta_.conservativeResize(cols);
   passed_on_.conservativeResizeLike(Matrix::Zero(cols, cols));
   zetas_.conservativeResize(zetas, cols);
   zeta_changes_.conservativeResize(zetas, cols);
@@ -294,7 +297,8 @@ void KrylovSpace::add_vector() {
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
   const double nothing = std::max(rounding_of_change * size, least_change);
-  full_ = !(h > nothing) || !(h > rounding_of(right_, h));
+  delta_[j] = rounding_of(right_, std::min(h, little_change));
+  full_ = !(h > nothing) || !(h > delta_[j]);
   if (full_) return;
   note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
@@ -353,7 +357,8 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   reach_ = first_.cwiseAbs();
   const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
   const double at_start = share_of_start * std::abs(last_row_.dot(y));
-  double integral = 0.0, before = std::abs(d.dot(y)), reached = 0.0;
+  const Vector delta = shift_ * (k_.cwiseAbs().transpose() * delta_.head(m));
+  double integral = 0.0, before = std::abs(d.dot(y)), reached = 0.0, rounding = 0.0, push = delta.dot(reach_);
   while (reached < length && m > 0) {
     const double h = std::min(step, length - reached);
     flow_.apply_once(h, y.data(), work_.data());
@@ -362,8 +367,10 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
     const double now = std::abs(d.dot(y));
     integral += 0.5 * (before + now) * h;
     before = now;
+    const double pushed = std::exchange(push, delta.dot(y.cwiseAbs()));
+    rounding += 0.5 * (pushed + push) * h;
     const double error = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
-    estimate_.push_back({reached, y.norm() <= most_growth * norm_ ? error : INFINITY});
+    estimate_.push_back({reached, y.norm() <= most_growth * norm_ ? error : INFINITY, rounding});
   }
   return estimate_;
 }

@@ -71,6 +71,7 @@ class KrylovSpace {
   static constexpr int checkpoints = 32;
   struct Checkpoint {
     double tau = 0.0, error = 0.0;
+    double rounding = 0.0;  ///< ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
   };
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
   /// Of a form: its row on y. Without its sources and constant.
@@ -126,6 +127,7 @@ class KrylovSpace {
   bool full_ = false, sound_ = true;
   linalg::Matrix vectors_, changes_;  ///< Z and T Z (unknowns × columns)
   linalg::Matrix passed_on_;          ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
+  linalg::Vector delta_;              ///< rounding of T z of each vector, in the norm of the space
   linalg::Vector lost_;               ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
   linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
   linalg::Matrix measured_;                  ///< what the norm measures of Z
