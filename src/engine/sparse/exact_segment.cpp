@@ -28,7 +28,6 @@ constexpr double near = 8.0;                ///< a shift that a position has alr
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
-constexpr double most_stretch = 2e3;        ///< of γ: S − 1 has no digits for motions so slow
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shortest_share = 1e-15;             ///< of the run
@@ -39,7 +38,7 @@ constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
 constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
-constexpr double least_digits = 1e-10;        ///< of the largest voltage, and of the largest current: what may be rounding of vectors
+constexpr double least_digits = 1e-10;       ///< of the largest voltage, and of the largest current: what may be rounding of vectors
 constexpr double most_rounding = 1e-11;      ///< of the largest √energy, over a segment that is longer than it was made for
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
@@ -164,8 +163,7 @@ bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& poi
 }
 
 /// It may serve for longer than it was made for.
-void ExactSegment::stretch(double longest, double shift) {
-  longest = std::min(longest, std::max(length_, most_stretch / shift));
+void ExactSegment::stretch(double longest) {
   if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
     if (is_precise(space_.estimate(longest)) && has_digits()) {
       length_ = longest;
@@ -224,7 +222,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
         habits_[key_].turning = turning;
         continue;
       }
-      stretch(start.longest, shift);
+      stretch(start.longest);
       return Opened::yes;
     }
     const bool becomes_rich = is_rich_ && !was_rich;

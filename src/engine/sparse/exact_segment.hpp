@@ -126,7 +126,7 @@ class ExactSegment {
   [[nodiscard]] bool resolve();
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);
-  void stretch(double longest, double shift);
+  void stretch(double longest);
   [[nodiscard]] bool is_precise(const std::vector<KrylovSpace::Checkpoint>& points) const;
   [[nodiscard]] bool has_digits();
   void take_guards(const Position& on);

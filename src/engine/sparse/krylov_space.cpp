@@ -16,7 +16,7 @@ using linalg::Matrix;
 using linalg::Vector;
 
 constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
-constexpr double little_change = 1e-14;         ///< of z: rounding of T z that is not looked at more closely
+constexpr double little_change = 1e-13;         ///< of z: rounding of T z that is not looked at more closely
 constexpr double least_change = 1e-15;          ///< of z itself: the same
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
 constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
@@ -297,8 +297,9 @@ void KrylovSpace::add_vector() {
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
   const double nothing = std::max(rounding_of_change * size, least_change);
-  delta_[j] = rounding_of(right_, std::min(h, little_change));
-  full_ = !(h > nothing) || !(h > delta_[j]);
+  const bool adds_nothing = !(h > nothing);
+  delta_[j] = rounding_of(right_, adds_nothing ? little_change : std::min(h, little_change));
+  full_ = adds_nothing || !(h > delta_[j]);
   if (full_) return;
   note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
