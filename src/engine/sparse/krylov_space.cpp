@@ -22,10 +22,10 @@ constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or 
 constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
 constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
 constexpr double little_rounding =
-    1e-9;  ///< of the √energy that counts: far below what a segment refuses to begin with (`start_tolerance`)
+    1e-9;  ///< of the √energy that counts: what a solution that begins a segment may be wrong by
 constexpr double worst_condition = 1e12;
 constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
-constexpr int corrections = 3;
+constexpr int corrections = 3, most_refinements = 8;
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
 
@@ -172,19 +172,58 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
 /// The same of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d makes of them, which is
 /// the rounding of a row's terms at least, as chance may make it zero. The
 /// bound may be far too large: an inductor whose current is cut off has impulses of voltage, of which none reaches a capacitor.
-double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
-  const double bound = rounding_of_states(d);
-  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
+/// product_ := what `given_` and a solution d differ by.
+void KrylovSpace::find_residual(const std::vector<double>& d) {
   descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   product_.resize(d.size());
   linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
+  for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
+}
+
+/// The same with sums in extended precision.
+void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  const linalg::SparsePattern& pattern = descriptor_.pattern();
+  wide_.assign(given_.begin(), given_.end());
+  for (std::size_t j = 0; j < d.size(); ++j)
+    for (auto e = static_cast<std::size_t>(pattern.start[j]); e < static_cast<std::size_t>(pattern.start[j + 1]); ++e)
+      wide_[static_cast<std::size_t>(pattern.row[e])] -= static_cast<linalg::Wide>(values_[e]) * d[j];
+  product_.resize(d.size());
+  std::transform(wide_.begin(), wide_.end(), product_.begin(), [](linalg::Wide value) { return static_cast<double>(value); });
+}
+
+/// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.
+void KrylovSpace::refine(std::vector<double>& d, double counts) {
+  if (factor_->closing() || !factor_->ties().empty() || !(weight_of_currents_ > 0.0)) return;
+  sizes_.resize(d.size());
+  descriptor_.memory_sizes(d.data(), sizes_.data());
+  const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
+  if (!(rounding_of_solution * charging * weight_of_currents_ > counts)) return;
+  double before = INFINITY;
+  for (int round = 0; round < most_refinements; ++round) {
+    find_wide_residual(d);
+    factor_->solve(product_);
+    double square = 0.0;
+    for (std::size_t i = 0; i < state_weight_.size(); ++i)
+      square += std::pow(state_weight_[i] * descriptor_.states()[i].value(product_.data()), 2);
+    if (!(std::sqrt(square) < before)) return;
+    before = std::sqrt(square);
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] += product_[i];
+    if (!(before > counts)) return;
+  }
+}
+
+double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
+  const double bound = rounding_of_states(d);
+  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
+  find_residual(d);
   for (double& value : values_) value = std::abs(value);
   sizes_.resize(d.size());
   magnitudes_.resize(d.size());
   std::transform(d.begin(), d.end(), magnitudes_.begin(), [](double value) { return std::abs(value); });
   linalg::multiply(descriptor_.pattern(), values_, magnitudes_.data(), sizes_.data());
   for (std::size_t i = 0; i < d.size(); ++i) {
-    const double residual = given_[i] - product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
+    const double residual = product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
     product_[i] = std::copysign(std::max(std::abs(residual), rounding_of_sum * sizes_[i]), sign);
   }
   factor_->solve(product_);
@@ -229,6 +268,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
+  refine(right_, least_change * size);
   rounding_ = rounding_of(right_, little_rounding * size);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));

@@ -106,6 +106,9 @@ class KrylovSpace {
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
+  void find_residual(const std::vector<double>& d);
+  void find_wide_residual(const std::vector<double>& d);
+  void refine(std::vector<double>& d, double counts);
   [[nodiscard]] double rounding_of(const std::vector<double>& d, double counts);
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
@@ -135,6 +138,7 @@ class KrylovSpace {
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
   std::vector<double> right_, product_, sizes_, values_, magnitudes_, work_;
+  std::vector<linalg::Wide> wide_;
   std::vector<Checkpoint> estimate_;
   std::vector<double> given_;  ///< right-hand side of the last solution
 };
