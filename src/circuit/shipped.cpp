@@ -20,7 +20,7 @@ namespace {
 struct Packaged {
   std::string_view type, subcircuit;
 };
-constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATOR", "comparator"}};
+constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATOR", "comparator"}, {"PUSHPULL", "comparator2"}};
 
 /// Types of single parts, as a subcircuit that holds one: its ports and its card.
 struct Part {
@@ -71,7 +71,7 @@ std::string packaged(std::string_view name) {
     const std::string_view assignment = rest.substr(0, rest.find(' '));
     rest.remove_prefix(std::min(assignment.size() + 1, rest.size()));
     const std::size_t at = text.find(' ' + std::string(assignment.substr(0, assignment.find('=') + 1))) + 1;
-    text.replace(at, text.find(' ', at) - at, assignment);
+    text.replace(at, text.find_first_of(" \n", at) - at, assignment);
   }
   return text;
 }

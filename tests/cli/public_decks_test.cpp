@@ -219,6 +219,53 @@ TEST_CASE("a deck whose only analysis is another one is told which", "[unit]") {
              Contains("E-no-analysis") && Contains("the deck requests .dc alone"));
 }
 
+TEST_CASE("gates take time where without they never settle", "[unit]") {
+  const Scratch scratch;
+  // A protected return path: M1 and M2 close when v(pp,bm) is above 2.4 V. Before, the gate of M2 stands at its own drain: it holds bm at its threshold, 1 V and the overdrive of 0.4 mA,
+  // sqrt(2·0.4 mA/(20 A/V²)) = 6 mV. Then some 9 mA through two channels of 0.05 Ω at most.
+  const Finished finished = run_deck(scratch,
+                                     "return\nI1 0 pp 0.1\nC1 pp 0 10u\nR1 pp bm 1k\nB1 a bm V=if(V(pp,bm)>2.4, V(pp,bm), 0)\n"
+                                     "B2 b bm V=if(V(pp,bm)>2 & V(pp,bm)<20, V(pp,bm), 0)\nM1 d a bm MX\nM2 d b 0 MX\n"
+                                     ".model MX VDMOS(Vto=1 Kp=20 Rd=10m Rs=10m Rg=5 Cgs=500p Cgdmax=60p Cgdmin=30p)\n.tran 1u 1m uic\n"
+                                     ".meas early FIND V(bm) AT=0.15m\n.meas late FIND V(bm) AT=0.9m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("N-gates-take-time"));
+  CHECK(value_of(finished.out, "early") == Approx(1.0).margin(0.012));
+  CHECK(value_of(finished.out, "late") > 0.0);
+  CHECK(value_of(finished.out, "late") < 9e-3 * 0.1);
+}
+
+TEST_CASE("a pulse of a number of cycles may be cut by the next", "[unit]") {
+  const Scratch scratch;
+  // A triangle of 2.4 us in a period of 2 us: it falls from 1 V to 1/3 V until it starts again, three times. Mean of a period: (1.2·0.5 + 0.8·(1 + 1/3)/2)/2.
+  const Finished finished = run_deck(scratch,
+                                     "cut\nV1 a 0 PULSE(0 1 0 1.2u 1.2u 0 2u 3)\nR1 a 0 1\n.tran 0.1u 8u\n.meas m AVG v(a) FROM=0 TO=6u\n"
+                                     ".meas b FIND v(a) AT=1.9999999u\n.meas r MAX v(a) FROM=6.1u TO=8u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-pulse-cut"));
+  CHECK(value_of(finished.out, "m") == Approx((1.2 * 0.5 + 0.8 * (1.0 + 1.0 / 3.0) / 2.0) / 2.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "b") == Approx(1.0 / 3.0).epsilon(1e-6));
+  CHECK(value_of(finished.out, "r") == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("a comparator drives either way", "[unit]") {
+  const Scratch scratch;
+  // 1 kΩ to 2.5 V: (5 V + 2.5 V·0.04)/1.04 when high, 2.5 V·0.04/1.04 when low. A sine of 1 V about 1 V passes 1.5 V, and the hysteresis of 1.75 mV, twice a period.
+  const Finished finished =
+      run_deck(scratch,
+               "comparator\nV1 a 0 SIN(1 1 1k)\nV2 r 0 1.5\nV3 v 0 5\nV4 m 0 2.5\nX1 a r v 0 o comparator2 vh=1.75m\nR1 o m 1k\n"
+               ".tran 1u 2m\n.meas hi MAX v(o)\n.meas lo MIN v(o)\n.meas up WHEN v(o)=2.5 RISE=1\n.meas down WHEN v(o)=2.5 FALL=1\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "hi") == Approx((5.0 + 0.1) / 1.04).epsilon(1e-6));
+  CHECK(value_of(finished.out, "lo") == Approx(0.1 / 1.04).epsilon(1e-5));
+  const double pi = 3.14159265358979;
+  CHECK(value_of(finished.out, "up") == Approx(std::asin(0.50175) / (2.0 * pi * 1e3)).epsilon(1e-6));
+  CHECK(value_of(finished.out, "down") == Approx((pi - std::asin(0.49825)) / (2.0 * pi * 1e3)).epsilon(1e-6));
+}
+
 TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   const Scratch scratch;
   // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.
