@@ -75,7 +75,11 @@ std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter&
   return rated;
 }
 
-/// A Zener diode is there to break down; it has a resistance then.
+/// A Zener diode is there to break down: its row in the table gives a resistance of its own for that.
+bool is_meant_to_break_down(const elements::Values& values) {
+  return elements::find_parameter(values.table(), "Rrev") != nullptr && values.has("Rrev") && values.get("Rrev") != values.get("Ron");
+}
+
 std::vector<std::string> rated_ports(const Circuit& circuit, const model::Network& network, const Reporter& reporter) {
   constexpr std::string_view breakdowns[] = {" (reverse)", " (body diode reverse)"};
   std::unordered_set<std::string> names;
@@ -83,8 +87,7 @@ std::vector<std::string> rated_ports(const Circuit& circuit, const model::Networ
     if (instance.model < 0) continue;
     const elements::Model& model = circuit.models[static_cast<std::size_t>(instance.model)];
     if (reporter.file_of(model.span) != device_models_file) continue;
-    const bool is_zener = elements::find_parameter(model.values.table(), "Rrev") != nullptr && model.values.has("Rrev");
-    if (is_zener) continue;
+    if (is_meant_to_break_down(model.values)) continue;
     for (const std::string_view breakdown : breakdowns) names.insert(instance.name + std::string(breakdown));
   }
   std::vector<std::string> ports;

@@ -266,6 +266,38 @@ TEST_CASE("a comparator drives either way", "[unit]") {
   CHECK(value_of(finished.out, "down") == Approx((pi - std::asin(0.49825)) / (2.0 * pi * 1e3)).epsilon(1e-6));
 }
 
+TEST_CASE("a part that breaks down has its resistance then, too", "[unit]") {
+  const Scratch scratch;
+  // 300 V across the 1N4148 of the table, 100 V and 2 Ω, whose SPICE models have RS in series with the junction: (300 − 100) V/2 Ω.
+  const Finished finished = run_deck(scratch, "mains\nV1 a 0 SIN(0 300 50)\nD1 a 0 1N4148\n.tran 10u 20m\n.meas lo MIN i(D1)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-rated-voltage"));
+  CHECK(value_of(finished.out, "lo") == Approx(-100.0).epsilon(1e-9));
+}
+
+TEST_CASE("parameters of another form of MOSFET model are no slips", "[unit]") {
+  const Scratch scratch;
+  // Shichman-Hodges in the linear region, level 1: v = R·Kp·(vov·vds − vds²/2) with vov = 8 V and Kp = 1 A/V² gives 10 − v = 8·v − v²/2, v = 9 − √61; the
+  // channel is a line, so it is near that.
+  const Finished planar =
+      run_deck(scratch,
+               "planar\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 0 MX\n.model MX NMOS(Vto=2 Kp=1 Cgs=50n Cgd=1n Cgdmax=2n)\n"
+               ".tran 1u 10u\n.meas v MAX v(a)\n");
+  INFO(planar.err);
+  REQUIRE(planar.status == 0);
+  CHECK_THAT(planar.err, Contains("Cgs, Cgd, Cgdmax of model MX are ignored"));
+  CHECK(value_of(planar.out, "v") == Approx(9.0 - std::sqrt(61.0)).epsilon(0.15));
+  const Finished vertical =
+      run_deck(scratch, "vertical\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 MX\n.model MX VDMOS(Vto=2 Ron=1 cgso=1n)\n.tran 1u 10u\n");
+  INFO(vertical.err);
+  CHECK(vertical.status == 0);
+  CHECK_THAT(vertical.err, Contains("cgso of model MX is ignored"));
+  const Finished slip =
+      run_deck(scratch, "slip\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 0 MX\n.model MX NMOS(Vtoo=2 Kp=1)\n.tran 1u 10u\n");
+  CHECK_THAT(slip.err, Contains("E-unknown-parameter"));
+}
+
 TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   const Scratch scratch;
   // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.
