@@ -13,6 +13,7 @@
 #include "circuit/flatten.hpp"
 #include "circuit/parameter_moves.hpp"
 #include "circuit/row_step.hpp"
+#include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -61,6 +62,32 @@ void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
         fmt::format("the model {} has no numbers: its diodes are ideal, without a drop; in SPICE IS is 1e-14 then: try D(IS=1e-14)",
                     each.name));
   }
+}
+
+/// A transistor, or a diode within a shipped subcircuit, most of which are amplifiers: small signals of other programs are around its operating
+/// point. Null if there is none.
+const elements::Instance* amplifying(const Circuit& circuit, const Reporter& reporter) {
+  const auto is_amplifying = [&](const elements::Instance& instance) {
+    const bool is_transistor = std::string_view("QMJ").find(instance.kind->letter) != std::string_view::npos;
+    return is_transistor || (instance.kind->letter == 'D' && is_shipped(reporter.file_of(instance.span)));
+  };
+  const auto found = std::find_if(circuit.instances.begin(), circuit.instances.end(), is_amplifying);
+  return found == circuit.instances.end() ? nullptr : &*found;
+}
+
+/// A deck of other programs has several analyses, each a run of its own: the others do not fail with `.ac`.
+void leave_out_small_signals(Circuit& circuit, Reporter& reporter) {
+  Analyses& analyses = circuit.analyses;
+  if (!analyses.small_signal || analyses.steady_state || !(analyses.transient || analyses.operating_point)) return;
+  const SmallSignal& card = *analyses.small_signal;
+  const bool is_of_spice = card.input == SmallSignal::Input::marked && card.loop.empty() && card.harmonic == 0 && !card.sample;
+  const elements::Instance* instance = amplifying(circuit, reporter);
+  if (!is_of_spice || instance == nullptr) return;
+  reporter.warning("W-ignored-card", card.span,
+                   fmt::format("this .ac is left out: {} is a line in each of its states, and small signals are those around a periodic "
+                               "steady state; try .pss",
+                               instance->name));
+  analyses.small_signal.reset();
 }
 
 std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter& reporter) {
@@ -112,6 +139,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   hold_sources(options.held, circuit);
+  leave_out_small_signals(circuit, reporter);
   if (is_for_ngspice(circuit, diagnostics)) tell_of_ngspice(circuit, reporter);
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;

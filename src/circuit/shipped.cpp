@@ -16,6 +16,8 @@
 namespace pwlsim::circuit {
 namespace {
 
+constexpr std::string_view file_begin = "pwlsim's ", file_end = ".sub";
+
 /// Types in devices.txt that are subcircuits, and which.
 struct Packaged {
   std::string_view type, subcircuit;
@@ -145,12 +147,14 @@ std::vector<Called> called_from(const Definitions& definitions, Reporter& report
 
 }  // namespace
 
+bool is_shipped(std::string_view file) { return file.starts_with(file_begin) && file.ends_with(file_end); }
+
 std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
   std::vector<netlist::Deck> decks;
   Definition& top = *definitions.all.front();
   for (const Called& called : called_from(definitions, reporter)) {
     Diagnostics scratch;
-    const std::string name = fmt::format("pwlsim's {}.sub", called.name);
+    const std::string name = fmt::format("{}{}{}", file_begin, called.name, file_end);
     decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, called.text), sources, scratch));
     reporter.forward(scratch);
     reporter.leave_out_notes_of(decks.back().title_span.file);
