@@ -22,6 +22,7 @@ constexpr Told told[] = {
     {"N-model-at-hand", replaced},
     {"N-zero-capacitance", replaced},
     {"N-zero-inductance", replaced},
+    {"N-source-resistance", read_otherwise},
     {"W-ignored-card", ignored},
     {"W-ignored-option", ignored},
     {"W-ignored-parameter", ignored},

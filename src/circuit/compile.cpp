@@ -139,12 +139,12 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   Circuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   hold_sources(options.held, circuit);
-  leave_out_small_signals(circuit, reporter);
   if (is_for_ngspice(circuit, diagnostics)) tell_of_ngspice(circuit, reporter);
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
   if (reporter.failed()) return std::nullopt;
+  leave_out_small_signals(circuit, reporter);
   if (circuit.analyses.transient) {
     check_row_step(*network, *circuit.analyses.transient, reporter);
     resolve_last_periods(*network, circuit.analyses, circuit.measurements, reporter);

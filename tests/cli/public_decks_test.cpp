@@ -298,6 +298,34 @@ TEST_CASE("parameters of another form of MOSFET model are no slips", "[unit]") {
   CHECK_THAT(slip.err, Contains("E-unknown-parameter"));
 }
 
+TEST_CASE("a regulator by an expression may lie straight across its output capacitor", "[unit]") {
+  const Scratch scratch;
+  // The input rises by 4 V/ms: the capacitor takes 10 µF · 4 V/ms, the load v/33 Ω, both through 1 mΩ; at the top the load's current alone does.
+  const std::string rest =
+      "C1 out 0 10u\nR1 out 0 33\n.tran 10u 4m\n.meas v FIND v(out) AT=0.25m\n.meas i FIND i(C1) AT=0.25m\n.meas top FIND v(out) AT=1.5m\n";
+  const std::string line = "regulator\nV1 in 0 PULSE(2 6 0 1m 1m 1m 4m)\n";
+  for (const std::string source :
+       {"E1 out 0 value={min(V(in)-0.2, 3.3)}\n", "B1 out 0 V=limit(V(in)-0.2, 0, 3.3)\n",
+        "E1 out 0 TABLE {V(in)-0.2} = (0,0) (3.3,3.3) (6,3.3)\n", "B1 m 0 V=if(V(in)<3.5, V(in)-0.2, 3.3)\nV2 out m 0\n"}) {
+    const Finished finished = run_deck(scratch, line + source + rest);
+    INFO(source << finished.err);
+    REQUIRE(finished.status == 0);
+    CHECK_THAT(finished.err, Contains("N-source-resistance"));
+    CHECK(value_of(finished.out, "v") == Approx(2.8 - 1e-3 * (0.04 + 2.8 / 33.0)).epsilon(1e-7));
+    CHECK(value_of(finished.out, "i") == Approx(0.04).epsilon(1e-4));
+    CHECK(value_of(finished.out, "top") == Approx(3.3 * 33.0 / 33.001).epsilon(1e-9));
+  }
+  // A resistor of the deck's own is enough, and so is one within the capacitor.
+  for (const std::string& own :
+       {"E1 m 0 value={min(V(in)-0.2, 3.3)}\nRS m out 1m\n" + rest,
+        std::string("E1 out 0 value={min(V(in)-0.2, 3.3)}\nC1 out 0 10u Rser=1m\n.tran 10u 4m\n.meas top FIND v(out) AT=1.5m\n")}) {
+    const Finished finished = run_deck(scratch, line + own);
+    REQUIRE(finished.status == 0);
+    CHECK_THAT(finished.err, !Contains("N-source-resistance"));
+    CHECK(value_of(finished.out, "top") == Approx(3.3).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   const Scratch scratch;
   // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.
