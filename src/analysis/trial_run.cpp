@@ -98,19 +98,25 @@ bool has_failed(engine::Outcome outcome) {
 
 }  // namespace
 
+Simulate tried_first(Simulate first, Other other, std::function<engine::Remark(const engine::Answer&)> why) {
+  return [first = std::move(first), other = std::move(other), why = std::move(why)](const engine::Request& request, engine::RowSink& sink) {
+    Keeper keeper(request, sink);
+    engine::Answer answer = keeper.run(first);
+    if (const Simulate second = keeper.has_passed_on() ? Simulate{} : other(answer); second) {
+      engine::Answer next = second(request, sink);
+      next.remarks.push_back(why(answer));
+      return next;
+    }
+    if (!keeper.pass_on() && answer.outcome == engine::Outcome::completed) answer.outcome = engine::Outcome::sink_stopped;
+    return answer;
+  };
+}
+
 Simulate tried_first(Simulate first, Simulate second, std::function<engine::Remark(const engine::Answer&)> why) {
-  return
-      [first = std::move(first), second = std::move(second), why = std::move(why)](const engine::Request& request, engine::RowSink& sink) {
-        Keeper keeper(request, sink);
-        engine::Answer answer = keeper.run(first);
-        if (has_failed(answer.outcome) && !keeper.has_passed_on()) {
-          engine::Answer other = second(request, sink);
-          other.remarks.push_back(why(answer));
-          return other;
-        }
-        if (!keeper.pass_on() && answer.outcome == engine::Outcome::completed) answer.outcome = engine::Outcome::sink_stopped;
-        return answer;
-      };
+  const Other other = [second = std::move(second)](const engine::Answer& answer) {
+    return has_failed(answer.outcome) ? second : Simulate{};
+  };
+  return tried_first(std::move(first), other, std::move(why));
 }
 
 }  // namespace pwlsim::analysis

@@ -11,6 +11,7 @@
 #include "circuit/names.hpp"
 #include "circuit/node_levels.hpp"
 #include "circuit/signals.hpp"
+#include "circuit/source_resistance.hpp"
 #include "elements/emission.hpp"
 #include "elements/steps.hpp"
 
@@ -40,6 +41,7 @@ class Assembler {
     if (!circuit_.has_gaps) to_tie = report_floating(circuit_, reporter_);
     if (!circuit_.has_gaps) warn_of_dangling(circuit_, reporter_);
     if (reporter_.failed()) return std::nullopt;
+    resist_capacitors(circuit_, reporter_);
     emit();
     tie_to_ground(to_tie);
     add_signals(signals, probes);

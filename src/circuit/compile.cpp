@@ -13,6 +13,7 @@
 #include "circuit/flatten.hpp"
 #include "circuit/parameter_moves.hpp"
 #include "circuit/row_step.hpp"
+#include "circuit/shipped.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -63,6 +64,32 @@ void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
   }
 }
 
+/// A transistor, or a diode within a shipped subcircuit, most of which are amplifiers: small signals of other programs are around its operating
+/// point. Null if there is none.
+const elements::Instance* amplifying(const Circuit& circuit, const Reporter& reporter) {
+  const auto is_amplifying = [&](const elements::Instance& instance) {
+    const bool is_transistor = std::string_view("QMJ").find(instance.kind->letter) != std::string_view::npos;
+    return is_transistor || (instance.kind->letter == 'D' && is_shipped(reporter.file_of(instance.span)));
+  };
+  const auto found = std::find_if(circuit.instances.begin(), circuit.instances.end(), is_amplifying);
+  return found == circuit.instances.end() ? nullptr : &*found;
+}
+
+/// A deck of other programs has several analyses, each a run of its own: the others do not fail with `.ac`.
+void leave_out_small_signals(Circuit& circuit, Reporter& reporter) {
+  Analyses& analyses = circuit.analyses;
+  if (!analyses.small_signal || analyses.steady_state || !(analyses.transient || analyses.operating_point)) return;
+  const SmallSignal& card = *analyses.small_signal;
+  const bool is_of_spice = card.input == SmallSignal::Input::marked && card.loop.empty() && card.harmonic == 0 && !card.sample;
+  const elements::Instance* instance = amplifying(circuit, reporter);
+  if (!is_of_spice || instance == nullptr) return;
+  reporter.warning("W-ignored-card", card.span,
+                   fmt::format("this .ac is left out: {} is a line in each of its states, and small signals are those around a periodic "
+                               "steady state; try .pss",
+                               instance->name));
+  analyses.small_signal.reset();
+}
+
 std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter& reporter) {
   std::vector<RatedCurrent> rated;
   for (const elements::Instance& instance : circuit.instances) {
@@ -75,7 +102,11 @@ std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter&
   return rated;
 }
 
-/// A Zener diode is there to break down; it has a resistance then.
+/// A Zener diode is there to break down: its row in the table gives a resistance of its own for that.
+bool is_meant_to_break_down(const elements::Values& values) {
+  return elements::find_parameter(values.table(), "Rrev") != nullptr && values.has("Rrev") && values.get("Rrev") != values.get("Ron");
+}
+
 std::vector<std::string> rated_ports(const Circuit& circuit, const model::Network& network, const Reporter& reporter) {
   constexpr std::string_view breakdowns[] = {" (reverse)", " (body diode reverse)"};
   std::unordered_set<std::string> names;
@@ -83,8 +114,7 @@ std::vector<std::string> rated_ports(const Circuit& circuit, const model::Networ
     if (instance.model < 0) continue;
     const elements::Model& model = circuit.models[static_cast<std::size_t>(instance.model)];
     if (reporter.file_of(model.span) != device_models_file) continue;
-    const bool is_zener = elements::find_parameter(model.values.table(), "Rrev") != nullptr && model.values.has("Rrev");
-    if (is_zener) continue;
+    if (is_meant_to_break_down(model.values)) continue;
     for (const std::string_view breakdown : breakdowns) names.insert(instance.name + std::string(breakdown));
   }
   std::vector<std::string> ports;
@@ -114,6 +144,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
   if (reporter.failed()) return std::nullopt;
+  leave_out_small_signals(circuit, reporter);
   if (circuit.analyses.transient) {
     check_row_step(*network, *circuit.analyses.transient, reporter);
     resolve_last_periods(*network, circuit.analyses, circuit.measurements, reporter);

@@ -189,6 +189,17 @@ std::vector<Wanted> wanted_by(const Definitions& definitions) {
   return list;
 }
 
+/// As SPICE has RS behind the breakdown voltage of a diode, too, Ron stands there where the table gives no Rrev.
+std::string model_parameters(const Device& device) {
+  constexpr std::string_view on = " Ron=";
+  const std::string& text = device.parameters;
+  const std::size_t at = text.find(on);
+  if (device.type != "D" || at == std::string::npos || text.find("Vrev=") == std::string::npos || text.find("Rrev=") != std::string::npos)
+    return text;
+  const std::size_t begin = at + on.size();
+  return text + " Rrev=" + text.substr(begin, text.find(' ', begin) - begin);
+}
+
 }  // namespace
 
 std::optional<Device> find_device(std::string_view name) {
@@ -218,7 +229,7 @@ DeviceModels add_device_models(Definitions& definitions, SourceStore& sources, R
   const std::vector<Wanted> wanted = wanted_by(definitions);
   if (wanted.empty()) return models;
   std::string text = std::string(device_models_file) + "\n";
-  for (const Wanted& one : wanted) text += fmt::format(".model {} {} {}\n", one.name, one.device.type, one.device.parameters);
+  for (const Wanted& one : wanted) text += fmt::format(".model {} {} {}\n", one.name, one.device.type, model_parameters(one.device));
   Diagnostics scratch;
   models.deck = netlist::parse(std::string(device_models_file), text, sources, scratch);
   reporter.forward(scratch);
@@ -227,8 +238,8 @@ DeviceModels add_device_models(Definitions& definitions, SourceStore& sources, R
   for (std::size_t at = 0; at < models.deck.cards.size() && at < wanted.size(); ++at) {
     const Card& card = models.deck.cards[at];
     top.models.emplace(without_case(wanted[at].name), &card);
-    models.sources.emplace(&card,
-                           fmt::format("{} {} ({})", wanted[at].device.type, wanted[at].device.parameters, wanted[at].device.source));
+    models.sources.emplace(
+        &card, fmt::format("{} {} ({})", wanted[at].device.type, model_parameters(wanted[at].device), wanted[at].device.source));
   }
   return models;
 }

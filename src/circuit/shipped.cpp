@@ -16,11 +16,13 @@
 namespace pwlsim::circuit {
 namespace {
 
+constexpr std::string_view file_begin = "pwlsim's ", file_end = ".sub";
+
 /// Types in devices.txt that are subcircuits, and which.
 struct Packaged {
   std::string_view type, subcircuit;
 };
-constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATOR", "comparator"}};
+constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATOR", "comparator"}, {"PUSHPULL", "comparator2"}};
 
 /// Types of single parts, as a subcircuit that holds one: its ports and its card.
 struct Part {
@@ -71,7 +73,7 @@ std::string packaged(std::string_view name) {
     const std::string_view assignment = rest.substr(0, rest.find(' '));
     rest.remove_prefix(std::min(assignment.size() + 1, rest.size()));
     const std::size_t at = text.find(' ' + std::string(assignment.substr(0, assignment.find('=') + 1))) + 1;
-    text.replace(at, text.find(' ', at) - at, assignment);
+    text.replace(at, text.find_first_of(" \n", at) - at, assignment);
   }
   return text;
 }
@@ -145,12 +147,14 @@ std::vector<Called> called_from(const Definitions& definitions, Reporter& report
 
 }  // namespace
 
+bool is_shipped(std::string_view file) { return file.starts_with(file_begin) && file.ends_with(file_end); }
+
 std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
   std::vector<netlist::Deck> decks;
   Definition& top = *definitions.all.front();
   for (const Called& called : called_from(definitions, reporter)) {
     Diagnostics scratch;
-    const std::string name = fmt::format("pwlsim's {}.sub", called.name);
+    const std::string name = fmt::format("{}{}{}", file_begin, called.name, file_end);
     decks.push_back(netlist::parse(name, fmt::format("{}\n{}", name, called.text), sources, scratch));
     reporter.forward(scratch);
     reporter.leave_out_notes_of(decks.back().title_span.file);

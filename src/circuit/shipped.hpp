@@ -17,6 +17,8 @@ struct ShippedSubcircuit {
 };
 /// In order of their names.
 [[nodiscard]] std::span<const ShippedSubcircuit> shipped_subcircuits();
+/// Whether the name of a source is that of a shipped subcircuit, as messages show it.
+[[nodiscard]] bool is_shipped(std::string_view file);
 
 /// Adds the shipped subcircuits that `definitions` call but do not have, as if they were at the end of the deck. Notes about their text
 /// are dropped. The result holds their cards and must outlive `definitions`.

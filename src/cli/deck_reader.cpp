@@ -37,7 +37,7 @@ DeckReading read_deck(const std::string& name, circuit::CompileOptions options, 
   const auto parse_start = Clock::now();
   netlist::Loaded loaded = netlist::load(name, sources, diagnostics, {}, keep_drawing ? &reading.drawing : nullptr);
   reading.places = netlist::places_of(reading.drawing);
-  options.drawn = names_in(reading.places);
+  options.drawn = reading.drawn = names_in(reading.places);
   reading.seconds_parse = since(parse_start);
   const auto flatten_start = Clock::now();
   if (loaded.readable) reading.compiled = circuit::compile(loaded.deck, sources, diagnostics, options);

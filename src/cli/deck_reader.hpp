@@ -18,6 +18,7 @@ struct DeckReading {
   std::optional<circuit::Compiled> compiled;  ///< empty if the deck has mistakes
   netlist::Drawing drawing;                   ///< empty if there is none
   std::vector<netlist::DrawnPlace> places;    ///< of the drawing
+  circuit::DrawnNames drawn;                  ///< the names at these places
   Status status = Status::done;               ///< if it failed: wrong_input or file_error
   double seconds_parse = 0.0, seconds_flatten = 0.0;
 };

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "analysis/abandonable.hpp"
 #include "analysis/fitted_diodes.hpp"
+#include "analysis/gate_run.hpp"
 #include "analysis/html_report.hpp"
 #include "analysis/report.hpp"
 #include "analysis/row_grid.hpp"
@@ -22,6 +24,7 @@
 #include "cli/signals.hpp"
 #include "cli/split_files.hpp"
 #include "cli/sweep_session.hpp"
+#include "netlist/load.hpp"
 #include "waveform/png.hpp"
 
 namespace pwlsim::cli {
@@ -62,6 +65,8 @@ class Session {
 
   int prepare();
   [[nodiscard]] bool is_orbit_alone() const;
+  [[nodiscard]] bool may_repeat_with_gates() const;
+  [[nodiscard]] std::optional<circuit::Compiled> compiled_with_gates() const;
   int open_files();
   int check_split();
   void warn_of_size();
@@ -75,6 +80,7 @@ class Session {
 
   RunContext run_;
   netlist::Deck deck_;
+  circuit::DrawnNames drawn_;                               ///< names that a picture shows
   std::vector<std::unique_ptr<AnalysisSession>> analyses_;  ///< those that the deck asks for
   std::optional<waveform::OutputFile> statistics_file_;
 };
@@ -87,6 +93,7 @@ int Session::prepare() {
   if (!reading.compiled) return static_cast<int>(reading.status);
   run_.compiled = std::move(reading.compiled);
   deck_ = std::move(reading.deck);
+  drawn_ = std::move(reading.drawn);
   run_.files = std::move(reading.files);
   run_.outcome.schematic = schematic_json(reading.drawing, reading.places);
   const std::vector<std::string> names = analysis::column_names(*run_.compiled);
@@ -111,6 +118,10 @@ int Session::prepare() {
   run_.messages.report(diagnostics, run_.sources);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   if (!run_.engine.simulate || diagnostics.has_errors()) return static_cast<int>(Status::wrong_input);
+  if (may_repeat_with_gates())
+    run_.engine.simulate = analysis::with_gates_at_need(
+        std::move(run_.engine.simulate), *run_.compiled, [this] { return compiled_with_gates(); }, run_.options.engine, run_.reltol,
+        &caught_signal());
   if (run_.options.no_rows) run_.engine.simulate = analysis::without_rows(std::move(run_.engine.simulate));
   return 0;
 }
@@ -121,6 +132,21 @@ bool Session::is_orbit_alone() const {
   const model::Network& network = run_.compiled->network;
   return deck.steady_state && !deck.transient && !deck.operating_point && !run_.is_stepped() && analysis::is_quick(network) &&
          analysis::has_modes(network, run_.options.engine);
+}
+
+/// A run alone: what other analyses take from it would not be of its network.
+bool Session::may_repeat_with_gates() const {
+  const circuit::Analyses& deck = run_.analyses();
+  return deck.transient && !deck.steady_state && !deck.small_signal && !deck.sensitivities && !run_.is_stepped() && !run_.options.check;
+}
+
+std::optional<circuit::Compiled> Session::compiled_with_gates() const {
+  SourceStore sources = run_.sources;
+  Diagnostics ignored;
+  netlist::Deck deck = deck_;
+  netlist::Deck option = netlist::parse("options", "\n.options gatecap\n", sources, ignored);
+  std::move(option.cards.begin(), option.cards.end(), std::back_inserter(deck.cards));
+  return circuit::compile(deck, sources, ignored, {.measure = true, .drawn = drawn_});
 }
 
 int Session::check_split() {

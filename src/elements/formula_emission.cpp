@@ -136,6 +136,7 @@ void set_source_value(Emission& emission, LinearForm value, bool is_current) {
   LinearForm& law = network.branches[index].voltage;
   if (!is_current) {
     law = std::move(value);
+    if (const double r = emission.instance().series_resistance; r != 0.0) law.push_back({Quantity::branch_current, result.item, r});
     return;
   }
   law = model::voltage_between(emission.p(), emission.n());

@@ -140,13 +140,14 @@ struct Instance {
   std::vector<double> coefficients;  ///< Tail::gain: the constant part, then one number a control
   std::optional<Formula> formula;
   std::vector<AffineSum> formula_moves{};  ///< its derivative to each parameter of .sens, where it is a sum of signals; else empty
-  bool formula_is_current = false;  ///< also of the output of an A element
+  bool formula_is_current = false;         ///< also of the output of an A element
   std::vector<BlockInput> inputs;
   std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;
   std::vector<std::optional<model::SourceFunction>> waveform_moves{};  ///< of PWL: its derivative to each parameter of .sens that moves it
   std::complex<double> alternating = 0.0;                              ///< of a source: `AC`
   bool is_load = false;                                                ///< of a current source that is never negative: no current at v < 0
+  double series_resistance = 0.0;                                      ///< ohm: of a voltage by formula, where it needs one
   int model = -1;                                                      ///< index within the circuit's models
   std::optional<bool> flag;                                            ///< on / off as written
   bool drive_is_apart =

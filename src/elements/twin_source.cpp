@@ -168,11 +168,21 @@ class SourceText {
     for (double n = 0.0; n < pulse.cycles && pwl.points.size() <= most_points; n += 1.0) {
       const double start = pulse.delay + (n == 0.0 ? 0.0 : n * pulse.period);
       pwl.points.push_back({start, pulse.initial});
-      pwl.points.push_back({start + pulse.rise, pulse.pulsed});
-      pwl.points.push_back({start + pulse.rise + width, pulse.pulsed});
-      pwl.points.push_back({start + pulse.rise + width + pulse.fall, pulse.initial});
+      const double next = start + pulse.period;
+      append(pwl, {start + pulse.rise, pulse.pulsed}, next);
+      append(pwl, {start + pulse.rise + width, pulse.pulsed}, next);
+      append(pwl, {start + pulse.rise + width + pulse.fall, pulse.initial}, next);
     }
+    if (pwl.points.back().value != pulse.initial) pwl.points.push_back({pwl.points.back().time, pulse.initial});
     return pwl;
+  }
+
+  /// Up to `end`, where a pulse that is longer than its period is cut.
+  static void append(model::Pwl& pwl, model::Pwl::Point point, double end) {
+    const model::Pwl::Point last = pwl.points.back();
+    if (last.time >= end && point.time > end) return;
+    if (point.time > end) point = {end, last.value + (point.value - last.value) * (end - last.time) / (point.time - last.time)};
+    pwl.points.push_back(point);
   }
 
   Twin& twin_;

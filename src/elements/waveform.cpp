@@ -109,14 +109,10 @@ Function make_pulse(const Values& v, SourceSpan span, Diagnostics& diagnostics) 
     fit_period(pulse);
     return pulse;
   }
-  if (!std::isinf(pulse.cycles)) {
-    diagnostics.error("E-pulse-period", span, "Tr + Ton + Tf is longer than Tper");
-    return std::nullopt;
-  }
   constexpr double unseen = 1e-3;  // a triangle whose top is given a picosecond, as simulators with steps ask for
   if (length(pulse) > pulse.period * (1.0 + unseen))
     diagnostics.warning("W-pulse-cut", span, "Tr + Ton + Tf is longer than Tper: each pulse is cut short by the next");
-  return cut_train(pulse);
+  return std::isinf(pulse.cycles) ? Function(cut_train(pulse)) : Function(pulse);
 }
 
 Function make_exp(const Values& v, SourceSpan span, Diagnostics& diagnostics) {

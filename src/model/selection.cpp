@@ -253,7 +253,7 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
 /// mode that holds those at zero goes on. Or what x is moved by into m was in the guards: then a mode goes on from there.
 /// `after`: the only one to look at; null: any.
 const Mode* Selector::beside(double* x, const Mode& m, const Mode* after) {
-  if (const Mode* found = try_without_jump(x, with_falling_flipped(m.active)); found) return found;
+  if (const Mode* found = by_repeated_rule(x, with_falling_flipped(m.active)); found) return found;
   if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
   const Mode* found = settled(m, x, after);
   if (!found) return nullptr;

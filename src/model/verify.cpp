@@ -13,6 +13,9 @@ constexpr double share_of_norm = 0.1;
 /// Of decays: as long as they may hold a guard.
 constexpr double time_constants_unresolved = 4.0;
 
+/// Whether the decays move a guard at all: one that they do not reach has no lag.
+bool reads_decays(const Mode& mode, int row) { return mode.decays->guards.row(row).norm() > tolerance::noise_floor * mode.guard_norm[row]; }
+
 }  // namespace
 
 void Verifier::extend(const Mode& mode, int order) {
@@ -93,7 +96,7 @@ bool Verifier::may_be_held(const Mode& mode, int row, const Departure& now, doub
 /// A guard that leaves zero upwards and is undone by its next derivative before the decays, which the slow motion does not resolve, are over: it falls. The slow motion's lag
 /// behind a voltage that begins to rise has the sign that this voltage does not have.
 Departure Verifier::undone(const Mode& mode, int row, Departure first) {
-  if (first.order < 1 || first.order >= ny_) return first;
+  if (first.order < 1 || first.order >= ny_ || !reads_decays(mode, row)) return first;
   if (known_ == 0) prepare();
   double next = 0.0;
   if (!significant(mode, row, first.order + 1, next)) return first;

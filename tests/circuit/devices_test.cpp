@@ -21,7 +21,8 @@ std::string parameters_of(std::string_view name) {
 }
 
 std::string card_of(std::string_view type, std::string_view name) {
-  if (type == "OPAMP" || type == "COMPARATOR") return fmt::format("X1 0 b c d b {}\nV2 c 0 5\nV3 0 d 5\nR1 b 0 1", name);
+  if (type == "OPAMP" || type == "COMPARATOR" || type == "PUSHPULL")
+    return fmt::format("X1 0 b c d b {}\nV2 c 0 5\nV3 0 d 5\nR1 b 0 1", name);
   if (type == "D") return fmt::format("D1 a 0 {}", name);
   const char letter = type == "VDMOS" || type == "NMOS" || type == "PMOS" ? 'M' : type == "NPN" || type == "PNP" ? 'Q' : 'J';
   return fmt::format("{}1 a b 0 {}\nR2 b 0 1", letter, name);

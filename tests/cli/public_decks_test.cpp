@@ -219,6 +219,113 @@ TEST_CASE("a deck whose only analysis is another one is told which", "[unit]") {
              Contains("E-no-analysis") && Contains("the deck requests .dc alone"));
 }
 
+TEST_CASE("gates take time where without they never settle", "[unit]") {
+  const Scratch scratch;
+  // A protected return path: M1 and M2 close when v(pp,bm) is above 2.4 V. Before, the gate of M2 stands at its own drain: it holds bm at its threshold, 1 V and the overdrive of 0.4 mA,
+  // sqrt(2·0.4 mA/(20 A/V²)) = 6 mV. Then some 9 mA through two channels of 0.05 Ω at most.
+  const Finished finished = run_deck(scratch,
+                                     "return\nI1 0 pp 0.1\nC1 pp 0 10u\nR1 pp bm 1k\nB1 a bm V=if(V(pp,bm)>2.4, V(pp,bm), 0)\n"
+                                     "B2 b bm V=if(V(pp,bm)>2 & V(pp,bm)<20, V(pp,bm), 0)\nM1 d a bm MX\nM2 d b 0 MX\n"
+                                     ".model MX VDMOS(Vto=1 Kp=20 Rd=10m Rs=10m Rg=5 Cgs=500p Cgdmax=60p Cgdmin=30p)\n.tran 1u 1m uic\n"
+                                     ".meas early FIND V(bm) AT=0.15m\n.meas late FIND V(bm) AT=0.9m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("N-gates-take-time"));
+  CHECK(value_of(finished.out, "early") == Approx(1.0).margin(0.012));
+  CHECK(value_of(finished.out, "late") > 0.0);
+  CHECK(value_of(finished.out, "late") < 9e-3 * 0.1);
+}
+
+TEST_CASE("a pulse of a number of cycles may be cut by the next", "[unit]") {
+  const Scratch scratch;
+  // A triangle of 2.4 us in a period of 2 us: it falls from 1 V to 1/3 V until it starts again, three times. Mean of a period: (1.2·0.5 + 0.8·(1 + 1/3)/2)/2.
+  const Finished finished = run_deck(scratch,
+                                     "cut\nV1 a 0 PULSE(0 1 0 1.2u 1.2u 0 2u 3)\nR1 a 0 1\n.tran 0.1u 8u\n.meas m AVG v(a) FROM=0 TO=6u\n"
+                                     ".meas b FIND v(a) AT=1.9999999u\n.meas r MAX v(a) FROM=6.1u TO=8u\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-pulse-cut"));
+  CHECK(value_of(finished.out, "m") == Approx((1.2 * 0.5 + 0.8 * (1.0 + 1.0 / 3.0) / 2.0) / 2.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "b") == Approx(1.0 / 3.0).epsilon(1e-6));
+  CHECK(value_of(finished.out, "r") == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("a comparator drives either way", "[unit]") {
+  const Scratch scratch;
+  // 1 kΩ to 2.5 V: (5 V + 2.5 V·0.04)/1.04 when high, 2.5 V·0.04/1.04 when low. A sine of 1 V about 1 V passes 1.5 V, and the hysteresis of 1.75 mV, twice a period.
+  const Finished finished =
+      run_deck(scratch,
+               "comparator\nV1 a 0 SIN(1 1 1k)\nV2 r 0 1.5\nV3 v 0 5\nV4 m 0 2.5\nX1 a r v 0 o comparator2 vh=1.75m\nR1 o m 1k\n"
+               ".tran 1u 2m\n.meas hi MAX v(o)\n.meas lo MIN v(o)\n.meas up WHEN v(o)=2.5 RISE=1\n.meas down WHEN v(o)=2.5 FALL=1\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "hi") == Approx((5.0 + 0.1) / 1.04).epsilon(1e-6));
+  CHECK(value_of(finished.out, "lo") == Approx(0.1 / 1.04).epsilon(1e-5));
+  const double pi = 3.14159265358979;
+  CHECK(value_of(finished.out, "up") == Approx(std::asin(0.50175) / (2.0 * pi * 1e3)).epsilon(1e-6));
+  CHECK(value_of(finished.out, "down") == Approx((pi - std::asin(0.49825)) / (2.0 * pi * 1e3)).epsilon(1e-6));
+}
+
+TEST_CASE("a part that breaks down has its resistance then, too", "[unit]") {
+  const Scratch scratch;
+  // 300 V across the 1N4148 of the table, 100 V and 2 Ω, whose SPICE models have RS in series with the junction: (300 − 100) V/2 Ω.
+  const Finished finished = run_deck(scratch, "mains\nV1 a 0 SIN(0 300 50)\nD1 a 0 1N4148\n.tran 10u 20m\n.meas lo MIN i(D1)\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-rated-voltage"));
+  CHECK(value_of(finished.out, "lo") == Approx(-100.0).epsilon(1e-9));
+}
+
+TEST_CASE("parameters of another form of MOSFET model are no slips", "[unit]") {
+  const Scratch scratch;
+  // Shichman-Hodges in the linear region, level 1: v = R·Kp·(vov·vds − vds²/2) with vov = 8 V and Kp = 1 A/V² gives 10 − v = 8·v − v²/2, v = 9 − √61; the
+  // channel is a line, so it is near that.
+  const Finished planar =
+      run_deck(scratch,
+               "planar\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 0 MX\n.model MX NMOS(Vto=2 Kp=1 Cgs=50n Cgd=1n Cgdmax=2n)\n"
+               ".tran 1u 10u\n.meas v MAX v(a)\n");
+  INFO(planar.err);
+  REQUIRE(planar.status == 0);
+  CHECK_THAT(planar.err, Contains("Cgs, Cgd, Cgdmax of model MX are ignored"));
+  CHECK(value_of(planar.out, "v") == Approx(9.0 - std::sqrt(61.0)).epsilon(0.15));
+  const Finished vertical =
+      run_deck(scratch, "vertical\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 MX\n.model MX VDMOS(Vto=2 Ron=1 cgso=1n)\n.tran 1u 10u\n");
+  INFO(vertical.err);
+  CHECK(vertical.status == 0);
+  CHECK_THAT(vertical.err, Contains("cgso of model MX is ignored"));
+  const Finished slip =
+      run_deck(scratch, "slip\nV1 d 0 10\nV2 g 0 10\nR1 d a 1\nM1 a g 0 0 MX\n.model MX NMOS(Vtoo=2 Kp=1)\n.tran 1u 10u\n");
+  CHECK_THAT(slip.err, Contains("E-unknown-parameter"));
+}
+
+TEST_CASE("a regulator by an expression may lie straight across its output capacitor", "[unit]") {
+  const Scratch scratch;
+  // The input rises by 4 V/ms: the capacitor takes 10 µF · 4 V/ms, the load v/33 Ω, both through 1 mΩ; at the top the load's current alone does.
+  const std::string rest =
+      "C1 out 0 10u\nR1 out 0 33\n.tran 10u 4m\n.meas v FIND v(out) AT=0.25m\n.meas i FIND i(C1) AT=0.25m\n.meas top FIND v(out) AT=1.5m\n";
+  const std::string line = "regulator\nV1 in 0 PULSE(2 6 0 1m 1m 1m 4m)\n";
+  for (const std::string source :
+       {"E1 out 0 value={min(V(in)-0.2, 3.3)}\n", "B1 out 0 V=limit(V(in)-0.2, 0, 3.3)\n",
+        "E1 out 0 TABLE {V(in)-0.2} = (0,0) (3.3,3.3) (6,3.3)\n", "B1 m 0 V=if(V(in)<3.5, V(in)-0.2, 3.3)\nV2 out m 0\n"}) {
+    const Finished finished = run_deck(scratch, line + source + rest);
+    INFO(source << finished.err);
+    REQUIRE(finished.status == 0);
+    CHECK_THAT(finished.err, Contains("N-source-resistance"));
+    CHECK(value_of(finished.out, "v") == Approx(2.8 - 1e-3 * (0.04 + 2.8 / 33.0)).epsilon(1e-7));
+    CHECK(value_of(finished.out, "i") == Approx(0.04).epsilon(1e-4));
+    CHECK(value_of(finished.out, "top") == Approx(3.3 * 33.0 / 33.001).epsilon(1e-9));
+  }
+  // A resistor of the deck's own is enough, and so is one within the capacitor.
+  for (const std::string& own :
+       {"E1 m 0 value={min(V(in)-0.2, 3.3)}\nRS m out 1m\n" + rest,
+        std::string("E1 out 0 value={min(V(in)-0.2, 3.3)}\nC1 out 0 10u Rser=1m\n.tran 10u 4m\n.meas top FIND v(out) AT=1.5m\n")}) {
+    const Finished finished = run_deck(scratch, line + own);
+    REQUIRE(finished.status == 0);
+    CHECK_THAT(finished.err, !Contains("N-source-resistance"));
+    CHECK(value_of(finished.out, "top") == Approx(3.3).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   const Scratch scratch;
   // 10 V of 50 Hz over 1 Ω: nothing below zero, v/1 mΩ in the knee, and 2 A from 2 V on.

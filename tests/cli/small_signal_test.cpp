@@ -272,6 +272,36 @@ TEST_CASE("runs of .step have their responses in one table", "[unit]") {
   }
 }
 
+TEST_CASE("an .ac around the operating point of an amplifier does not stop the .tran or .op beside it", "[unit]") {
+  const Scratch scratch;
+  // Without the transistor's base current, 1.9 V - 0.7 V over 1 kΩ flow through 4.7 kΩ, too: near 12 V - 5.64 V.
+  const std::string amplifier =
+      "amplifier\nVCC vcc 0 12\nVB b 0 DC 1.9 AC 1\nRC vcc c 4.7k\nRE e 0 1k\nQ1 c b e QM\n.model QM NPN(IS=1e-15 BF=200)\n.ac dec 1 1 "
+      "10\n";
+  scratch.write("tran.net", amplifier + ".tran 1u 1m\n.meas c AVG v(c)\n.end\n");
+  const Finished beside = run_in(scratch, {"tran.net"});
+  INFO(beside.err);
+  REQUIRE(beside.status == 0);
+  CHECK_THAT(beside.err, Contains("tran.net:8:1: warning[W-ignored-card]: this .ac is left out: Q1"));
+  CHECK(value_of(beside.out, "c") == Approx(6.36).epsilon(0.05));
+  CHECK_FALSE(std::filesystem::exists(scratch / "tran.ac.csv"));
+  scratch.write("op.net", amplifier + ".op\n.end\n");
+  CHECK(run_in(scratch, {"op.net"}).status == 0);
+  scratch.write("step.net", amplifier + ".tran 1u 1m\n.step param r list 1 2\n.param r=1\n.end\n");
+  CHECK(run_in(scratch, {"step.net"}).status == 0);
+  scratch.write("alone.net", amplifier + ".end\n");
+  const Finished alone = run_in(scratch, {"alone.net"});
+  CHECK(alone.status == 2);
+  CHECK_THAT(alone.err, Contains("error[E-ac-needs-pss]: Q1"));
+  scratch.write("own.net",
+                "own\nV1 p 0 9\nV3 i 0 SINE(4 0.05 1k) AC 1\nX1 i o p 0 o UniversalOpAmp2 Avol=1Meg GBW=1Meg Slew=1Meg\nR1 o 0 1k\n"
+                ".ac dec 1 1 10\n.tran 10u 1m\n.end\n");
+  const Finished own = run_in(scratch, {"own.net"});
+  INFO(own.err);
+  CHECK(own.status == 0);
+  CHECK_THAT(own.err, Contains("this .ac is left out: X1."));
+}
+
 TEST_CASE("runs of .step that have no response are refused, beside a .tran too", "[unit]") {
   const Scratch scratch;
   const std::string rectifier =

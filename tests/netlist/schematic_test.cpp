@@ -260,4 +260,17 @@ TEST_CASE("a symbol of the folder of amplifiers has five pins, where wires or la
   const std::string symbol = "SYMBOL OpAmps\\\\LT1001 0 0 R0\nSYMATTR InstName U1\n";
   CHECK(Made(flags + "FLAG 32 64 out\n" + symbol).text.find("XU1 p n vp vn out LT1001\n") != std::string::npos);
   CHECK(Made(flags + symbol).messages() == "E-schematic-symbol «OpAmps\\\\LT1001»\n");
+  const std::string comparator = "SYMBOL Comparators\\\\LT1116 0 0 R0\nSYMATTR InstName U1\n";
+  CHECK(Made(flags + "FLAG 32 64 out\n" + comparator).text.find("XU1 p n vp vn out LT1116\n") != std::string::npos);
+  CHECK(Made(flags + comparator).messages() == "E-schematic-symbol «Comparators\\\\LT1116»\n");
+}
+
+TEST_CASE("a comparator and a ferrite bead of LTspice's library", "[unit]") {
+  // Pins as two schematics of others have them: in+ below in-, the supply in the middle; a bead's ends are 32 above and below its place.
+  const Made made(
+      "Version 4\nFLAG -32 80 p\nFLAG -32 48 n\nFLAG 0 32 vp\nFLAG 0 96 vn\nFLAG 32 64 out\nSYMBOL Comparators\\\\LT1720 0 0 R0\n"
+      "SYMATTR InstName U1\nFLAG 240 32 a\nFLAG 304 32 b\nSYMBOL FerriteBead 272 32 R90\nSYMATTR InstName L1\nSYMATTR Value 17n\n");
+  CHECK(made.messages().empty());
+  CHECK(made.text.find("XU1 p n vp vn out LT1720\n") != std::string::npos);
+  CHECK(made.text.find("L1 b a 17n\n") != std::string::npos);
 }

@@ -151,3 +151,38 @@ R2 b2 0 636000
   REQUIRE(row[3] > 1e-4);
   CHECK(row[1] - row[2] == Approx(4.4e-3 * row[3]).margin(1e-12 * row[1]).epsilon(0));
 }
+
+// The amplifier stands at its upper rail when its input jumps to the level of the other one, 0 V, and rises from there by 50 kV/s: from 2.5 uV on, within 50 ps, it pushes against the rail again. The
+// decay of L2 in R4 (0.1 ns) does not reach the amplifier, and says nothing about the sign of what leaves the rail. Before, the run ended in E-no-solution at 100 us.
+TEST_CASE("a limit that a decay does not reach is left by its own slope", "[regression]") {
+  for (const char* resistance : {"7.8m", "0.1"}) {
+    const DeckRun run = run_text(fmt::format(R"(two amplifiers beside a filter
+V1 a 0 50
+Rm a b {}
+L1 b c 3m
+L2 c d 1u
+R2 d e 0.1
+C1 e 0 100u
+R4 c f 9k
+R7 f 0 1k
+R9 f g 1k
+V2 vcc 0 5
+V6 r 0 2.5
+XU2 r g vcc 0 m universalopamp2 params: gbw=28Meg slew=12Meg
+V4 p 0 PULSE(0 5 0 100u 1n 1n 100u)
+XU1 p m vcc 0 o universalopamp2 params: gbw=28Meg slew=12Meg
+.tran 0.5u 1m
+.save v(o) v(m)
+.end
+)",
+                                             resistance));
+    CAPTURE(resistance, run.answer.message, run.messages);
+    REQUIRE(run.answer.outcome == Outcome::completed);
+    for (const auto& row : run.rows) {
+      if (row[0] < 2e-6) continue;  // the first time from 2.5 V to the rail
+      INFO(row[0]);
+      CHECK(row[1] == Approx(5.0).margin(1e-6));
+      CHECK(row[2] == Approx(0.0).margin(1e-6));
+    }
+  }
+}

@@ -61,7 +61,8 @@ const Table& table() {
 
 /// Folders of LTspice's library: in others a name is somebody else's.
 bool is_standard_folder(std::string_view folder) {
-  constexpr std::array<std::string_view, 6> folders{"", "misc", "digital", "opamps", "specialfunctions", "special functions"};
+  constexpr std::array<std::string_view, 7> folders{
+      "", "misc", "digital", "opamps", "comparators", "specialfunctions", "special functions"};
   return std::any_of(folders.begin(), folders.end(), [&](std::string_view known) { return same_name(known, folder); });
 }
 
@@ -176,7 +177,8 @@ const Symbol* find_standard_symbol(std::string_view name) {
 
 std::optional<Symbol> guess_amplifier(std::string_view name) {
   const std::string_view own = without_folder(name);
-  if (!same_name(name.substr(0, name.size() - own.size()), "opamps/")) return std::nullopt;
+  const std::string_view folder = name.substr(0, name.size() - own.size());
+  if (!same_name(folder, "opamps/") && !same_name(folder, "comparators/")) return std::nullopt;
   Symbol symbol = *find_standard_symbol("opamp2");
   symbol.name = own;
   symbol.attributes.set("Value", own);

@@ -52,7 +52,7 @@ struct Symbol {
 /// The symbol of LTspice's library with that name, which may include its folder; null if there is none. Not case-sensitive.
 [[nodiscard]] const Symbol* find_standard_symbol(std::string_view name);
 
-/// For a symbol of LTspice's folder of amplifiers that is not in the table: five pins, as most single amplifiers have, and its name as the model. Empty for
+/// For a symbol of LTspice's folders of amplifiers and comparators that is not in the table: five pins, as most single amplifiers have, and its name as the model. Empty for
 /// other folders.
 [[nodiscard]] std::optional<Symbol> guess_amplifier(std::string_view name);
 
