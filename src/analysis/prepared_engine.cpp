@@ -109,7 +109,8 @@ struct ModelWhenNeeded {
   }
 };
 
-/// The exact engine on Krylov segments. Where they find no solution, or the run has a controller or measurements, by dense modes, or by steps where those would be too large.
+/// The exact engine on Krylov segments. Where they find no solution the run is repeated with dense modes, or with steps where those would be too large. A run with a controller
+/// has dense modes.
 PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   const std::string reason = too_large(network);

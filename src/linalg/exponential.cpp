@@ -81,9 +81,10 @@ Matrix squared(const Matrix& x) {
 
 double column_norm(const Matrix& x) { return x.cwiseAbs().colwise().sum().maxCoeff(); }
 
-/// e^X − I = X + X²/2 + … in groups of four powers, by a quarter of the products. Paterson and Stockmeyer, SIAM J. Comput. 2 (1973).
+/// e^X − I = X + X²/2 + … in groups of four powers, by half of the products. Paterson and Stockmeyer, SIAM J. Comput. 2 (1973).
 Matrix polynomial_minus_identity(const Matrix& x) {
   constexpr int group = 4;
+  static_assert(most_terms % group == 0);
   std::array<Matrix, group> power{x, x * x};
   power[2] = power[1] * x;
   power[3] = power[1] * power[1];

@@ -45,9 +45,10 @@ class Block {
   void signals(double time, double* values);
   /// Some of them, by number.
   void signals(double time, std::span<const int> numbers, double* values);
-  /// Sum of the magnitudes that a saved signal is a sum of, at time().
+  /// What the rounding of a saved signal is relative to: the sum of its terms' magnitudes at time(); with segments each unknown counts as the largest voltage, or current,
+  /// so far.
   [[nodiscard]] double signal_size(int number) const;
-  /// Of it: rounding of the solutions of a step, and what a segment leaves. Smaller values may be nothing else.
+  /// Of it: rounding of the solutions of a step, and of segments. Smaller values may be nothing else.
   static constexpr double rounding_of_signals = 1e-12;
 
   struct Instant {

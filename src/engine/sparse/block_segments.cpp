@@ -205,7 +205,7 @@ bool Block::is_continuous() {
   return !moves(states_, point_.z, z);
 }
 
-double Block::least_distance() const { return std::max(least_of_energy, least_errors * segment_->estimate()); }
+double Block::least_distance() const { return std::max(least_of_energy, least_errors * segment_->relative_error()); }
 
 /// Whether states, those of `from`, move beyond rounding.
 bool Block::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
@@ -485,8 +485,8 @@ bool Block::is_resolved(double from, double to) {
   for (std::size_t k = 0; k < signals_.size(); ++k) {
     const linalg::LegendreSeries series(&values[k * linalg::legendre_points]);
     const double start = segment_->signal(k, y);
-    // A signal that begins far from what drives it is nothing but rounding at first.
     double size = std::max(signal_scale_[k], segment_->signal_terms(k, y)), last = 0.0;
+    // A signal that begins far from what drives it is nothing but rounding at first.
     const double noise = rounding_of_signals * signal_size(static_cast<int>(k));
     for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
     for (std::size_t c = 0; c < last_coefficients; ++c)

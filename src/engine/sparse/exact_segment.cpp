@@ -16,11 +16,10 @@ namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
 constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
-constexpr int least_to_foretell = 8;       ///< vectors: a look at fewer costs less than a vector
-constexpr double share_of_foretold = 0.8;  ///< as it goes faster the further it comes
-constexpr double steps_of_length = 16.0;   ///< length of a segment over γ
-constexpr double steps_of_rich =
-    32.0;  ///< where decays of all rates take part, as in a grid of R and C: a third of the vectors, or what ends within them
+constexpr int least_to_foretell = 8;        ///< below so many vectors a look costs less than a vector
+constexpr double share_of_foretold = 0.8;   ///< convergence speeds up
+constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
+constexpr double steps_for_decays = 32.0;   ///< the same where decays of all rates take part, as in a grid of R and C
 constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
 constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
 constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
@@ -39,6 +38,8 @@ constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
 constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
 constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
 constexpr double least_digits = 1e-10;       ///< of the largest voltage, and of the largest current: what may be rounding of vectors
+constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
+constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond are impulses
 constexpr double most_rounding = 1e-11;      ///< of the largest √energy, over a segment that is longer than it was made for
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
@@ -110,8 +111,9 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
-  const double wanted = std::max((is_rich_ ? steps_of_rich : steps_of_length) / length, habits_[key_].turning / usual_turn);
-  auto& shifts = habits_[key_].shifts;
+  Habit& habit = habits_[key_];
+  const double wanted = std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habit.turning / usual_turn);
+  auto& shifts = habit.shifts;
   double best = 0.0;
   for (const double shift : shifts)
     if (std::abs(std::log(shift / wanted)) <= std::log(near) &&
@@ -123,7 +125,7 @@ double ExactSegment::shift_for(double length) {
 }
 
 /// Grows the space until the estimate is within the tolerance over all of length_, or vectors are nothing but rounding and it is not far from that. False:
-/// it cannot, and length_ is 0.
+/// it cannot.
 bool ExactSegment::resolve() {
   double before = INFINITY;
   int last = 0;
@@ -139,7 +141,7 @@ bool ExactSegment::resolve() {
     before = estimate_;
     last = m;
     if (m == dimensions.back()) {
-      is_rich_ = is_rich_ || space_.turning(usual_turn * space_.shift()) <= usual_turn * space_.shift();
+      note_all_decays();
       return is_cut_within(points);
     }
     m = next;
@@ -151,64 +153,60 @@ bool ExactSegment::resolve() {
   return space_.is_sound();
 }
 
+/// All vectors there are do not resolve a motion, and no oscillation asks for a shorter γ: from now on decays do.
+void ExactSegment::note_all_decays() {
+  if (has_all_decays_ || space_.turning(usual_turn * space_.shift()) > usual_turn * space_.shift()) return;
+  has_all_decays_ = true;
+  for (auto& [position, habit] : habits_) habit.shifts.clear();
+}
+
 /// The part of length_ whose error is within the tolerance. False: there is none.
 bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points) {
-  length_ = 0.0;
+  length_ = estimate_ = 0.0;
   for (const auto& point : points) {
     if (!(point.error <= tolerance_ * size_)) break;
     length_ = point.tau;
+    estimate_ = std::max(estimate_, point.error);
   }
-  estimate_ = tolerance_ * size_;
+  if (length_ > 0.0) (void)space_.estimate(length_);  // for its reach
   return length_ > 0.0;
 }
 
 /// It may serve for longer than it was made for.
 void ExactSegment::stretch(double longest) {
-  if (space_.is_full() && estimate_ <= tolerance_ * size_ && length_ < longest) {
-    if (is_precise(space_.estimate(longest)) && has_digits()) {
-      length_ = longest;
-      return;
-    }
-    (void)space_.estimate(length_);
-  }
-  for (int doubled = 0; doubled < most_doublings && length_ < longest; ++doubled) {
-    const double longer = std::min(2.0 * length_, longest);
-    const auto& points = space_.estimate(longer);
-    const double most = largest_error(points);
-    if (!(most <= tolerance_ * size_) || !is_precise(points) || !has_digits()) {
-      (void)space_.estimate(length_);  // for its reach, again
-      return;
-    }
-    estimate_ = most;
-    length_ = longer;
-  }
+  if (!space_.is_full() || !(length_ < longest) || !reaches(longest))
+    for (int doubled = 0; doubled < most_doublings && length_ < longest && reaches(std::min(2.0 * length_, longest));) ++doubled;
+  if (length_ < longest) (void)space_.estimate(length_);  // for its reach
 }
 
-/// Whether what rounding of the vectors adds up to is small over the length last estimated.
-bool ExactSegment::is_precise(const std::vector<KrylovSpace::Checkpoint>& points) const {
-  return points.empty() || points.back().rounding <= most_rounding * size_;
+/// Whether the segment may be so long: it is, then.
+bool ExactSegment::reaches(double longer) {
+  const auto& points = space_.estimate(longer);
+  const double most = largest_error(points);
+  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= most_rounding * size_) || !has_digits()) return false;
+  estimate_ = most;
+  length_ = longer;
+  return true;
 }
 
-/// Whether voltages and currents are more than what rounding leaves of sums of vectors: in currents that a constraint of voltages decides, as that of a wire across an
-/// inductor, each vector has the rounding of the one before it 1/h times.
+/// Whether voltages and currents, over the length last estimated, are more than what rounding leaves of sums of vectors. In currents that a constraint of voltages
+/// decides, as that of a wire across an inductor, each vector multiplies the rounding of the one before by 1/h, h the size of its new part.
 bool ExactSegment::has_digits() {
   const int nodes = descriptor_.nodes();
-  const std::vector<double> first = space_.first_unknowns();
-  const auto is_known = [&](int from, int count, double so_far) {
+  const std::vector<double> first = space_.first_unknowns();  // of a jump, with its impulses
+  const auto is_known = [&](int from, int count, double before) {
     if (count == 0) return true;
-    const double size =
-        std::max(so_far, largest(std::span(first).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(count))));
-    return rounding_of_rows * space_.largest_terms(from, count) <= least_digits * size;
+    const auto begin = static_cast<std::size_t>(from), length = static_cast<std::size_t>(count);
+    const double size = std::max(before, least_voltage_), after = largest(std::span(first).subspan(begin, length));
+    return rounding_of_rows * space_.largest_terms(from, count) <= least_digits * std::clamp(after, size, most_rise * size);
   };
-  return is_known(0, nodes, std::max(voltage_, least_voltage_)) &&
-         is_known(nodes, descriptor_.size() - nodes, std::max(current_, least_voltage_ / descriptor_.r0()));
+  return is_known(0, nodes, voltage_) && is_known(nodes, descriptor_.size() - nodes, current_);
 }
 
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   for (int cut = 0; cut < most_cuts && length > shortest_share * stop_; ++cut) {
-    const bool was_rich = is_rich_;
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
@@ -225,9 +223,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
       stretch(start.longest);
       return Opened::yes;
     }
-    const bool becomes_rich = is_rich_ && !was_rich;
-    if (becomes_rich) habits_[key_].shifts.clear();
-    if (!becomes_rich) length /= static_cast<double>(KrylovSpace::checkpoints);
+    if (shift_for(length) == shift) length /= shorter;  // else it has learnt of decays of all rates
   }
   return Opened::unresolved;
 }
@@ -423,7 +419,7 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + passed_share * length_ * slope >= 0.0;
+    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + passed_share * std::min(length_, expected_) * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
     if (departure.value > 0.0) continue;
     const double bend = linalg::row_times(mode_->guards, row, second.data());
@@ -488,7 +484,7 @@ double ExactSegment::signal_terms(std::size_t i, const std::vector<double>& y) c
 
 void ExactSegment::accept() {
   peak_ = size_;
-  worst_ = std::max(worst_, estimate_ / peak_);
+  worst_ = std::max(worst_, relative_error());
 }
 
 void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, shortest_share * stop_); }

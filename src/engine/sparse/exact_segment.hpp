@@ -63,7 +63,7 @@ class ExactSegment {
   [[nodiscard]] double length() const { return length_; }
   /// Guards that fall below zero at once: ports by number, then controls.
   [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
-  /// Ports that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what
+  /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what
   /// rounding leaves of a current.
   [[nodiscard]] const std::vector<int>& rising() const { return rising_; }
 
@@ -111,7 +111,7 @@ class ExactSegment {
   };
   [[nodiscard]] Counts counts() const { return {segments_, vectors_, locator_.intervals(), locator_.sampled()}; }
   /// Its error as estimated, of the largest √energy.
-  [[nodiscard]] double estimate() const { return size_ > 0.0 ? estimate_ / size_ : 0.0; }
+  [[nodiscard]] double relative_error() const { return size_ > 0.0 ? estimate_ / size_ : 0.0; }
   /// The largest estimate of an error so far, of the largest √energy.
   [[nodiscard]] double worst_estimate() const { return worst_; }
 
@@ -127,8 +127,9 @@ class ExactSegment {
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);
   void stretch(double longest);
-  [[nodiscard]] bool is_precise(const std::vector<KrylovSpace::Checkpoint>& points) const;
+  [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
+  void note_all_decays();
   void take_guards(const Position& on);
   void find_parallel_ports();
   [[nodiscard]] bool is_short_circuited(int row) const;
@@ -146,10 +147,10 @@ class ExactSegment {
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
-  double voltage_ = 0.0, current_ = 0.0;  ///< largest before the start
+  double voltage_ = 0.0, current_ = 0.0;  ///< largest voltage, and other unknown, of the point it starts from, volts
   Position on_;
   bool takes_positive_ = false;
-  bool is_rich_ = false;  ///< a segment has taken all vectors there are
+  bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;

@@ -16,13 +16,13 @@ using linalg::Matrix;
 using linalg::Vector;
 
 constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
-constexpr double little_change = 1e-13;         ///< of z: rounding of T z that is not looked at more closely
 constexpr double least_change = 1e-15;          ///< of z itself: the same
+constexpr double little_change = 1e-13;         ///< of z: rounding of T z that is not looked at more closely
+constexpr double refined = 1e-15;               ///< of the √energy that counts: a correction so small is the last
 constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
 constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
 constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
-constexpr double little_rounding =
-    1e-9;  ///< of the √energy that counts: what a solution that begins a segment may be wrong by
+constexpr double little_rounding = 1e-9;        ///< the same: what the solution that begins a segment may be wrong by
 constexpr double worst_condition = 1e12;
 constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
 constexpr int corrections = 3, most_refinements = 8;
@@ -155,6 +155,12 @@ double KrylovSpace::distance(const std::vector<double>& a, const std::vector<dou
   return std::sqrt(square);
 }
 
+double KrylovSpace::size_of_states(const std::vector<double>& z) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].value(z.data()), 2);
+  return std::sqrt(square);
+}
+
 /// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
 /// difference of their voltages in 1/shift, all of which may be far larger.
 double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
@@ -169,9 +175,6 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   return rounding_of_solution * rounding;
 }
 
-/// The same of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d makes of them, which is
-/// the rounding of a row's terms at least, as chance may make it zero. The
-/// bound may be far too large: an inductor whose current is cut off has impulses of voltage, of which none reaches a capacitor.
 /// product_ := what `given_` and a solution d differ by.
 void KrylovSpace::find_residual(const std::vector<double>& d) {
   descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
@@ -203,34 +206,29 @@ void KrylovSpace::refine(std::vector<double>& d, double counts) {
   for (int round = 0; round < most_refinements; ++round) {
     find_wide_residual(d);
     factor_->solve(product_);
-    double square = 0.0;
-    for (std::size_t i = 0; i < state_weight_.size(); ++i)
-      square += std::pow(state_weight_[i] * descriptor_.states()[i].value(product_.data()), 2);
-    if (!(std::sqrt(square) < before)) return;
-    before = std::sqrt(square);
+    const double size = size_of_states(product_);
+    if (!(size < before)) return;
+    before = size;
     for (std::size_t i = 0; i < d.size(); ++i) d[i] += product_[i];
     if (!(before > counts)) return;
   }
 }
 
+/// The same as `rounding_of_states`, of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d
+/// makes of them, which is the rounding of a row's terms at least, as chance may make it zero. The bound may be far too large: an inductor whose current is cut off has
+/// impulses of voltage, of which none reaches a capacitor.
 double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
   const double bound = rounding_of_states(d);
   if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
   find_residual(d);
-  for (double& value : values_) value = std::abs(value);
   sizes_.resize(d.size());
-  magnitudes_.resize(d.size());
-  std::transform(d.begin(), d.end(), magnitudes_.begin(), [](double value) { return std::abs(value); });
-  linalg::multiply(descriptor_.pattern(), values_, magnitudes_.data(), sizes_.data());
+  linalg::multiply_absolute(descriptor_.pattern(), values_, d.data(), sizes_.data());
   for (std::size_t i = 0; i < d.size(); ++i) {
     const double residual = product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
     product_[i] = std::copysign(std::max(std::abs(residual), rounding_of_sum * sizes_[i]), sign);
   }
   factor_->solve(product_);
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i)
-    square += std::pow(state_weight_[i] * descriptor_.states()[i].value(product_.data()), 2);
-  return std::min(bound, residual_factor * std::sqrt(square));
+  return std::min(bound, residual_factor * size_of_states(product_));
 }
 
 /// Of the norm of states that are differences of these unknowns.
@@ -268,7 +266,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
-  refine(right_, least_change * size);
+  refine(right_, refined * size);
   rounding_ = rounding_of(right_, little_rounding * size);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
@@ -399,19 +397,18 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
   const double at_start = share_of_start * std::abs(last_row_.dot(y));
   const Vector delta = shift_ * (k_.cwiseAbs().transpose() * delta_.head(m));
-  double integral = 0.0, before = std::abs(d.dot(y)), reached = 0.0, rounding = 0.0, push = delta.dot(reach_);
-  while (reached < length && m > 0) {
+  double integral = 0.0, slope = std::abs(d.dot(y)), reached = 0.0, rounding = 0.0, push = delta.dot(reach_);
+  while (reached < length) {
     const double h = std::min(step, length - reached);
     flow_.apply_once(h, y.data(), work_.data());
     reached = h < step ? length : reached + h;
     reach_ = reach_.cwiseMax(y.cwiseAbs());
-    const double now = std::abs(d.dot(y));
-    integral += 0.5 * (before + now) * h;
-    before = now;
-    const double pushed = std::exchange(push, delta.dot(y.cwiseAbs()));
-    rounding += 0.5 * (pushed + push) * h;
+    const double slope_before = std::exchange(slope, std::abs(d.dot(y)));
+    integral += 0.5 * (slope_before + slope) * h;
+    const double push_before = std::exchange(push, delta.dot(y.cwiseAbs()));
+    rounding += 0.5 * (push_before + push) * h;
     const double error = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
-    estimate_.push_back({reached, y.norm() <= most_growth * norm_ ? error : INFINITY, rounding});
+    estimate_.push_back({reached, y.norm() <= most_growth * norm_ && std::isfinite(error) ? error : INFINITY, rounding});
   }
   return estimate_;
 }

@@ -71,7 +71,7 @@ class KrylovSpace {
   static constexpr int checkpoints = 32;
   struct Checkpoint {
     double tau = 0.0, error = 0.0;
-    double rounding = 0.0;  ///< ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
+    double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
   };
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
   /// Of a form: its row on y. Without its sources and constant.
@@ -106,6 +106,7 @@ class KrylovSpace {
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
+  [[nodiscard]] double size_of_states(const std::vector<double>& z) const;
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
   void refine(std::vector<double>& d, double counts);
@@ -128,16 +129,16 @@ class KrylovSpace {
   Position on_;
   int dimension_ = 0;
   bool full_ = false, sound_ = true;
-  linalg::Matrix vectors_, changes_;  ///< Z and T Z (unknowns × columns)
-  linalg::Matrix passed_on_;          ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
-  linalg::Vector delta_;              ///< rounding of T z of each vector, in the norm of the space
-  linalg::Vector lost_;               ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
-  linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
-  linalg::Matrix measured_;                  ///< what the norm measures of Z
-  linalg::Matrix h_matrix_, k_;              ///< H (one row more than columns) and K
+  linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
+  linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
+  linalg::Matrix passed_on_;     ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
+  linalg::Vector delta_;         ///< rounding of T z of each vector, in the norm of the space
+  linalg::Vector lost_;          ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
+  linalg::Matrix measured_;      ///< what the norm measures of Z
+  linalg::Matrix h_matrix_, k_;  ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, values_, magnitudes_, work_;
+  std::vector<double> right_, product_, sizes_, values_, work_;
   std::vector<linalg::Wide> wide_;
   std::vector<Checkpoint> estimate_;
   std::vector<double> given_;  ///< right-hand side of the last solution
