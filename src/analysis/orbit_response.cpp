@@ -49,7 +49,7 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
   std::vector<int> signals;
   for (std::size_t k = 0; k < compiled.network.signals.size(); ++k) signals.push_back(static_cast<int>(k));
   Impulses impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
-  engine::Request request;
+  engine::Request request = request_of(state.compiled.analyses, {});
   request.stop = period;
   request.use_initial_conditions = true;
   request.unsaved_signals = state.compiled.network.signals.size();

@@ -39,6 +39,9 @@ class Follower {
     for (Sensitivities::Parameter& parameter : card_.parameters)
       if (parameter.number < 0) follow_element(parameter);
     for (const Instance& instance : circuit_.instances) follow_numbers(instance);
+    for (Sensitivities::Parameter& parameter : card_.parameters) follow_formulas(parameter);
+    for (const Circuit::Folded& folded : circuit_.folded)
+      for (Sensitivities::Parameter& parameter : card_.parameters) refuse_folded(folded, parameter);
     for (const InitialCondition& condition : circuit_.conditions) follow_condition(condition);
     for (const elements::Written& number : circuit_.unfollowed) give_up(number.gradient, reporter_.text(number.span), "");
   }
@@ -158,12 +161,6 @@ class Follower {
       const auto& moved = instance.waveform_moves[static_cast<std::size_t>(parameter.number)];
       if (moved && parameter.failure.empty()) (void)slots.source_moves(*moved, parameter.moves);
     }
-    for (Sensitivities::Parameter& parameter : card_.parameters) {
-      if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= instance.formula_moves.size()) continue;
-      const elements::AffineSum& moved = instance.formula_moves[static_cast<std::size_t>(parameter.number)];
-      if (parameter.failure.empty() && !slots.formula(moved, parameter.moves))
-        parameter.failure = fmt::format("{} depends on it, which is not followed", instance.name);
-    }
     for (const elements::Written& number : instance.written) {
       const auto name = name_of(number, instance.values), waveform = name_of(number, instance.waveform_values);
       distribute(instance, number, [&](double p, NetworkMoves& moves) {
@@ -179,6 +176,73 @@ class Follower {
     for (const elements::Written& number : model.written) {
       const auto name = name_of(number, model.values);
       distribute(instance, number, [&](double p, NetworkMoves& moves) { return !name.empty() && slots.model_value(name, p, moves); });
+    }
+  }
+
+  /// The values of a source that a formula has taken as numbers.
+  void refuse_folded(const Circuit::Folded& folded, Sensitivities::Parameter& parameter) {
+    const Instance& source = circuit_.instances[static_cast<std::size_t>(folded.source)];
+    const Instance& reader = circuit_.instances[static_cast<std::size_t>(folded.reader)];
+    if (parameter.failure.empty() && moves_values(source, parameter))
+      parameter.failure = fmt::format("{} takes the voltage of {} as a number, which is not followed", reader.name, source.name);
+  }
+
+  [[nodiscard]] bool moves_values(const Instance& source, const Sensitivities::Parameter& parameter) const {
+    const auto is_value = [](std::string_view name) { return name.empty() || same_name(name, "V1") || same_name(name, "V2"); };
+    if (parameter.number < 0) {
+      const SlotName slot = slot_name(parameter.name);
+      return find(parameter.name) == &source || (find(slot.element) == &source && (is_value(slot.value) || same_name(slot.value, "dc")));
+    }
+    const auto number = static_cast<std::size_t>(parameter.number);
+    const auto moves = [&](const elements::AffineSum& sum) {
+      const auto is_moved = [&](const elements::Varied& each) { return each.moved(number) != 0.0; };
+      return is_moved(sum.constant) || std::any_of(sum.terms.begin(), sum.terms.end(), [&](const auto& t) { return is_moved(t.second); });
+    };
+    if (source.formula &&
+        (moves(source.formula->value) || std::any_of(source.formula->parts.begin(), source.formula->parts.end(),
+                                                     [&](const auto& part) { return moves(part.above) || moves(part.below); })))
+      return true;
+    if (number < source.waveform_moves.size() && source.waveform_moves[number])
+      if (const auto* pwl = std::get_if<model::Pwl>(&*source.waveform_moves[number]))
+        if (std::any_of(pwl->points.begin(), pwl->points.end(), [](const auto& point) { return point.value != 0.0; })) return true;
+    return std::any_of(source.written.begin(), source.written.end(), [&](const elements::Written& own) {
+      return number < own.gradient.size() && own.gradient[number] != 0.0 && is_value(name_of(own, source.waveform_values));
+    });
+  }
+
+  /// Expressions of B, E, F, G and H, and blocks.
+  void follow_formulas(Sensitivities::Parameter& parameter) {
+    if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= circuit_.formula_moves.size()) return;
+    for (const NetworkMove& move : circuit_.formula_moves[static_cast<std::size_t>(parameter.number)]) {
+      const bool is_known = std::isfinite(move.derivative) && std::all_of(move.form.begin(), move.form.end(), [](const model::Term& term) {
+                              return std::isfinite(term.coefficient);
+                            });
+      if (!is_known && parameter.failure.empty())
+        parameter.failure = fmt::format("{} depends on it in a way that is not followed", name_of(move));
+      parameter.moves.push_back(move);
+    }
+  }
+
+  /// The element whose formula has become this part of the network.
+  [[nodiscard]] const std::string& name_of(const NetworkMove& move) const {
+    const auto of = [&](const auto& list) -> const std::string& { return list[static_cast<std::size_t>(move.index)].label.name; };
+    switch (move.item) {
+      case Moved::branch_form:
+        return of(network_.branches);
+      case Moved::injection_form:
+        return of(network_.injections);
+      case Moved::slack_form:
+        return of(network_.complementarities);
+      case Moved::signal_form:
+        return network_.signals[static_cast<std::size_t>(move.index)].name;
+      case Moved::node_condition:
+        return of(network_.node_conditions);
+      case Moved::initial_voltage:
+        return of(network_.capacitors);
+      case Moved::source:
+        return of(network_.sources);
+      default:
+        return of(network_.switches);
     }
   }
 
@@ -213,7 +277,7 @@ class Follower {
         for (Sensitivities::Parameter& parameter : card_.parameters) {
           if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= condition.gradient.size()) continue;
           const double p = condition.gradient[static_cast<std::size_t>(parameter.number)];
-          if (p != 0.0) parameter.moves.push_back({item, static_cast<int>(i), 0, p, {}});
+          if (p != 0.0) parameter.moves.push_back({.item = item, .index = static_cast<int>(i), .derivative = p});
         }
       }
     };

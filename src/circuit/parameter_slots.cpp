@@ -71,7 +71,7 @@ bool Slots::element_value(std::string_view name, double p, NetworkMoves& moves) 
       if (same_name(name, "ic")) return initial(Moved::initial_voltage, parts_.find(network_.capacitors, ""), p, moves);
       return same_name(name, "C") ? capacitor("", "C", p, moves) : series_or_parallel(name, p, moves);
     case 'K':
-      parts_.each(network_.couplings, [&](int k) { moves.push_back({Moved::coupling, k, 0, p, {}}); });
+      parts_.each(network_.couplings, [&](int k) { moves.push_back({.item = Moved::coupling, .index = k, .derivative = p}); });
       return same_name(name, "k");
     case 'V':
       return same_name(name, "Rser") ? branch_resistance(p, moves) : same_name(name, "Cpar") && capacitor("Cpar", "Cpar", p, moves);
@@ -109,39 +109,6 @@ bool Slots::constant_value(double p, NetworkMoves& moves) const {
   return instance_.waveform && std::holds_alternative<model::Dc>(*instance_.waveform) && add_source(model::Dc{p}, moves);
 }
 
-bool Slots::formula(const elements::AffineSum& moved, NetworkMoves& moves) const {
-  const bool is_current = instance_.formula_is_current;
-  const int k = is_current ? parts_.find(network_.injections, "") : parts_.find(network_.branches, "");
-  if (k < 0) return false;
-  const model::LinearForm& law =
-      is_current ? network_.injections[static_cast<std::size_t>(k)].current : network_.branches[static_cast<std::size_t>(k)].voltage;
-  const auto add = [&](double derivative, double coefficient, const auto& is_own) {
-    if (derivative == 0.0) return true;
-    const auto found = std::find_if(law.begin(), law.end(), is_own);
-    if (found == law.end() || coefficient == 0.0) return false;
-    moves.push_back({is_current ? Moved::injection_term : Moved::branch_term,
-                     k,
-                     static_cast<int>(found - law.begin()),
-                     derivative * found->coefficient / coefficient,
-                     {}});
-    return true;
-  };
-  const double constant = instance_.formula->value.constant;
-  if (moved.constant != 0.0 && constant == 0.0) {  // its term is there all the same
-    const auto found = std::find_if(law.begin(), law.end(), [](const model::Term& t) { return t.kind == model::Term::Kind::one; });
-    if (found == law.end() || found->coefficient != 0.0) return false;
-    moves.push_back(
-        {is_current ? Moved::injection_term : Moved::branch_term, k, static_cast<int>(found - law.begin()), moved.constant, {}});
-  } else if (!add(moved.constant, constant, [](const model::Term& t) { return t.kind == model::Term::Kind::one; })) {
-    return false;
-  }
-  return std::all_of(moved.terms.begin(), moved.terms.end(), [&](const auto& term) {
-    const auto& written = instance_.formula->value.terms;
-    const auto own = std::find_if(written.begin(), written.end(), [&](const auto& other) { return other.first == term.first; });
-    return own != written.end() && add(term.second, own->second, [&](const model::Term& t) { return is_part(term.first, t); });
-  });
-}
-
 bool Slots::gain(double p, NetworkMoves& moves) const {
   const auto& c = instance_.coefficients;
   if (c.size() != 2 || c[0] != 0.0 || c[1] == 0.0 || instance_.formula) return false;
@@ -149,40 +116,25 @@ bool Slots::gain(double p, NetworkMoves& moves) const {
   const auto add = [&](Moved item, const auto& list, auto form) {
     const int k = parts_.find(list, "");
     if (k < 0) return false;
-    const model::LinearForm& terms = list[static_cast<std::size_t>(k)].*form;
-    for (std::size_t t = 0; t < terms.size(); ++t) moves.push_back({item, k, static_cast<int>(t), p * terms[t].coefficient / c[1], {}});
+    model::LinearForm moved = list[static_cast<std::size_t>(k)].*form;
+    for (model::Term& term : moved) term.coefficient *= p / c[1];
+    // A current that is no unknown stands in the signals that save it, too.
+    const std::string current = fmt::format("i({})", instance_.name);
+    for (std::size_t s = 0; item == Moved::injection_form && s < network_.signals.size(); ++s)
+      if (same_name(network_.signals[s].name, current))
+        moves.push_back({.item = Moved::signal_form, .index = static_cast<int>(s), .form = moved});
+    moves.push_back({.item = item, .index = k, .form = std::move(moved)});
     return true;
   };
-  if (letter == 'E' || letter == 'H') return add(Moved::branch_term, network_.branches, &model::Branch::voltage);
-  return (letter == 'G' || letter == 'F') && add(Moved::injection_term, network_.injections, &model::Injection::current);
-}
-
-bool Slots::is_part(int number, const model::Term& term) const {
-  const elements::FormulaPart& part = instance_.formula->parts[static_cast<std::size_t>(number)];
-  const auto index = static_cast<std::size_t>(part.index);
-  if (part.kind == elements::FormulaPart::Kind::voltage)
-    return term.kind == model::Term::Kind::node_voltage && term.index == instance_.control_nodes[index].p;
-  const std::string& name = instance_.references[index].name;
-  const auto is_named = [&](const auto& list) { return same_name(list[static_cast<std::size_t>(term.index)].label.name, name); };
-  switch (term.kind) {
-    case model::Term::Kind::branch_current:
-      return is_named(network_.branches);
-    case model::Term::Kind::inductor_current:
-      return is_named(network_.inductors);
-    case model::Term::Kind::capacitor_current:
-      return is_named(network_.capacitors);
-    case model::Term::Kind::resistor_current:
-      return is_named(network_.resistors);
-    default:
-      return false;
-  }
+  if (letter == 'E' || letter == 'H') return add(Moved::branch_form, network_.branches, &model::Branch::voltage);
+  return (letter == 'G' || letter == 'F') && add(Moved::injection_form, network_.injections, &model::Injection::current);
 }
 
 bool Slots::resistor(std::string_view part, std::string_view name, double p, NetworkMoves& moves) const {
   if (value(name) != 0.0)
     return proportional(Moved::resistance, network_.resistors, &model::Resistor::resistance, part, value(name), p, moves);
   const int k = parts_.find(network_.resistors, part);
-  if (k >= 0) moves.push_back({Moved::resistance, k, 0, p / value("m"), {}});
+  if (k >= 0) moves.push_back({.item = Moved::resistance, .index = k, .derivative = p / value("m")});
   return k >= 0;
 }
 
@@ -206,16 +158,20 @@ bool Slots::multiplicity(double p, NetworkMoves& moves) const {
   if (letter != 'R' && letter != 'L' && letter != 'C' && letter != 'D') return false;
   const double share = p / value("m");
   parts_.each(network_.resistors, [&](int k) {
-    moves.push_back({Moved::resistance, k, 0, -share * network_.resistors[static_cast<std::size_t>(k)].resistance, {}});
+    moves.push_back(
+        {.item = Moved::resistance, .index = k, .derivative = -share * network_.resistors[static_cast<std::size_t>(k)].resistance});
   });
   parts_.each(network_.inductors, [&](int k) {
-    moves.push_back({Moved::inductance, k, 0, -share * network_.inductors[static_cast<std::size_t>(k)].inductance, {}});
+    moves.push_back(
+        {.item = Moved::inductance, .index = k, .derivative = -share * network_.inductors[static_cast<std::size_t>(k)].inductance});
   });
   parts_.each(network_.capacitors, [&](int k) {
-    moves.push_back({Moved::capacitance, k, 0, share * network_.capacitors[static_cast<std::size_t>(k)].capacitance, {}});
+    moves.push_back(
+        {.item = Moved::capacitance, .index = k, .derivative = share * network_.capacitors[static_cast<std::size_t>(k)].capacitance});
   });
   parts_.each(network_.diodes, [&](int k) {
-    moves.push_back({Moved::diode_resistance, k, 0, -share * network_.diodes[static_cast<std::size_t>(k)].resistance, {}});
+    moves.push_back(
+        {.item = Moved::diode_resistance, .index = k, .derivative = -share * network_.diodes[static_cast<std::size_t>(k)].resistance});
   });
   bool is_whole = true;
   parts_.each(network_.injections, [&](int) { is_whole = false; });
@@ -224,7 +180,7 @@ bool Slots::multiplicity(double p, NetworkMoves& moves) const {
 }
 
 bool Slots::initial(Moved item, int index, double p, NetworkMoves& moves) {
-  if (index >= 0) moves.push_back({item, index, 0, p, {}});
+  if (index >= 0) moves.push_back({.item = item, .index = index, .derivative = p});
   return index >= 0;
 }
 
@@ -232,23 +188,21 @@ bool Slots::branch_resistance(double p, NetworkMoves& moves) const {
   const int k = parts_.find(network_.branches, "");
   if (k < 0) return false;
   const model::LinearForm& form = network_.branches[static_cast<std::size_t>(k)].voltage;
-  for (std::size_t t = 0; t < form.size(); ++t)
-    if (form[t].kind == model::Term::Kind::branch_current && form[t].index == k) {
-      moves.push_back({Moved::branch_term, k, static_cast<int>(t), p, {}});
-      return true;
-    }
-  return false;
+  const auto is_own = [&](const model::Term& term) { return term.kind == model::Term::Kind::branch_current && term.index == k; };
+  if (std::none_of(form.begin(), form.end(), is_own)) return false;
+  moves.push_back({.item = Moved::branch_form, .index = k, .form = {{model::Term::Kind::branch_current, k, p}}});
+  return true;
 }
 
 bool Slots::contact(Moved item, int index, double p, NetworkMoves& moves) const {
   if ((item == Moved::diode_resistance || item == Moved::diode_drop) && index >= 0 && is_tangent(index)) return false;
-  if (index >= 0 && p != 0.0) moves.push_back({item, index, 0, p, {}});
+  if (index >= 0 && p != 0.0) moves.push_back({.item = item, .index = index, .derivative = p});
   return index >= 0;
 }
 
 bool Slots::leak(double p, NetworkMoves& moves) const {
   const int k = parts_.find(network_.resistors, "Roff");
-  if (k >= 0) moves.push_back({Moved::resistance, k, 0, p, {}});
+  if (k >= 0) moves.push_back({.item = Moved::resistance, .index = k, .derivative = p});
   return k >= 0;
 }
 
@@ -270,8 +224,8 @@ bool Slots::diode_value(std::string_view name, double p, NetworkMoves& moves) co
 bool Slots::levels(double on, double off, NetworkMoves& moves) const {
   const int k = parts_.find(network_.switches, "");
   if (k < 0) return false;
-  if (on != 0.0) moves.push_back({Moved::on_level, k, 0, on, {}});
-  if (off != 0.0) moves.push_back({Moved::off_level, k, 0, off, {}});
+  if (on != 0.0) moves.push_back({.item = Moved::on_level, .index = k, .derivative = on});
+  if (off != 0.0) moves.push_back({.item = Moved::off_level, .index = k, .derivative = off});
   return true;
 }
 
@@ -282,7 +236,7 @@ bool Slots::switch_value(std::string_view name, double p, NetworkMoves& moves) c
   if (same_name(name, "Vser")) return drop(contact_index, p, moves);
   if (same_name(name, "Lser")) {
     const int k = parts_.find(network_.inductors, "Lser");
-    if (k >= 0) moves.push_back({Moved::inductance, k, 0, p, {}});
+    if (k >= 0) moves.push_back({.item = Moved::inductance, .index = k, .derivative = p});
     return k >= 0;
   }
   const bool is_swapped = v.get("Ron") > v.get("Roff");
@@ -325,13 +279,13 @@ bool Slots::drop(int contact_index, double p, NetworkMoves& moves) const {
   if (std::isinf(std::max(model_->values.get("Ron"), model_->values.get("Roff"))))
     return contact(Moved::switch_drop, contact_index, p, moves);
   const int k = parts_.find(network_.branches, "Vser");
-  if (k >= 0) moves.push_back({Moved::branch_term, k, 0, p, {}});
+  if (k >= 0) moves.push_back({.item = Moved::branch_form, .index = k, .form = {model::constant(p)}});
   return k >= 0;
 }
 
 bool Slots::add_source(const model::SourceFunction& derivative, NetworkMoves& moves) const {
   const int k = parts_.find(network_.sources, "");
-  if (k >= 0) moves.push_back({Moved::source, k, 0, 0.0, derivative});
+  if (k >= 0) moves.push_back({.item = Moved::source, .index = k, .function = derivative});
   return k >= 0;
 }
 

@@ -16,7 +16,7 @@ namespace pwlsim::circuit {
 /// The parts of the network that one element has become.
 class ElementParts {
  public:
-  ElementParts(const model::Network& network, const elements::Instance& instance) : network_(network), name_(instance.name) {}
+  explicit ElementParts(const elements::Instance& instance) : name_(instance.name) {}
 
   [[nodiscard]] std::string part(std::string_view suffix) const { return suffix.empty() ? name_ : fmt::format("{} ({})", name_, suffix); }
 
@@ -35,7 +35,6 @@ class ElementParts {
   }
 
  private:
-  const model::Network& network_;
   std::string name_;
 };
 
@@ -45,7 +44,7 @@ class Slots {
   using NetworkMoves = model::NetworkMoves;
 
   Slots(const model::Network& network, const Circuit& circuit, const elements::Instance& instance)
-      : parts_(network, instance),
+      : parts_(instance),
         network_(network),
         instance_(instance),
         model_(instance.model >= 0 ? &circuit.models[static_cast<std::size_t>(instance.model)] : nullptr) {}
@@ -60,8 +59,6 @@ class Slots {
   /// Its whole waveform, by the derivatives of all its numbers.
   bool source_moves(const model::SourceFunction& derivative, NetworkMoves& moves) const { return add_source(derivative, moves); }
 
-  /// A sum of signals whose constant and coefficients move so. Each must have a term of its own in the law.
-  bool formula(const elements::AffineSum& moved, NetworkMoves& moves) const;
   /// A gain, the only coefficient.
   bool gain(double p, NetworkMoves& moves) const;
 
@@ -70,15 +67,13 @@ class Slots {
 
   [[nodiscard]] double value(std::string_view name) const { return instance_.values.get(name); }
 
-  /// Whether the term is that of a part of the formula.
-  [[nodiscard]] bool is_part(int number, const model::Term& term) const;
   /// A number of the network that is proportional to a value of the card.
   template <class List, class Member>
   bool proportional(Moved item, const List& list, Member member, std::string_view part, double written, double p,
                     NetworkMoves& moves) const {
     const int k = parts_.find(list, part);
     if (k < 0 || written == 0.0) return false;
-    moves.push_back({item, k, 0, p * list[static_cast<std::size_t>(k)].*member / written, {}});
+    moves.push_back({.item = item, .index = k, .derivative = p * list[static_cast<std::size_t>(k)].*member / written});
     return true;
   }
 

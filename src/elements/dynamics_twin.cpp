@@ -30,7 +30,7 @@ void add_stop(Twin& twin, const std::string& part, const std::string& state, dou
 
 std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral) {
   const std::string begin(part);
-  const std::string state = add_state(twin, begin + "state", integral.start);
+  const std::string state = add_state(twin, begin + "state", integral.start.value);
   twin.behaviour(begin + "rate", {"0", state}, true, input);
   add_stop(twin, begin + "least", state, integral.least, 1.0);
   add_stop(twin, begin + "most", state, integral.most, -1.0);

@@ -419,3 +419,40 @@ TEST_CASE("a Bode plot beside the waveforms; multipliers and a Nyquist plot on t
   CHECK(run_in(scratch, {"rc.net", "--plot", "rc.svg"}).status == 0);
   CHECK_THAT(read_file(scratch / "rc.svg"), Contains(">magnitude<"));
 }
+
+// The phase of A sin(ω₀t + φ) follows the frequency by 2π/(jω): c₁ = A e^{jφ}/(2 jf) at f + f₀, through 1/(1 + j(ω + ω₀)RC).
+TEST_CASE("frequency modulation of a sinusoid: its sidebands, and the mean of what rectifies it", "[unit]") {
+  const Scratch scratch;
+  const Json told =
+      result_of(scratch, "sine\nV1 a 0 SIN(0.3 2 1k 0 0 30)\nR1 a b 1k\nC1 b 0 1u\n.pss\n.ac list 50 130 from=freq(V1) harm=1\n.end\n");
+  const double frequencies[] = {50.0, 130.0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double f = frequencies[k];
+    const Complex input = 2.0 * std::exp(j * M_PI / 6.0) / (2.0 * j * f);
+    check_equal(response(told, k, "v(a)"), input, 1e-10);
+    check_equal(response(told, k, "v(b)"), input / (1.0 + j * two_pi * (f + 1e3) * 1e-3), 1e-10);
+  }
+  // Slow modulation moves the mean by its derivative to the frequency, which .sens finds along the orbit instead of at a frequency.
+  const Json slow = result_of(
+      scratch,
+      "rectifier\n.param f=1k\nV1 a 0 SIN(0 5 {f})\nL1 a b 10m\nD1 b c DX\nR1 c 0 100\nC1 c 0 2u\n.model DX D(Ron=0.1 Vfwd=0.3)\n.pss\n"
+      ".meas pss m AVG v(c)\n.ac list 1m from=freq(V1)\n.sens param=f\n.end\n");
+  check_equal(response(slow, 0, "v(c)").real(), slow["sensitivities"][0]["derivative"].number, 1e-8);
+}
+
+// A triangle from 0 to 4 above 1.5 from t₁ = 0.375·T/2 to t₂ = T − t₁: both edges move by −1/(jω f₀), the comparison by −h δ(t − t₁) + h δ(t − t₂) of it.
+TEST_CASE("the comparison of a source with a level moves with the source's frequency", "[unit]") {
+  const Scratch scratch;
+  const Json told = result_of(scratch,
+                              "comparison\nVt t 0 PULSE(0 4 0 1m 1m 0 2m)\nB1 g 0 V=if(V(t)>1.5,5,0)\nR1 g b 1k\nC1 b 0 1u\n.pss\n"
+                              ".ac list 50 130 from=freq(Vt) harm=1\n.end\n");
+  const double period = 2e-3, f0 = 500.0, t1 = 0.375e-3, t2 = period - t1;
+  const double frequencies[] = {50.0, 130.0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double f = frequencies[k];
+    const Complex shift = -1.0 / (j * two_pi * f * f0);
+    const Complex input = 5.0 / period * shift * (std::exp(-j * two_pi * f0 * t2) - std::exp(-j * two_pi * f0 * t1));
+    check_equal(response(told, k, "v(g)"), input, 1e-9);
+    check_equal(response(told, k, "v(b)"), input / (1.0 + j * two_pi * (f + f0) * 1e-3), 1e-9);
+  }
+}

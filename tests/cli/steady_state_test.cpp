@@ -479,3 +479,15 @@ TEST_CASE("a switch that closes and opens at one instant makes an oscillator", "
     CHECK(largest == Approx(0.8394060).epsilon(1e-6));  // the difference has so many digits
   }
 }
+
+// A relay without hysteresis before 1/(LCs² + …): the locus of G(jω) meets the negative real axis at ω → ∞ only (Tsypkin), so that oscillations die away in ever shorter
+// periods and there is no orbit. What the last steps of the search leave is a motion, no rounding.
+TEST_CASE("oscillations that die away in ever shorter periods are no orbit", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "relay\nB1 u 0 V=if(V(c)>0.1,-5,5)\nS9 s9 0 c 0 SX\nR9 s9 0 1k\nR1 u a 5\nL1 a c 1m ic=0\nC1 c 0 1u ic=0\nR2 c 0 50\n"
+                ".model SX SW(Ron=1 Roff=1meg Vt=0.1)\n.pss uic on=S9\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]"));
+}

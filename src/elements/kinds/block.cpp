@@ -17,7 +17,7 @@ model::LinearForm read(Emission& emission, const BlockInput& input) {
   return quantity(Quantity::branch_current, meter);
 }
 
-model::LinearForm output_of(Emission& emission) {
+MovingForm output_of(Emission& emission) {
   const Block& block = *emission.model().kind->block;
   std::vector<model::LinearForm> inputs;
   for (const BlockInput& input : emission.instance().inputs) inputs.push_back(read(emission, input));
