@@ -456,3 +456,18 @@ TEST_CASE("the comparison of a source with a level moves with the source's frequ
     check_equal(response(told, k, "v(b)"), input / (1.0 + j * two_pi * (f + f0) * 1e-3), 1e-9);
   }
 }
+
+// The comparison with a triangle between ±1/2 has the mean 2 v(x), which the integrator holds at v(r): v(x) is v(r)/2 up to terms of ω². A filter that only listens stands
+// beside the integrator, whose A − jω is nearly singular.
+TEST_CASE("an integrator at frequencies far below that of the switching", "[unit]") {
+  const Scratch scratch;
+  const Json told = result_of(scratch,
+                              "integrator\nVr r 0 0.6\nVt t 0 PULSE(-0.5 0.5 0 50u 50u 0 0.1m)\nB1 q 0 V=if(V(x)>V(t),1,-1)\n"
+                              "B2 x 0 V=sdt(2k*(V(r)-V(q)),0)\nR1 q f 1k\nC1 f 0 1u\n.pss uic\n.ac list 0 1e-5 1e-4 1e-3 from=Vr\n.end\n");
+  const double frequencies[] = {0.0, 1e-5, 1e-4, 1e-3};
+  for (std::size_t k = 0; k < 4; ++k) {
+    CHECK(response(told, k, "v(x)").real() == Approx(0.5).epsilon(1e-11));
+    CHECK(response(told, k, "v(q)").real() == Approx(1.0).epsilon(1e-10));
+    check_equal(response(told, k, "v(f)"), response(told, k, "v(q)") / (1.0 + j * two_pi * frequencies[k] * 1e-3), 1e-12);
+  }
+}
