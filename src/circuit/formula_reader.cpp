@@ -36,19 +36,6 @@ bool is_signal(const Expression& call) {
          std::all_of(call.arguments.begin(), call.arguments.end(), [](const Expression& a) { return a.kind == Kind::name; });
 }
 
-/// f(numbers) = value. Random numbers have no derivatives.
-Varied with_derivatives(const BuiltinFunction& function, const std::vector<AffineSum>& arguments, const std::vector<double>& numbers,
-                        double value) {
-  Varied result = value;
-  if (std::none_of(arguments.begin(), arguments.end(), [](const AffineSum& a) { return a.constant.moves(); })) return result;
-  std::vector<double> partials(numbers.size());
-  bool has_kink = is_random_function(function.name);
-  function_partials(function, numbers, partials, has_kink);
-  for (std::size_t k = 0; k < numbers.size(); ++k)
-    result = has_kink ? unfollowed(result, arguments[k].constant) : applied(result, arguments[k].constant, value, 1.0, partials[k]);
-  return result;
-}
-
 bool is_comparison(std::string_view op) { return op == "<" || op == ">" || op == "<=" || op == ">="; }
 bool is_logic(std::string_view op) { return op == "&" || op == "&&" || op == "|" || op == "||"; }
 
@@ -184,20 +171,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_name(const Expression& e
     }
     if (same_name(expression.text, "time")) return Meaning{builder_.time(), std::nullopt};
   }
-  std::optional<Varied> value = number(expression, context.scope, context.depth);
+  std::optional<Varied> value = varied_number(expression, context.scope, context.depth);
   if (!value) return std::nullopt;
   return Meaning{constant_sum(std::move(*value)), std::nullopt};
-}
-
-/// With its derivatives: this reader follows them.
-template <class Text>
-std::optional<Varied> FormulaReader::number(const Text& text, Scope& scope, int depth) {
-  Session& session = scope.session();
-  ++session.numbers;
-  const std::optional<double> value = Evaluator(scope, depth).value(text);
-  --session.numbers;
-  if (!value) return std::nullopt;
-  return session.varied.empty() ? Varied(*value) : Varied(*value, Differentiator(scope).of(text));
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_unary(const Expression& expression, const Context& context) {
@@ -382,7 +358,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expressio
   }
   const Context inside{home, &arguments, context.depth + 1};
   if (function.body->kind == netlist::Item::Kind::expression) return meaning(*function.body->expression, inside);
-  std::optional<Varied> value = number(*function.body, home, inside.depth);
+  std::optional<Varied> value = varied_number(*function.body, home, inside.depth);
   if (!value) return std::nullopt;
   return Meaning{constant_sum(std::move(*value)), std::nullopt};
 }
@@ -472,11 +448,14 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;
   if (std::all_of(values.begin(), values.end(), [](const Sum& value) { return value.is_number(); })) {
+    std::vector<Varied> arguments;
     std::vector<double> numbers;
-    for (const Sum& value : values) numbers.push_back(value.constant.value);
+    for (const Sum& value : values) {
+      arguments.push_back(value.constant);
+      numbers.push_back(value.constant.value);
+    }
     const double value = builtin->value(numbers);
-    if (std::isfinite(value) || builtin->passes_infinity)
-      return piecewise(constant_sum(with_derivatives(*builtin, values, numbers, value)));
+    if (std::isfinite(value) || builtin->passes_infinity) return piecewise(constant_sum(varied_result(*builtin, arguments, value)));
     reporter().error("E-not-finite", expression.span,
                      fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
     return std::nullopt;

@@ -74,8 +74,6 @@ class FormulaReader {
   Sum product(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
-  template <class Text>
-  std::optional<elements::Varied> number(const Text& text, Scope& scope, int depth);
   void lose(const Sum& sum);
   Sum control();
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);

@@ -175,7 +175,9 @@ class Follower {
     const Model& model = circuit_.models[static_cast<std::size_t>(instance.model)];
     for (const elements::Written& number : model.written) {
       const auto name = name_of(number, model.values);
-      distribute(instance, number, [&](double p, NetworkMoves& moves) { return !name.empty() && slots.model_value(name, p, moves); });
+      distribute(instance, number, [&](double p, NetworkMoves& moves) {
+        return !name.empty() && (slots.follows_block(name) || slots.model_value(name, p, moves));
+      });
     }
   }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/names.hpp"
+#include "elements/block.hpp"
 #include "elements/conduction.hpp"
 #include "elements/emission.hpp"
 
@@ -87,6 +88,12 @@ bool Slots::model_value(std::string_view name, double p, NetworkMoves& moves) co
   if (type == "SW" || type == "CSW" || type == "VSWITCH" || type == "ISWITCH") return switch_value(name, p, moves);
   if (type == "NMOS" || type == "PMOS" || type == "VDMOS") return mosfet_value(name, p, moves);
   return false;
+}
+
+bool Slots::follows_block(std::string_view name) const {
+  if (model_ == nullptr || model_->kind == nullptr || model_->kind->block == nullptr) return false;
+  const elements::Values::Given* given = model_->values.find(name);
+  return model_->kind->block->law != nullptr && given != nullptr && !given->parameter->is_list;
 }
 
 std::string Slots::tangent_note() const {

@@ -51,6 +51,8 @@ class Slots {
 
   bool element_value(std::string_view name, double p, NetworkMoves& moves) const;
   bool model_value(std::string_view name, double p, NetworkMoves& moves) const;
+  /// Whether the value of the model stands in the formula of its block, which moves by itself.
+  [[nodiscard]] bool follows_block(std::string_view name) const;
   /// ": its tangents follow …", where the element has an exponential characteristic.
   [[nodiscard]] std::string tangent_note() const;
   bool waveform_value(std::string_view name, double p, NetworkMoves& moves) const;

@@ -112,7 +112,10 @@ constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
 
 Integral integral_of(const Values& values) { return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")}; }
 
-Fraction fraction_of(const Values& values) { return {values.list("num_coeff"), values.list("den_coeff")}; }
+Fraction fraction_of(const Values& values) {
+  const std::vector<double> num = values.list("num_coeff"), den = values.list("den_coeff");
+  return {{num.begin(), num.end()}, {den.begin(), den.end()}};
+}
 
 const ModelKind integrator_model{"int", "integrator", integrator_parameters, check_limits, &integrator_block};
 const ModelKind derivative_model{"d_dt", "derivative", derivative_parameters, check_limits, &derivative_block};

@@ -66,21 +66,21 @@ void add_range(Emission& emission, model::NodeIndex state, double from, double t
 }
 
 /// Ascending powers of s, in units of `rate`.
-std::vector<double> ascending(std::vector<double> list, double rate) {
+std::vector<Varied> ascending(std::vector<Varied> list, double rate) {
   std::reverse(list.begin(), list.end());
   double power = 1.0;
-  for (double& coefficient : list) {
-    coefficient *= power;
+  for (Varied& coefficient : list) {
+    coefficient = power * coefficient;
     power *= rate;
   }
   return list;
 }
 
 /// The rate that makes the largest coefficient of the monic denominator one.
-double rate_of(const std::vector<double>& descending) {
+double rate_of(const std::vector<Varied>& descending) {
   double rate = 0.0;
   for (std::size_t k = 1; k < descending.size(); ++k)
-    rate = std::max(rate, std::pow(std::abs(descending[k] / descending[0]), 1.0 / static_cast<double>(k)));
+    rate = std::max(rate, std::pow(std::abs(descending[k].value / descending[0].value), 1.0 / static_cast<double>(k)));
   return rate > 0.0 ? rate : 1.0;
 }
 
@@ -127,13 +127,13 @@ MovingForm add_transfer(Emission& emission, std::string_view part, const Fractio
   for (std::size_t k = 0; k < order; ++k) {
     node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1))));
     state.emplace_back(model::voltage_between(node[k], model::ground));
-    if (den[k] != 0.0) accumulate(highest, state[k], -den[k] / den[order]);
+    if (!den[k].is_nothing()) accumulate(highest, state[k], -den[k] / den[order]);
   }
   state.push_back(highest);
   MovingForm output;
   for (std::size_t k = 0; k <= order; ++k) {
     if (k < order) inject(emission, node[k], scaled(state[k + 1], rate * unit));
-    if (num[k] != 0.0) accumulate(output, state[k], num[k]);
+    if (!num[k].is_nothing()) accumulate(output, state[k], num[k]);
   }
   return output;
 }

@@ -37,8 +37,8 @@ struct Resets {
 
 /// The fraction in p = s/(rate·unit), powers ascending, both of length order + 1.
 struct CanonicalForm {
-  double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one
-  std::vector<double> num, den;
+  double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one, a number that does not move
+  std::vector<Varied> num, den;
 };
 [[nodiscard]] CanonicalForm canonical_form(const Fraction& fraction);
 

@@ -53,7 +53,7 @@ struct AffineSum {
 
 /// A proper rational function of s, the highest power first; the denominator's first coefficient is not zero.
 struct Fraction {
-  std::vector<double> num{0.0}, den{1.0};
+  std::vector<Varied> num{0.0}, den{1.0};
   bool operator==(const Fraction&) const = default;
 };
 

@@ -922,3 +922,37 @@ TEST_CASE("a voltage that a formula takes as a number is named where a parameter
   CHECK_THAT(finished.err, Contains("r has no derivative to x: B1 takes the voltage of Vm as a number"));
   CHECK_THAT(finished.err, Contains("r has no derivative to Vm: B1 takes the voltage of Vm as a number"));
 }
+
+// A step through g/(1 + sτ): g(1 − e^{−t/τ}); through 1/((1 + s/a)(1 + s/b)): 1 − (b e^{−at} − a e^{−bt})/(b − a).
+TEST_CASE("fractions of Laplace= move with their numbers", "[unit]") {
+  const double g = 2.2, tau = 0.3e-3, a = 2e3, b = 5e3, t = 0.4e-3;
+  const double fall = std::exp(-t / tau), of_a = std::exp(-a * t), of_b = std::exp(-b * t);
+  const double rest = b * of_a - a * of_b;
+  check_formulas(
+      "laplace\n.param g=2.2 tau=0.3m a=2k b=5k\n.func pole(w) {1/(1+s/w)}\nV1 a 0 PWL(0 0 0.1m 0 0.1m 1 1 1)\n"
+      "E1 b 0 a 0 Laplace={g/(1+s*tau)}\nR1 b 0 1k\nB2 c 0 V=V(a) Laplace={pole(a)*pole(b)}\nR2 c 0 1k\n.tran 1u 1m\n"
+      ".meas tran x FIND v(b) AT=0.5m\n.meas tran y FIND v(c) AT=0.5m\n.sens param=g,tau,a,b",
+      {{"x", {{"g", 1.0 - fall}, {"tau", -g * t / (tau * tau) * fall}, {"a", 0.0}}},
+       {"y",
+        {{"a", -((-b * t * of_a - of_b) * (b - a) + rest) / ((b - a) * (b - a))},
+         {"b", -((of_a + a * t * of_b) * (b - a) - rest) / ((b - a) * (b - a))},
+         {"g", 0.0}}}},
+      1e-9);
+}
+
+// A triangle from 0 to 4 within 1 ms and back. Limited at m from above: the mean is m − m²/8. With hysteresis h about d it switches at (d + h)/4 ms and (8 − d + h)/4 ms.
+TEST_CASE("models of blocks move with parameters", "[unit]") {
+  const double m = 1.5, g = 1.0, d = 2.0, hi = 3.0, lo = 1.0;
+  check_formulas(
+      "blocks\n.param m=1.5 d=2 h=0.3 hi=3 lo=1 g=1\nV1 a 0 PULSE(0 4 0 1m 1m 0 2m)\nA1 a b LM\n.model LM limit(gain={g} "
+      "out_lower_limit=-1 out_upper_limit={m})\n"
+      "R1 b 0 1k\nA2 a c HM\n.model HM hyst(in_low={d} in_high={d} hyst={h} out_lower_limit={lo} out_upper_limit={hi})\nR2 c 0 1k\n.tran "
+      "1u 2m\n"
+      ".meas tran x AVG v(b)\n.meas tran y AVG v(c)\n.meas tran r WHEN v(c)=2 RISE=1\n.meas tran f WHEN v(c)=2 FALL=1\n.sens "
+      "param=m,d,h,hi,lo,g",
+      {{"x", {{"m", 1.0 - m / (4.0 * g)}, {"g", m * m / (8.0 * g * g)}, {"h", 0.0}}},
+       {"y", {{"d", -(hi - lo) / 4.0}, {"h", 0.0}, {"hi", 1.0 - d / 4.0}, {"lo", d / 4.0}}},
+       {"r", {{"d", 0.25e-3}, {"h", 0.25e-3}}},
+       {"f", {{"d", -0.25e-3}, {"h", 0.25e-3}}}},
+      1e-10);
+}
