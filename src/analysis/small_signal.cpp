@@ -328,7 +328,8 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
 SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
                                 const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven) {
   const SmallSignal& card = *compiled.analyses.small_signal;
-  const steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
+  steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
+  const std::vector<int> unknown = linear.take_impulses(trace, is_driven);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, period)) : std::nullopt;
   const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = moves_edges(card);
@@ -355,7 +356,9 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
     const bool is_limit = f == 0.0 && !is_driven && !is_timing && card.harmonic == 0 && !sample;
     return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
-  return evaluate(compiled, inputs, response);
+  SmallSignalResult result = evaluate(compiled, inputs, response);
+  result.unknown_impulses = unknown;
+  return result;
 }
 
 namespace {

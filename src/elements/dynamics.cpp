@@ -114,6 +114,10 @@ CanonicalForm canonical_form(const Fraction& fraction) {
   const double rate = rate_of(fraction.den);
   CanonicalForm form{rate, ascending(fraction.num, rate), ascending(fraction.den, rate)};
   form.num.resize(form.den.size(), 0.0);
+  // The states are of the size of the input then, whatever numbers the fraction is written with.
+  const double lead = form.den.back().value;
+  for (auto* list : {&form.num, &form.den})
+    for (Varied& coefficient : *list) coefficient = coefficient / lead;
   return form;
 }
 

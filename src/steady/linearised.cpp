@@ -97,6 +97,20 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
   for (const TraceSegment& s : trace.tail) tail_.push_back({s.island, s.mode, s.begin, s.length});
 }
 
+std::vector<int> LinearisedOrbit::take_impulses(const Trace& trace, bool is_driven) {
+  std::vector<int> unknown;
+  for (std::size_t i = 0; i < instants_.size(); ++i) {
+    const std::vector<Change> changes = i == 0 && is_driven ? wrap_of(trace).changes : trace.steps[i].changes;
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      const System& system = stacking_.system(changes[k].island);
+      Impulses impulses = impulses_of(system, changes[k]);
+      for (const int output : impulses.unknown) unknown.push_back(system.output_signal[static_cast<std::size_t>(output)]);
+      instants_[i].changes[k].impulses = std::move(impulses.list);
+    }
+  }
+  return unknown;
+}
+
 void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {
   LinearInstant& instant = instants_.emplace_back();
   instant.time = step.time;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "steady/impulses.hpp"
 #include "steady/orbit_trace.hpp"
 #include "steady/variation.hpp"
 
@@ -35,8 +36,9 @@ struct LinearSegment {
 struct LinearChange {
   std::size_t island = 0;
   std::vector<const model::Mode*> by_way_of;
-  Vector d;        ///< (P f⁻ − f⁺): n
-  Vector outputs;  ///< y⁻ − y⁺ of its outputs
+  Vector d;                         ///< (P f⁻ − f⁺): n
+  Vector outputs;                   ///< y⁻ − y⁺ of its outputs
+  std::vector<Impulse> impulses{};  ///< after take_impulses, by way
 };
 
 /// δt = on_state·δξ + on_w·w for a guard that crosses zero; zero if the time is fixed.
@@ -64,6 +66,9 @@ class LinearisedOrbit {
   /// `inputs`: names given to add_input. The trace's first instant is t = 0, the wrap of the period: the period's end is on its left.
   LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
                   const std::vector<std::string>& inputs);
+
+  /// The impulses of all changes, of the orbit's own trace. The signals of which some have no linear form.
+  std::vector<int> take_impulses(const Trace& trace, bool is_driven);
 
   [[nodiscard]] const Stacking& stacking() const { return stacking_; }
   [[nodiscard]] double period() const { return period_; }

@@ -216,8 +216,18 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
     const int n = stacking.count(change.island);
     const System& system = stacking.system(change.island);
     auto block = pass.r.segment(stacking.first(change.island), n);
-    for (const Mode* mode : change.by_way_of) {
+    auto impulse = change.impulses.begin();
+    for (std::size_t way = 0; way < change.by_way_of.size(); ++way) {
+      const Mode* const mode = change.by_way_of[way];
       if (!mode->constrained || n == 0) continue;
+      // δQ̂ − j(ω + mω_s) Q δt̂
+      for (; impulse != change.impulses.end() && impulse->way == way; ++impulse) {
+        if (!pass.collects || pass.sample) continue;
+        const ComplexVector inputs = input_columns(orbit_, change.island, impulse->on, n, pass.omega, pass.amplitudes);
+        const Complex size = (impulse->on.head(n).cast<Complex>() * block).value() + inputs[0] + impulse->rate * delta;
+        pass.sums[system.output_signal[static_cast<std::size_t>(impulse->output)]] +=
+            turn * (size - j * (pass.omega + pass.omega_out) * impulse->size * delta);
+      }
       block = mode->projector.topLeftCorner(n, n) * block +
               input_columns(orbit_, change.island, mode->projector, n, pass.omega, pass.amplitudes).head(n);
     }

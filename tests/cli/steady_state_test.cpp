@@ -491,3 +491,25 @@ TEST_CASE("oscillations that die away in ever shorter periods are no orbit", "[u
   CHECK(finished.status == 1);
   CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]"));
 }
+
+// The integrator of the compensator holds the mean of its input at zero: v(o) = 2·2.5 V on the mean. Its fraction is written with numbers that are far from 1, so that states
+// which take the size of them would be nothing beside the rest, and a drifting one no motion.
+TEST_CASE("a compensator as a fraction in s: the mean of its input is zero, however the fraction is written", "[unit]") {
+  const std::string power =
+      "loop\nVin in 0 12\nVt t 0 PULSE(0 3 0 9.9u 0.1u 0 10u)\nS1 in sw g 0 SX\nD1 0 sw DX\nL1 sw o 22u ic=2\nC1 o x 100u ic=5\nRe x 0 "
+      "20m\n"
+      "R1 o 0 2.5\nRa o fb 10k\nRb fb 0 10k\nVr ref 0 2.5\nB2 er 0 V=V(ref)-V(fb)\nRer er 0 1k\n"
+      "B1 g 0 V=if(limit(V(ea),0.05,2.9)>V(t),5,0)\n.model SX SW(Ron=20m Vt=2.5)\n.model DX D(Ron=20m Vfwd=0.4)\n.meas pss vo AVG v(o)\n";
+  const Scratch scratch;
+  for (const std::string fraction : {"500*(1+s/2e4)/(s*(1+s/4e5))", "1e12*(2e4+s)*4e5/(2e4*s*(4e5+s)*2e9)"})
+    for (const std::string start : {".pss\n", ".pss uic\n"}) {
+      INFO(fraction << " " << start);
+      const Json result = steady_state_of(scratch, power + "E1 ea 0 er 0 Laplace={" + fraction + "}\n" + start + ".end\n");
+      CHECK(measured(result, "vo") == Approx(5.0).epsilon(1e-9));
+      CHECK(result["pss"]["stability"].string == "stable");
+    }
+  // Ten times the gain: the double pole of the filter makes the loop unstable, its orbit is there all the same.
+  const Json unstable = steady_state_of(scratch, power + "E1 ea 0 er 0 Laplace={9k*(1+s/2e4)/(s*(1+s/4e5))}\n.pss\n.end\n");
+  CHECK(measured(unstable, "vo") == Approx(5.0).epsilon(1e-9));
+  CHECK(unstable["pss"]["stability"].string == "unstable");
+}
