@@ -44,6 +44,16 @@ ClockValue clock_value(const System& system, const model::Control& control, doub
   return at;
 }
 
+/// Whether a guard is at zero within this time, and moves.
+bool is_passed(const Change& change, int row, double near) {
+  const Mode& mode = *change.before;
+  Vector rate(mode.ny);
+  linalg::multiply_sparse(mode.flow.a(), change.y_before.data(), rate);
+  const double fall = mode.guards.row(row).dot(rate);
+  const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+  return fall != 0.0 && std::abs(value) <= near * std::abs(fall);
+}
+
 template <class Form>
 void superpose(Form& form, int source, int input) {
   const std::size_t terms = form.size();
@@ -137,8 +147,28 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     }
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
-  for (const Change& change : changes)
+  for (const Change& change : changes) {
     if (!is_nothing(change)) take_beside(change, instant);
+    take_controls_beside(change, on_before, step.on, instant);
+  }
+}
+
+/// Other switches that pass their threshold at the same time: what they change comes when they do.
+void LinearisedOrbit::take_controls_beside(const Change& change, const std::vector<char>& on_before, const std::vector<char>& on,
+                                           LinearInstant& instant) const {
+  if (instant.island < 0 || change.cause != Cause::guard || change.before == nullptr || change.y_before.empty()) return;
+  const System& system = stacking_.system(change.island);
+  for (std::size_t k = 0; k < system.controls.size(); ++k) {
+    const auto driven = static_cast<std::size_t>(system.controls[k].driven);
+    if (on_before[driven] == on[driven] || system.controls[k].driven == instant.level_switch) continue;
+    const int row = system.diodes + static_cast<int>(2 * k) + (on_before[driven] != 0 ? 0 : 1);
+    if (row >= change.before->guards.rows() || !is_passed(change, row, same_instant * (period_ + instant.time))) continue;
+    const auto is_there = [&](const LinearGuard& other) { return other.island == static_cast<int>(change.island) && other.row == row; };
+    if (std::any_of(instant.beside.begin(), instant.beside.end(), is_there)) continue;
+    LinearGuard guard;
+    take_guard(change, row, guard);
+    if (guard.island >= 0) instant.beside.push_back(std::move(guard));
+  }
 }
 
 /// Guards that are passed by chance at the time of another one, or of an edge.

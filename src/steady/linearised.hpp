@@ -81,6 +81,8 @@ class LinearisedOrbit {
   void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
   void take_guard(const engine::Change& change, int row, LinearGuard& guard) const;
   void take_beside(const engine::Change& change, LinearInstant& instant) const;
+  void take_controls_beside(const engine::Change& change, const std::vector<char>& on_before, const std::vector<char>& on,
+                            LinearInstant& instant) const;
   void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
 
   Stacking stacking_;
