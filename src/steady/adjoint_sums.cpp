@@ -104,7 +104,7 @@ double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
       continue;
     }
     total += pass.shifts[i] * along_.level_shift_of(parameter, instant);
-    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant);
+    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant, instant.time);
   }
   return total;
 }

@@ -213,7 +213,6 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
 /// A switch that sources alone drive, and that one of them crosses rather than jumps past: inputs among these sources move its time.
 void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant) {
   constexpr double on_level = 1e-9;  // of the terms
-  if (instant.island >= 0) return;
   const double time = instant.time > 0.0 ? instant.time : period_;
   for (std::size_t island = 0; island < stacking_.islands(); ++island) {
     const System& system = stacking_.system(island);
@@ -223,15 +222,20 @@ void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std:
       const ClockValue at = clock_value(system, control, time);
       const double level = on_before[driven] != 0 ? control.off_level : control.on_level;
       if (at.slope == 0.0 || std::abs(at.value - level) > on_level * (at.size + std::abs(level))) continue;
-      instant.on_w.assign(inputs_, 0.0);
-      instant.on_slope.assign(inputs_, 0.0);
+      LinearGuard guard;
+      guard.on_w.assign(inputs_, 0.0);
+      guard.on_slope.assign(inputs_, 0.0);
       for (std::size_t k = 0; k < inputs_; ++k)
         if (const InputColumns& column = columns_[island][k]; column.value >= 0)
-          instant.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
-      instant.level_switch = control.driven;
-      instant.is_off_level = on_before[driven] != 0;
-      instant.level_rate = at.slope;
-      return;
+          guard.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
+      guard.level_switch = control.driven;
+      guard.is_off_level = on_before[driven] != 0;
+      guard.level_rate = at.slope;
+      const bool is_first = instant.island < 0 && instant.level_switch < 0;
+      if (is_first)
+        static_cast<LinearGuard&>(instant) = std::move(guard);
+      else
+        instant.beside.push_back(std::move(guard));
     }
   }
 }

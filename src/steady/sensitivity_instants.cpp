@@ -69,18 +69,18 @@ std::string Sensitivity::name_of(const LinearGuard& guard) const {
 }
 
 /// Of an instant that a clock decides, or nothing that moves.
-double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& instant) const {
+double Sensitivity::clock_shift_of(std::size_t parameter, const LinearGuard& guard, double at) const {
   double shift = 0.0;
-  if (instant.on_w.empty()) return shift;
-  const double time = instant.time > 0.0 ? instant.time : length_;
+  if (guard.on_w.empty()) return shift;
+  const double time = at > 0.0 ? at : length_;
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
-    const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
+    const double on_w = guard.on_w[static_cast<std::size_t>(wave.input)];
     if (on_w == 0.0) continue;
     const double left = time - same_time * (length_ + time);
     shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
   }
   for (const Drive& drive : inputs_.parameters[parameter].drives) {
-    const double on_w = instant.on_w[static_cast<std::size_t>(drive.input)];
+    const double on_w = guard.on_w[static_cast<std::size_t>(drive.input)];
     if (on_w != 0.0) shift += on_w * drive.weight * driven_by(drive, time);
   }
   return shift;
@@ -107,7 +107,7 @@ double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Ve
     return *edge;
   }
   const double level = level_shift_of(parameter, instant);
-  return level + (instant.island < 0 ? clock_shift_of(parameter, instant) : passage_of(parameter, number, instant, xi));
+  return level + (instant.island < 0 ? clock_shift_of(parameter, instant, instant.time) : passage_of(parameter, number, instant, xi));
 }
 
 double Sensitivity::corner_shift_of(std::size_t parameter, const LinearInstant& instant) const {
@@ -148,7 +148,8 @@ void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double
   const double value = std::abs(inputs_.parameters[parameter].value), least = no_shift * length_;
   const double time = orbit_.instants()[number].time;
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
-    const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
+    const double passage = guard.island < 0 ? clock_shift_of(parameter, guard, time) : passage_of(parameter, number, guard, xi);
+    const double own = level_shift_of(parameter, guard) + passage, apart = std::abs(own - shift);
     if (apart * value <= least || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
     followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
                   true);

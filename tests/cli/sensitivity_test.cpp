@@ -956,3 +956,30 @@ TEST_CASE("models of blocks move with parameters", "[unit]") {
        {"f", {{"d", -0.25e-3}, {"h", 0.25e-3}}}},
       1e-10);
 }
+
+// Above k for the share 1 − k/4 of a triangle from 0 to 4, and above m likewise; k = m. Of 1 + 3 sin x: 1/2 − asin((k − 1)/3)/π.
+TEST_CASE("two comparisons that change at one instant move by themselves", "[unit]") {
+  const Scratch scratch;
+  const double k = 1.5, pi = std::acos(-1.0);
+  const std::pair<std::string, double> waves[] = {{"PULSE(0 4 0 1m 1m 0 2m)", -0.25},
+                                                  {"SIN(1 3 500)", -1.0 / (3.0 * pi * std::sqrt(1.0 - std::pow((k - 1.0) / 3.0, 2)))}};
+  for (const auto& [wave, slope] : waves)
+    for (const std::string method : {"forward", "adjoint"}) {
+      INFO(wave << " " << method);
+      const Json told =
+          sensitivities_of(scratch, "together\n.param k=1.5 m=1.5\nVt t 0 " + wave +
+                                        "\nB1 a 0 V=if(V(t)>k,5,0)\nR1 a 0 1k\nB2 b 0 V=if(V(t)>m,3,0)\nR2 b 0 1k\n.tran 1u 2m\n"
+                                        ".meas tran a AVG v(a)\n.meas tran b AVG v(b)\n.sens param=k,m method=" +
+                                        method + "\n.end\n");
+      const auto is = [&](const std::string& measurement, const std::string& parameter, double value) {
+        const Json d = entry(told, measurement, parameter);
+        INFO(measurement << " to " << parameter);
+        CHECK(d["left"].number == Approx(value).epsilon(1e-6).margin(1e-7));
+        CHECK(d["right"].number == Approx(value).epsilon(1e-6).margin(1e-7));
+      };
+      is("a", "k", 5.0 * slope);
+      is("a", "m", 0.0);
+      is("b", "k", 0.0);
+      is("b", "m", 3.0 * slope);
+    }
+}
