@@ -525,3 +525,22 @@ TEST_CASE("an oscillator of an integrator and a relay has an orbit, though no mo
     CHECK(std::abs(measured(result, "m")) < 1e-12);
   }
 }
+
+// Two cells that do not depend on each other pass their guards at the same instants; their multipliers are those of one cell, twice.
+TEST_CASE("parts that pass their guards at one instant have the multipliers of each", "[unit]") {
+  const auto cell = [](const std::string& n) {
+    return "B" + n + " g" + n + " 0 V=if(V(ck)>2.5,5,if(I(L" + n + ")*0.1>0.3,0,V(h" + n + ")))\nRg" + n + " g" + n + " h" + n + " 10\nCg" +
+           n + " h" + n + " 0 100p ic=0\nS" + n + " in s" + n + " h" + n + " 0 SX\nD" + n + " 0 s" + n + " DX\nL" + n + " s" + n + " o" +
+           n + " 10u ic=1\nC" + n + " o" + n + " 0 47u ic=5\nR" + n + " o" + n + " 0 1.2\n";
+  };
+  const std::string frame =
+      "cells\nVin in 0 12\nVclk ck 0 PULSE(0 5 0 1n 1n 50n 5u)\n.model SX SW(Ron=20m Vt=2.5)\n.model DX D(Ron=20m Vfwd=0.4)\n.pss uic\n";
+  const Scratch scratch;
+  const auto one = steady_state_of(scratch, frame + cell("1") + ".end\n")["pss"]["multipliers"].array;
+  const auto two = steady_state_of(scratch, frame + cell("1") + cell("2") + ".end\n")["pss"]["multipliers"].array;
+  REQUIRE(two.size() == 2 * one.size());
+  for (std::size_t k = 0; k < two.size(); ++k) {
+    CHECK(two[k]["re"].number == Approx(one[k / 2]["re"].number).epsilon(1e-8));
+    CHECK(std::abs(two[k]["im"].number) < 1e-8);
+  }
+}
