@@ -141,7 +141,7 @@ MeasuredPass measure_run(const circuit::Measurements& measurements, const Simula
   PieceLook look(run);
   if (!look.is_needed()) return run;
   request.probes = look.probes();
-  (void)simulate(request, rows);
+  run.is_whole = simulate(request, rows).outcome == engine::Outcome::completed;
   look.finish();
   return run;
 }

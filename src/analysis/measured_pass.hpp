@@ -23,6 +23,7 @@ struct KeptPiece {
 struct MeasuredPass {
   const circuit::Measurements* measurements = nullptr;
   double start = 0.0, stop = 0.0;
+  bool is_whole = true;  ///< the run for its pieces completed
   measure::Record record;
   std::vector<KeptPiece> pieces;                  ///< over all windows of integrals
   std::map<std::size_t, ExtremePlaces> extremes;  ///< by measurement

@@ -49,7 +49,7 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
   std::vector<int> signals;
   for (std::size_t k = 0; k < compiled.network.signals.size(); ++k) signals.push_back(static_cast<int>(k));
   Impulses impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
-  engine::Request request;
+  engine::Request request = request_of(state.compiled.analyses, {});
   request.stop = period;
   request.use_initial_conditions = true;
   request.unsaved_signals = state.compiled.network.signals.size();
@@ -67,7 +67,13 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
 SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
   SmallSignalResult result = small_signals(compiled, *state.inputs, state.network_with_inputs(), state.model_with_inputs(),
                                            state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty());
-  const std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(*compiled.analyses.small_signal));
+  // Edges that move, and samples, would need more than the impulses of jumps.
+  const circuit::SmallSignal& card = *compiled.analyses.small_signal;
+  std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(card));
+  if (!moves_edges(card) && !card.sample)
+    std::erase_if(impulsive, [&](int signal) {
+      return std::find(result.unknown_impulses.begin(), result.unknown_impulses.end(), signal) == result.unknown_impulses.end();
+    });
   if (!impulsive.empty()) leave_out_impulsive(compiled, impulsive, result);
   return result;
 }

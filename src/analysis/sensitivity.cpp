@@ -222,12 +222,14 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   const engine::ExactModel& model = state.model_with_inputs();
   const LinearisedOrbit linear(model, state.trace_with_inputs(), state.orbit.period, is_driven, state.parameters->names);
   const Sensitivity sensitivity(model, state.trace_with_inputs(), linear, *state.parameters, true);
-  engine::Request request;
+  RunControl control;
+  control.interrupt = &interrupt;
+  engine::Request request = request_of(state.compiled.analyses, control);
   request.stop = state.orbit.period;
   request.use_initial_conditions = true;
-  request.interrupt = &interrupt;
   const MeasuredPass run =
       measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period, measured);
+  if (!run.is_whole) return failed_derivatives(compiled, measurements, "the period could not be followed once more");
   OrbitMoves moves(compiled, state, sensitivity, linear);
   return table_of(card, measurements, run.record.values, derivative_columns(card, run, sensitivity, moves));
 }
@@ -375,7 +377,7 @@ DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* st
         compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
     return table;
   }
-  const char* const why = "the sparse engine has no derivatives; try --engine exact";
+  const char* const why = "only the exact engine with dense modes has derivatives; try --engine exact, or fewer stores";
   DerivativeTable table;
   if (state != nullptr) table = failed_derivatives(compiled, compiled.orbit_measurements, why);
   if (!compiled.analyses.transient) return table;

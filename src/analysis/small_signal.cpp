@@ -100,7 +100,7 @@ steady::Wave moved_pulse(const model::Pulse& pulse, bool ends_only, int input) {
   return {input, pulse, by, -1, ""};
 }
 
-/// Pulses that move in time: each input by its own, as much as `by` says.
+/// Pulses that move in time, as much as `by` says of each.
 steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const std::vector<steady::Wave>& waves, const std::vector<Complex>& by) {
   constexpr double same_time = 1e-9;  // of the period
   steady::TimeShifts moved;
@@ -114,9 +114,41 @@ steady::TimeShifts shifts_of(const steady::LinearisedOrbit& orbit, const std::ve
     }
   }
   moved.amplitude = [&waves, by](std::size_t input, double time) {
-    return by[input] * steady::wave_state(waves[input], time, time, true)[0];
+    for (std::size_t k = 0; k < waves.size(); ++k)
+      if (waves[k].input == static_cast<int>(input)) return by[k] * steady::wave_state(waves[k], time, time, true)[0];
+    return Complex(0.0);
   };
   return moved;
+}
+
+/// A sinusoid whose frequency is modulated. Its phase follows by 2π/(jω) per hertz, so that it adds A cos(ω₀t + φ)·2π/(jω)·e^{jωt}: two inputs, at ω ± ω₀.
+struct ModulatedSine {
+  std::size_t input = 0;
+  double amplitude = 0.0, frequency = 0.0, phase = 0.0;  ///< from t = 0 on
+  int cycles = 0;                                        ///< in the period of the orbit
+};
+
+/// Empty where the source's sinusoid decays or ends.
+std::optional<ModulatedSine> modulated_sine(const model::SourceFunction& function, std::size_t input, double period) {
+  const auto* sine = std::get_if<model::Sin>(&function);
+  if (sine == nullptr || sine->damping != 0.0 || std::isfinite(sine->cycles)) return std::nullopt;
+  const double turn = 2.0 * std::numbers::pi;
+  return ModulatedSine{input, sine->amplitude, sine->frequency, sine->phase - turn * sine->frequency * sine->delay,
+                       static_cast<int>(std::lround(sine->frequency * period))};
+}
+
+/// Its harmonic: c_{h−N} of the input at f + f₀, and c_{h+N} of that at f − f₀.
+steady::ComplexVector response_of(const ModulatedSine& sine, steady::Transfer& transfer, double f, int harmonic, std::size_t inputs,
+                                  const std::optional<double>& sample) {
+  steady::ComplexVector sum;
+  for (const int side : {1, -1}) {
+    std::vector<Complex> amplitudes(inputs, 0.0);
+    amplitudes[sine.input] = 0.5 * sine.amplitude * std::exp(Complex(0.0, side * sine.phase)) / (Complex(0.0, 1.0) * f);
+    steady::ComplexVector own = transfer.at(f + side * sine.frequency, harmonic - side * sine.cycles, amplitudes, {}, sample).signals;
+    if (sample) own *= std::exp(Complex(0.0, side * 2.0 * std::numbers::pi * sine.frequency * *sample));
+    sum = side > 0 ? own : steady::ComplexVector(sum + own);
+  }
+  return sum;
 }
 
 /// A zero of a real function between two frequencies at which it has different signs.
@@ -157,10 +189,12 @@ LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, con
 steady::ComplexVector limit_at_rest(double period, const std::function<steady::ComplexVector(double frequency)>& at) {
   constexpr double slow = 2e-5;        // of 1/period: what the series leaves out is of the order of (2π·slow)⁴
   constexpr double same_value = 1e-3;  // of two responses: they have a limit
+  constexpr double rounding = 1e-12;   // of the largest response: nothing
   const steady::ComplexVector one = at(slow / period), two = at(2.0 * slow / period);
   steady::ComplexVector limit = ((4.0 * one - two) / 3.0).real().cast<Complex>();
+  const double least = rounding * (one.allFinite() ? one.cwiseAbs().maxCoeff() : 0.0);
   for (Eigen::Index k = 0; k < limit.size(); ++k)
-    if (!(std::abs(one[k] - two[k]) <= same_value * std::abs(one[k]))) limit[k] = std::numeric_limits<double>::quiet_NaN();
+    if (!(std::abs(one[k] - two[k]) <= same_value * std::abs(one[k]) + least)) limit[k] = std::numeric_limits<double>::quiet_NaN();
   return limit;
 }
 
@@ -225,10 +259,25 @@ SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalI
     result.values.emplace_back(all.data(), all.data() + saved);
     for (std::size_t k = 0; k < selected.size(); ++k)
       result.columns[k].values.push_back(part_of(all[static_cast<Eigen::Index>(selected[k].signal)], selected[k].part));
-    if (!all.allFinite()) result.singular.push_back(f);
+    const auto is_infinite = [&](std::size_t signal) { return !std::isfinite(std::abs(all[static_cast<Eigen::Index>(signal)])); };
+    bool is_singular = std::any_of(selected.begin(), selected.end(), [&](const Selection& each) { return is_infinite(each.signal); });
+    for (std::size_t k = 0; k < saved; ++k) is_singular |= is_infinite(k);
+    if (is_singular) result.singular.push_back(f);
   }
   if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, std::move(gains));
   return result;
+}
+
+}  // namespace
+
+namespace {
+
+/// Why the timing of a source cannot be modulated; "" where it can.
+std::string immovable(const model::SourceFunction& function, const SmallSignal& card) {
+  if (std::holds_alternative<model::Pulse>(function)) return "";
+  if (card.input == SmallSignal::Input::duty) return "is not a PULSE source: only edges of PULSE sources can be moved";
+  return modulated_sine(function, 0, 1.0) ? ""
+                                          : "is neither a PULSE source nor a sinusoid without damping: its frequency cannot be modulated";
 }
 
 }  // namespace
@@ -258,9 +307,11 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
   if (card.input != SmallSignal::Input::marked) {
     for (const std::string& name : card.sources) {
       const std::vector<int> sources = sources_named(network, name);
-      if (sources.empty() || !std::holds_alternative<model::Pulse>(network.sources[static_cast<std::size_t>(sources.front())].function)) {
+      if (const std::string why = sources.empty() ? "is not a source of the circuit"
+                                                  : immovable(network.sources[static_cast<std::size_t>(sources.front())].function, card);
+          !why.empty()) {
         inputs.id = "E-ac-no-input";
-        inputs.message = fmt::format("{} is not a PULSE source of the circuit: only edges of PULSE sources can be moved", name);
+        inputs.message = fmt::format("{} {}", name, why);
         return inputs;
       }
       add_input_on(network, sources, 0.0, inputs);
@@ -277,14 +328,18 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Networ
 SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
                                 const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven) {
   const SmallSignal& card = *compiled.analyses.small_signal;
-  const steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
+  steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
+  const std::vector<int> unknown = linear.take_impulses(trace, is_driven);
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, period)) : std::nullopt;
   const bool is_duty = card.input == SmallSignal::Input::duty, is_timing = moves_edges(card);
   std::vector<steady::Wave> waves;
-  for (const std::string& name : is_timing ? card.sources : std::vector<std::string>()) {
-    const auto& source = network.sources[static_cast<std::size_t>(sources_named(network, name).front())];
-    waves.push_back(moved_pulse(std::get<model::Pulse>(source.function), is_duty, static_cast<int>(waves.size())));
+  std::vector<ModulatedSine> sines;
+  const std::size_t moved = is_timing ? card.sources.size() : 0;
+  for (std::size_t k = 0; k < moved; ++k) {
+    const auto& function = network.sources[static_cast<std::size_t>(sources_named(network, card.sources[k]).front())].function;
+    if (const auto* pulse = std::get_if<model::Pulse>(&function)) waves.push_back(moved_pulse(*pulse, is_duty, static_cast<int>(k)));
+    if (const auto sine = modulated_sine(function, k, period)) sines.push_back(*sine);
   }
   const auto at = [&](double f, const std::vector<Complex>& amplitudes) {
     if (!is_timing) return transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
@@ -293,13 +348,17 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
       const double own = std::get<model::Pulse>(wave.function).period;
       by.push_back(is_duty ? Complex(own) : -own / (Complex(0.0, 2.0 * std::numbers::pi) * f));
     }
-    return transfer.at(f, card.harmonic, amplitudes, shifts_of(linear, waves, by), sample).signals;
+    steady::ComplexVector sum = transfer.at(f, card.harmonic, amplitudes, shifts_of(linear, waves, by), sample).signals;
+    for (const ModulatedSine& sine : sines) sum += response_of(sine, transfer, f, card.harmonic, moved, sample);
+    return sum;
   };
   const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
     const bool is_limit = f == 0.0 && !is_driven && !is_timing && card.harmonic == 0 && !sample;
     return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
-  return evaluate(compiled, inputs, response);
+  SmallSignalResult result = evaluate(compiled, inputs, response);
+  result.unknown_impulses = unknown;
+  return result;
 }
 
 namespace {

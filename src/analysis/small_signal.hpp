@@ -41,6 +41,7 @@ struct SmallSignalResult {
   std::vector<Column> columns;
   std::optional<LoopGain> loop;
   std::vector<double> singular;        ///< frequencies of an infinite response
+  std::vector<int> unknown_impulses;   ///< signals whose impulses have no linear form
   std::vector<std::string> impulsive;  ///< signals without a response: they have impulses on the orbit that the input changes
 };
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "analysis/run_recorder.hpp"
+#include "analysis/steady_state.hpp"
 #include "api/messages.hpp"
 
 namespace pwlsim::api {
@@ -106,6 +107,25 @@ std::shared_ptr<Result::Data> begin_result(Compilation& compilation, const analy
   auto data = begin_result(compilation.compiled(), compilation.messages(), engine.name);
   if (engine.warning) data->messages.push_back(message_of(*engine.warning));
   return data;
+}
+
+void start_on_orbit(const circuit::Compiled& compiled, analysis::PreparedEngine& engine, const Options& options,
+                    const std::shared_ptr<Result::Data>& data) {
+  if (!compiled.analyses.steady_state) return;
+  const auto refuse = [&](std::string id, std::string message) {
+    data->messages.push_back(message_of({Severity::error, std::move(id), {}, std::move(message)}));
+    throw RunError(Result(data));
+  };
+  static const std::atomic<int> never = 0;
+  if (!engine.has_modes) refuse("E-pss-engine", analysis::orbit_needs_exact_engine);
+  const analysis::SteadyState state = analysis::find_steady_state(compiled, options.interrupt != nullptr ? *options.interrupt : never);
+  for (const Diagnostic& message : state.messages) data->messages.push_back(message_of(message));
+  if (!state.is_found) refuse(state.id, state.message);
+  Diagnostics diagnostics;
+  engine.simulate = analysis::from_orbit(compiled, state, diagnostics);
+  if (engine.simulate) return;
+  for (const Diagnostic& message : diagnostics.all()) data->messages.push_back(message_of(message));
+  throw RunError(Result(data));
 }
 
 bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, engine::Sampler* sampler,

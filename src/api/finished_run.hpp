@@ -22,6 +22,10 @@ namespace pwlsim::api {
 [[nodiscard]] bool run_into(Result::Data& data, std::shared_ptr<const KeptRun> kept, const Options& options, engine::Sampler* sampler,
                             double longest_window = 0.0);
 
+/// Where the deck has `.pss`, `.tran` starts on its orbit, as in the program. Throws RunError where there is none; the messages of the search are in `data`.
+void start_on_orbit(const circuit::Compiled& compiled, analysis::PreparedEngine& engine, const Options& options,
+                    const std::shared_ptr<Result::Data>& data);
+
 /// Certificate, counts, end and remarks of an operating point.
 void take_answer_of(const engine::Answer& answer, Result::Data& data);
 

@@ -38,13 +38,15 @@ void check_run(std::size_t run, const circuit::Sweeps& sweeps) {
   }
 }
 
-/// Tells which cards of the deck a run leaves to other functions: the program starts `.tran` on the orbit of `.pss`, `run` does not.
-void tell_cards_left(const circuit::Analyses& analyses, Result::Data& data) {
+/// Tells which cards of the deck a run leaves to other functions. It starts on the orbit of `.pss`, unless controllers forbid that.
+void tell_cards_left(const circuit::Compiled& compiled, bool starts_on_orbit, Result::Data& data) {
+  const circuit::Analyses& analyses = compiled.analyses;
   std::string left;
   const auto add = [&](bool is_there, std::string_view card) {
     if (is_there) left += fmt::format("{}{}", left.empty() ? "" : ", ", card);
   };
-  add(analyses.steady_state.has_value(), ".pss (steady_state)");
+  const bool measures_orbit = !compiled.orbit_measurements.list.empty();
+  add(analyses.steady_state && (!starts_on_orbit || measures_orbit), starts_on_orbit ? ".meas pss (steady_state)" : ".pss (steady_state)");
   add(analyses.small_signal.has_value(), ".ac (small_signals, in Python ac)");
   add(analyses.sensitivities.has_value(), ".sens (gradient)");
   if (!left.empty())
@@ -52,7 +54,7 @@ void tell_cards_left(const circuit::Analyses& analyses, Result::Data& data) {
         api::message_of({Severity::note,
                          "N-transient-only",
                          {},
-                         fmt::format("run starts as .tran says and leaves out cards that have their own function: {}", left)}));
+                         fmt::format("run gives what .tran asks for and leaves out cards that have their own function: {}", left)}));
 }
 
 /// Instances are named "X1.R1"; users write "X1:R1", as in the names of signals.
@@ -73,9 +75,9 @@ Result Circuit::run(const Options& options) const {
   analysis::PreparedEngine engine = compilation.engine(options);
   const auto data = api::begin_result(compilation, engine);
   take_sweep(compilation.compiled().analyses.sweeps, options.run, *data);
-  tell_cards_left(compilation.compiled().analyses, *data);
-  if (!controllers_.empty() && !engine.has_modes)
-    throw api::error("E-controller", "controllers need the exact engine; try engine exact");
+  tell_cards_left(compilation.compiled(), controllers_.empty(), *data);
+  if (!controllers_.empty() && !engine.has_modes) throw api::error("E-controller", "controllers need the exact engine; try engine exact");
+  if (controllers_.empty()) api::start_on_orbit(compilation.compiled(), engine, options, data);
   const auto controllers =
       controllers_.empty() ? nullptr : std::make_shared<api::Controllers>(controllers_, compilation.compiled().network);
   const auto kept = std::make_shared<const KeptRun>(KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()),

@@ -43,7 +43,7 @@ bool may_be_sources(const Sweep::Data& data) {
 void look_for_sources(Sweep::Data& data) {
   const Compilation& read = data.compilation;
   if (read.has_controllers()) throw api::error("E-controller", "a circuit with controllers has no sweep; try a loop over Circuit::run");
-  if (!may_be_sources(data)) return;
+  if (!may_be_sources(data) || read.compiled().analyses.steady_state) return;
   Diagnostics diagnostics;
   SourceStore sources = read.sources();
   auto compiled = circuit::compile(read.deck(), sources, diagnostics, {.measure = true, .held = data.names});
@@ -102,6 +102,7 @@ Result Sweep::run(const std::vector<double>& given, std::size_t number, const st
     Compilation compilation(data_->compilation, options, is_stepped ? std::vector<GivenValue>{} : list);
     analysis::PreparedEngine engine = compilation.engine(options);
     result = api::begin_result(compilation, engine);
+    api::start_on_orbit(compilation.compiled(), engine, options, result);
     kept = std::make_shared<const KeptRun>(
         KeptRun{std::make_shared<const circuit::Compiled>(compilation.take()), std::move(engine.simulate), {}});
   }

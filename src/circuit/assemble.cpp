@@ -13,6 +13,7 @@
 #include "circuit/signals.hpp"
 #include "circuit/source_resistance.hpp"
 #include "elements/emission.hpp"
+#include "elements/moving_form.hpp"
 #include "elements/steps.hpp"
 
 namespace pwlsim::circuit {
@@ -47,6 +48,7 @@ class Assembler {
     add_signals(signals, probes);
     if (reporter_.failed()) return std::nullopt;
     elements::decide_steps(builder_);
+    circuit_.formula_moves = std::move(builder_.moves());
     return builder_.take();
   }
 
@@ -161,6 +163,8 @@ class Assembler {
     emitted_.resize(circuit_.instances.size());
     Diagnostics scratch;
     elements::Emission emission(circuit_.instances, circuit_.models, emitted_, builder_, scratch);
+    const Analyses& analyses = circuit_.analyses;
+    if (analyses.sensitivities || (analyses.small_signal && analyses.steady_state)) emission.keep_comparisons();
     each(emission, &elements::Kind::emit);
     each(emission, &elements::Kind::connect);
     reporter_.forward(scratch);
@@ -188,7 +192,12 @@ class Assembler {
     circuit_.measured_signals = signals.size() - saved;
     circuit_.orbit_measurements.probe_signals = numbers;
     circuit_.orbit_measurements.probe_quantities = circuit_.measurements.probe_quantities;
-    for (const SignalSource& signal : signals) builder_.add(signal_of(signal, emitted_));
+    for (const SignalSource& signal : signals) {
+      const int index = builder_.add(signal_of(signal, emitted_));
+      if (signal.element < 0 || signal.quantity != ' ') continue;
+      elements::add_moves(builder_, model::NetworkMove::Item::signal_form, index,
+                          emitted_[static_cast<std::size_t>(signal.element)].current_moved);
+    }
   }
 
   void each(elements::Emission& emission, void (*elements::Kind::*step)(elements::Emission&)) {

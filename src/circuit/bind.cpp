@@ -361,7 +361,7 @@ class CardBinding {
     } else if (head == nullptr) {
       head = cursor_.next();
     }
-    std::vector<double> numbers;
+    std::vector<elements::Varied> numbers;
     for (const Item& item : head->items)
       if (!table_numbers(item, numbers)) return false;
     while (cursor_.at_positional())
@@ -373,11 +373,12 @@ class CardBinding {
     return FormulaReader(binder_, place_, instance_).read_table(x != nullptr ? x->expression.get() : nullptr, points, gives_current());
   }
 
-  bool table_numbers(const Item& item, std::vector<double>& numbers) {
+  bool table_numbers(const Item& item, std::vector<elements::Varied>& numbers) {
     if (item.kind == ItemKind::group && item.text.empty())
       return std::all_of(item.items.begin(), item.items.end(), [&](const Item& inner) { return table_numbers(inner, numbers); });
     const std::optional<Number> number = place_.scope.number(item);
-    if (number) numbers.push_back(number->value);
+    if (number) numbers.emplace_back(number->value, number->gradient);
+    if (number) place_.scope.claim(*number);
     return number.has_value();
   }
 

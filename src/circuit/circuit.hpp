@@ -80,6 +80,13 @@ class Circuit {
   std::size_t drawn_signals = 0;                  ///< the first of these, which are drawn
   std::vector<InitialCondition> conditions;
   Analyses analyses;
+  std::vector<model::NetworkMoves>
+      formula_moves;  ///< of an assembled circuit: what parameters of the deck move in formulas, by their numbers in gradients
+  /// A source whose values a formula has taken as numbers: both as instances.
+  struct Folded {
+    int source = -1, reader = -1;
+  };
+  std::vector<Folded> folded;
   std::vector<elements::Written> unfollowed;  ///< numbers that depend on parameters of .sens but do not belong to an element
   std::vector<std::string> parameter_names;   ///< of the deck itself
   bool written_by_ltspice = false;            ///< by its own cards

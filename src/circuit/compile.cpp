@@ -123,6 +123,26 @@ std::vector<std::string> rated_ports(const Circuit& circuit, const model::Networ
   return ports;
 }
 
+/// The voltage of a source that a formula has taken as a number has no small signals there.
+void warn_of_folded(const Circuit& circuit, Reporter& reporter) {
+  if (!circuit.analyses.small_signal) return;
+  const SmallSignal& card = *circuit.analyses.small_signal;
+  for (const Circuit::Folded& folded : circuit.folded) {
+    const elements::Instance& source = circuit.instances[static_cast<std::size_t>(folded.source)];
+    const elements::Instance& reader = circuit.instances[static_cast<std::size_t>(folded.reader)];
+    const bool is_named =
+        card.input == SmallSignal::Input::source &&
+        std::any_of(card.sources.begin(), card.sources.end(), [&](const std::string& name) { return same_name(name, source.name); });
+    const bool is_marked = card.loop.empty() && card.input == SmallSignal::Input::marked && source.alternating != 0.0;
+    if ((is_named || is_marked || same_name(card.loop, source.name)) && reporter.first_time("folded:" + source.name + ':' + reader.name))
+      reporter.warning(
+          "W-ac-number", reader.span,
+          fmt::format("{} takes the voltage of {} as a number: what a small signal of {} does there is not in the response; try an "
+                      "expression in which it is no factor",
+                      reader.name, source.name, source.name));
+  }
+}
+
 }  // namespace
 
 std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
@@ -143,6 +163,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
+  warn_of_folded(circuit, reporter);
   if (reporter.failed()) return std::nullopt;
   leave_out_small_signals(circuit, reporter);
   if (circuit.analyses.transient) {

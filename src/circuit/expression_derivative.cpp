@@ -117,4 +117,16 @@ Gradient Differentiator::of_function(const Expression& expression, const Functio
   return Differentiator(home, &arguments, &gradients).of(*function.body);
 }
 
+elements::Varied varied_result(const BuiltinFunction& function, const std::vector<elements::Varied>& arguments, double value) {
+  elements::Varied result = value;
+  if (std::none_of(arguments.begin(), arguments.end(), [](const elements::Varied& a) { return a.moves(); })) return result;
+  std::vector<double> numbers, partials(arguments.size());
+  for (const elements::Varied& argument : arguments) numbers.push_back(argument.value);
+  bool has_kink = is_random_function(function.name);
+  function_partials(function, numbers, partials, has_kink);
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    result = has_kink ? unfollowed(result, arguments[k]) : applied(result, arguments[k], value, 1.0, partials[k]);
+  return result;
+}
+
 }  // namespace pwlsim::circuit

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "circuit/evaluator.hpp"
+#include "elements/varied.hpp"
 
 namespace pwlsim::circuit {
 
@@ -33,6 +34,21 @@ class Differentiator {
   const Arguments* arguments_;
   const std::vector<Gradient>* gradients_;
 };
+
+/// A number in a formula, an expression or an item, with its derivatives, which the reader follows. Empty after an error.
+template <class Text>
+[[nodiscard]] std::optional<elements::Varied> varied_number(const Text& text, Scope& scope, int depth) {
+  Session& session = scope.session();
+  ++session.numbers;  // no number that nobody follows
+  std::optional<elements::Varied> number;
+  if (const std::optional<double> value = Evaluator(scope, depth).value(text)) number.emplace(*value);
+  if (number && !session.varied.empty()) number->gradient = Differentiator(scope).of(text);
+  --session.numbers;
+  return number;
+}
+
+/// f(numbers) = value, with its derivatives; random numbers have none.
+[[nodiscard]] elements::Varied varied_result(const BuiltinFunction& function, const std::vector<elements::Varied>& arguments, double value);
 
 /// sum += factor·gradient
 void accumulate(Gradient& sum, const Gradient& gradient, double factor);

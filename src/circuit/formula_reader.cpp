@@ -7,7 +7,8 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
-#include "circuit/formula_moves.hpp"
+#include "circuit/expression_derivative.hpp"
+#include "circuit/function_derivatives.hpp"
 #include "circuit/transfer_function.hpp"
 
 namespace pwlsim::circuit {
@@ -16,6 +17,7 @@ namespace {
 using elements::AffineSum;
 using elements::Condition;
 using elements::constant_sum;
+using elements::Varied;
 using netlist::Expression;
 using Kind = Expression::Kind;
 
@@ -25,7 +27,7 @@ constexpr int largest_power = 16;  ///< of a function of time
 constexpr double least_steepness = 100.0;  ///< per volt or ampere: tanh is within 10⁻² of its ends from 30 mV on
 
 bool is_steep(const elements::AffineSum& sum) {
-  return std::any_of(sum.terms.begin(), sum.terms.end(), [](const auto& term) { return std::abs(term.second) >= least_steepness; });
+  return std::any_of(sum.terms.begin(), sum.terms.end(), [](const auto& term) { return std::abs(term.second.value) >= least_steepness; });
 }
 
 bool is_signal(const Expression& call) {
@@ -38,66 +40,43 @@ bool is_comparison(std::string_view op) { return op == "<" || op == ">" || op ==
 bool is_logic(std::string_view op) { return op == "&" || op == "&&" || op == "|" || op == "||"; }
 
 bool is_finite(const AffineSum& sum) {
-  return std::isfinite(sum.constant) &&
-         std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second); });
+  return std::isfinite(sum.constant.value) &&
+         std::all_of(sum.terms.begin(), sum.terms.end(), [](const auto& t) { return std::isfinite(t.second.value); });
 }
 
 }  // namespace
 
 bool check_table(const std::vector<elements::TablePoint>& points, SourceSpan span, Reporter& reporter) {
   for (std::size_t k = 1; k < points.size(); ++k) {
-    if (points[k].x >= points[k - 1].x) continue;
-    reporter.error("E-table-order", span, fmt::format("the x of a table must not decrease: {} follows {}", points[k].x, points[k - 1].x));
+    const double before = points[k - 1].x.value, x = points[k].x.value;
+    if (x >= before) continue;
+    reporter.error("E-table-order", span, fmt::format("the x of a table must not decrease: {} follows {}", x, before));
     return false;
   }
   return true;
 }
 
 bool FormulaReader::read(const Expression& expression, bool is_current) {
-  const std::vector<char> read_before = place_.scope.session().read_apart;
   const std::optional<Sum> value = sum(expression, {place_.scope});
-  if (!value || !keep(*value, is_current, expression.span)) return false;
-  follow_parameters(expression, read_before);
-  return true;
-}
-
-/// Of a sum of signals; of other formulas nobody follows the parameters that they read.
-void FormulaReader::follow_parameters(const Expression& expression, const std::vector<char>& read_before) {
-  std::vector<char>& read = place_.scope.session().read_apart;
-  const elements::Formula& formula = *instance_.formula;
-  const auto is_signal_part = [](const elements::FormulaPart& part) {
-    return part.kind == elements::FormulaPart::Kind::voltage || part.kind == elements::FormulaPart::Kind::current;
-  };
-  if (read == read_before || !std::all_of(formula.parts.begin(), formula.parts.end(), is_signal_part)) return;
-  const auto part_of = [&](elements::FormulaPart::Kind kind, int index) -> std::optional<Sum> {
-    for (std::size_t k = 0; k < formula.parts.size(); ++k)
-      if (formula.parts[k].kind == kind && formula.parts[k].index == index) return Sum{0.0, {{static_cast<int>(k), 1.0}}};
-    return std::nullopt;
-  };
-  const auto signal = [&](const Expression& call) -> std::optional<Sum> {
-    const std::optional<Meaning> meaning = is_signal(call) ? of_signal(call) : std::nullopt;
-    if (!meaning) return std::nullopt;
-    // Its parts are numbered by the builder, which has begun anew: by what they read they are found in the formula.
-    const elements::Formula own = std::move(builder_).finish(meaning->value);
-    builder_ = {};
-    Sum sum;
-    for (const auto& [part, coefficient] : own.value.terms) {
-      const elements::FormulaPart& read_part = own.parts[static_cast<std::size_t>(part)];
-      const std::optional<Sum> known = part_of(read_part.kind, read_part.index);
-      if (!known) return std::nullopt;
-      sum = sum + coefficient * *known;
-    }
-    return sum;
-  };
-  builder_ = {};
-  instance_.formula_moves = formula_moves(expression, place_.scope, signal);
-  if (!instance_.formula_moves.empty()) read = read_before;
+  return value && keep(*value, is_current, expression.span);
 }
 
 bool FormulaReader::read_transfer(const Expression* input, const Expression& transfer, bool is_current) {
   const std::optional<elements::Fraction> fraction = read_transfer_function(transfer, place_.scope, reporter(), instance_.name);
   const std::optional<Sum> driven = input != nullptr ? sum(*input, {place_.scope}) : control();
   return fraction && driven && keep(builder_.transfer(*driven, *fraction), is_current, transfer.span);
+}
+
+/// Its derivatives are not followed.
+void FormulaReader::lose(const Sum& sum) {
+  const auto lose_number = [&](const Varied& number) {
+    std::vector<char>& read = place_.scope.session().read_apart;
+    if (read.size() < number.gradient.size()) read.resize(number.gradient.size());
+    for (std::size_t k = 0; k < number.gradient.size(); ++k)
+      if (number.gradient[k] != 0.0) read[k] = 1;
+  };
+  lose_number(sum.constant);
+  for (const auto& term : sum.terms) lose_number(term.second);
 }
 
 AffineSum FormulaReader::control() { return instance_.references.empty() ? builder_.voltage(0) : builder_.current(0); }
@@ -110,9 +89,10 @@ bool FormulaReader::read_table(const Expression* x, const std::vector<elements::
 bool FormulaReader::keep(const Sum& value, bool is_current, SourceSpan span) {
   elements::Formula formula = std::move(builder_).finish(value);
   formula.open_products = std::move(open_products_);
-  const bool finite = is_finite(formula.value) && std::all_of(formula.parts.begin(), formula.parts.end(), [](const auto& part) {
-                        return is_finite(part.argument) && is_finite(part.above) && is_finite(part.below) && std::isfinite(part.start);
-                      });
+  const bool finite =
+      is_finite(formula.value) && std::all_of(formula.parts.begin(), formula.parts.end(), [](const auto& part) {
+        return is_finite(part.argument) && is_finite(part.above) && is_finite(part.below) && std::isfinite(part.start.value);
+      });
   if (!finite) reporter().error("E-not-finite", span, "the result is not a finite number");
   instance_.formula = std::move(formula);
   instance_.formula_is_current = is_current;
@@ -168,14 +148,14 @@ std::optional<Condition> FormulaReader::condition(const Expression& expression, 
 
 std::optional<Condition> FormulaReader::condition_of(const Meaning& meaning, const Expression& expression) {
   if (meaning.condition) return meaning.condition;
-  if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant != 0.0 ? 1.0 : 0.0), std::nullopt};
+  if (meaning.value.is_constant()) return Condition{constant_sum(meaning.value.constant.value != 0.0 ? 1.0 : 0.0), std::nullopt};
   reporter().note(
       "N-condition", expression.span,
       fmt::format("{}: '{}' as a condition is true from 0.5 on, as in LTspice", instance_.name, reporter().text(expression.span)));
   return builder_.greater(meaning.value, constant_sum(0.5));
 }
 
-std::optional<double> FormulaReader::constant(const Expression& expression, const Context& context, std::string_view what) {
+std::optional<Varied> FormulaReader::constant(const Expression& expression, const Context& context, std::string_view what) {
   const std::optional<Sum> value = sum(expression, context);
   if (!value) return std::nullopt;
   if (value->is_constant()) return value->constant;
@@ -191,9 +171,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_name(const Expression& e
     }
     if (same_name(expression.text, "time")) return Meaning{builder_.time(), std::nullopt};
   }
-  const std::optional<double> value = Evaluator(context.scope, context.depth).value(expression);
+  std::optional<Varied> value = varied_number(expression, context.scope, context.depth);
   if (!value) return std::nullopt;
-  return Meaning{constant_sum(*value), std::nullopt};
+  return Meaning{constant_sum(std::move(*value)), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_unary(const Expression& expression, const Context& context) {
@@ -226,7 +206,7 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expressi
   const std::string_view op = operation.text;
   const Sum& a = left.value;
   const Sum& b = right.value;
-  if (a.is_constant() && b.is_constant()) return of_numbers(operation, a.constant, b.constant);
+  if (a.is_number() && b.is_number()) return of_numbers(operation, a.constant, b.constant);
   if (op == "+") return Meaning{a + b, std::nullopt};
   if (op == "-") return Meaning{a - b, std::nullopt};
   if (is_comparison(op)) return of_comparison(operation, a, b);
@@ -234,17 +214,23 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_operation(const Expressi
   if (op == "^" || op == "**") return of_power(operation, a, b);
   if (op == "*") return of_product(operation, left, right);
   if (op != "/") return refuse(operation, fmt::format("'{}' between signals", op));
-  if (!b.is_constant()) return of_quotient(operation, a, b);
-  if (b.constant != 0.0) return Meaning{1.0 / b.constant * a, std::nullopt};
+  if (!b.is_number()) return of_quotient(operation, a, b);
+  if (b.constant.value != 0.0) return Meaning{1.0 / b.constant * a, std::nullopt};
   reporter().error("E-not-finite", operation.span, "division by zero");
   return std::nullopt;
 }
 
-std::optional<FormulaReader::Meaning> FormulaReader::of_numbers(const Expression& operation, double left, double right) {
-  const double value = find_binary(operation.text)(left, right);
-  if (std::isfinite(value)) return Meaning{constant_sum(value), std::nullopt};
+std::optional<FormulaReader::Meaning> FormulaReader::of_numbers(const Expression& operation, const Varied& left, const Varied& right) {
+  const double value = find_binary(operation.text)(left.value, right.value);
+  if (std::isfinite(value)) {
+    const Partials partials = operation_partials(operation.text, left.value, right.value);
+    Varied result = applied(left, right, value, partials.left, partials.right);
+    // Where the sides of a comparison tie, the parameter decides it.
+    if (is_comparison(operation.text) && left.value == right.value) result = unfollowed(unfollowed(result, left), right);
+    return Meaning{constant_sum(std::move(result)), std::nullopt};
+  }
   reporter().error("E-not-finite", operation.span,
-                   operation.text == "/" && right == 0.0 ? "division by zero" : "the result is not a finite number");
+                   operation.text == "/" && right.value == 0.0 ? "division by zero" : "the result is not a finite number");
   return std::nullopt;
 }
 
@@ -295,7 +281,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_quotient(const Expressio
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_power(const Expression& operation, const Sum& base, const Sum& exponent) {
-  const double times = exponent.is_constant() ? exponent.constant : 0.0;
+  const double times = exponent.is_constant() ? exponent.constant.value : 0.0;
+  lose(exponent);
   if (times == 1.0) return Meaning{base, std::nullopt};
   if (times < 2.0 || times > largest_power || times != std::floor(times)) return of_smooth(operation, *find_builtin("pow"), base, exponent);
   Sum power = base;
@@ -371,9 +358,9 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_function(const Expressio
   }
   const Context inside{home, &arguments, context.depth + 1};
   if (function.body->kind == netlist::Item::Kind::expression) return meaning(*function.body->expression, inside);
-  const std::optional<double> number = Evaluator(home, inside.depth).value(*function.body);
-  if (!number) return std::nullopt;
-  return Meaning{constant_sum(*number), std::nullopt};
+  std::optional<Varied> value = varied_number(*function.body, home, inside.depth);
+  if (!value) return std::nullopt;
+  return Meaning{constant_sum(std::move(*value)), std::nullopt};
 }
 
 std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& expression, const Context& context, bool extrapolated) {
@@ -385,8 +372,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& 
   const std::optional<Sum> x = sum(expression.arguments[0], context);
   std::vector<elements::TablePoint> points;
   for (std::size_t k = 1; k < count; k += 2) {
-    const std::optional<double> at = constant(expression.arguments[k], context, "a point of a table");
-    const std::optional<double> value = constant(expression.arguments[k + 1], context, "a point of a table");
+    const std::optional<Varied> at = constant(expression.arguments[k], context, "a point of a table");
+    const std::optional<Varied> value = constant(expression.arguments[k + 1], context, "a point of a table");
     if (!at || !value) return std::nullopt;
     points.push_back({*at, *value});
   }
@@ -397,8 +384,8 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_table(const Expression& 
 std::optional<FormulaReader::Meaning> FormulaReader::of_integral(const Expression& expression, const Context& context) {
   if (!count_is(expression, 1, 3)) return std::nullopt;
   const std::optional<Sum> rate = sum(expression.arguments[0], context);
-  const std::optional<double> start =
-      expression.arguments.size() > 1 ? constant(expression.arguments[1], context, "the start of an integral") : 0.0;
+  const std::optional<Varied> start =
+      expression.arguments.size() > 1 ? constant(expression.arguments[1], context, "the start of an integral") : Varied();
   if (!rate || !start) return std::nullopt;
   if (expression.arguments.size() < 3) return Meaning{builder_.integral(*rate, *start), std::nullopt};
   const std::optional<elements::Condition> held = condition(expression.arguments[2], context);
@@ -410,12 +397,12 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_integral(const Expressio
 std::optional<FormulaReader::Meaning> FormulaReader::of_wrapped_integral(const Expression& expression, const Context& context) {
   if (!count_is(expression, 3, 4)) return std::nullopt;
   const std::optional<Sum> rate = sum(expression.arguments[0], context);
-  const std::optional<double> start = constant(expression.arguments[1], context, "the start of an integral");
-  const std::optional<double> width = constant(expression.arguments[2], context, "the modulus of an integral");
-  const std::optional<double> from =
-      expression.arguments.size() > 3 ? constant(expression.arguments[3], context, "the offset of an integral") : 0.0;
+  const std::optional<Varied> start = constant(expression.arguments[1], context, "the start of an integral");
+  const std::optional<Varied> width = constant(expression.arguments[2], context, "the modulus of an integral");
+  const std::optional<Varied> from =
+      expression.arguments.size() > 3 ? constant(expression.arguments[3], context, "the offset of an integral") : Varied();
   if (!rate || !start || !width || !from) return std::nullopt;
-  if (*width > 0.0) {
+  if (width->value > 0.0) {
     std::optional<Sum> value = builder_.wrapped_integral(*rate, *start, *from, *from + *width);
     if (value) return Meaning{std::move(*value), std::nullopt};
   }
@@ -460,11 +447,15 @@ std::optional<FormulaReader::Meaning> FormulaReader::of_values(const Expression&
     return std::nullopt;
   }
   if (!count_is(expression, builtin->least, builtin->most)) return std::nullopt;
-  if (std::all_of(values.begin(), values.end(), [](const Sum& value) { return value.is_constant(); })) {
+  if (std::all_of(values.begin(), values.end(), [](const Sum& value) { return value.is_number(); })) {
+    std::vector<Varied> arguments;
     std::vector<double> numbers;
-    for (const Sum& value : values) numbers.push_back(value.constant);
+    for (const Sum& value : values) {
+      arguments.push_back(value.constant);
+      numbers.push_back(value.constant.value);
+    }
     const double value = builtin->value(numbers);
-    if (std::isfinite(value) || builtin->passes_infinity) return piecewise(constant_sum(value));
+    if (std::isfinite(value) || builtin->passes_infinity) return piecewise(constant_sum(varied_result(*builtin, arguments, value)));
     reporter().error("E-not-finite", expression.span,
                      fmt::format("{}({}) is not a finite number", expression.text, fmt::join(numbers, ", ")));
     return std::nullopt;
@@ -518,7 +509,7 @@ std::optional<AffineSum> FormulaReader::rounded(std::string_view key, const std:
   const Sum& x = values[0];
   if (key == "floor") return builder_.floor(x);
   if (key == "round") return builder_.floor(x + constant_sum(0.5));
-  if (key == "mod" && values[1].is_constant() && values[1].constant != 0.0) {
+  if (key == "mod" && values[1].is_number() && values[1].constant.value != 0.0) {
     const std::optional<Sum> whole = builder_.floor(1.0 / values[1].constant * x);
     if (whole) return x - values[1].constant * *whole;
   }

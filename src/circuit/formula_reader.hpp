@@ -46,14 +46,14 @@ class FormulaReader {
   std::optional<Sum> sum(const Expression& expression, const Context& context);
   std::optional<elements::Condition> condition(const Expression& expression, const Context& context);
   std::optional<elements::Condition> condition_of(const Meaning& meaning, const Expression& expression);
-  std::optional<double> constant(const Expression& expression, const Context& context, std::string_view what);
+  std::optional<elements::Varied> constant(const Expression& expression, const Context& context, std::string_view what);
 
   std::optional<Meaning> of_name(const Expression& expression, const Context& context);
   std::optional<Meaning> of_unary(const Expression& expression, const Context& context);
   std::optional<Meaning> of_binary(const Expression& expression, const Context& context);
   std::optional<Meaning> of_operation(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_logic(const Expression& operation, const Expression& left_part, const Meaning& left, const Meaning& right);
-  std::optional<Meaning> of_numbers(const Expression& operation, double left, double right);
+  std::optional<Meaning> of_numbers(const Expression& operation, const elements::Varied& left, const elements::Varied& right);
   std::optional<Meaning> of_product(const Expression& operation, const Meaning& left, const Meaning& right);
   std::optional<Meaning> of_quotient(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Meaning> of_power(const Expression& operation, const Sum& base, const Sum& exponent);
@@ -74,7 +74,7 @@ class FormulaReader {
   Sum product(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);
 
-  void follow_parameters(const Expression& expression, const std::vector<char>& read_before);
+  void lose(const Sum& sum);
   Sum control();
   bool count_is(const Expression& expression, std::size_t least, std::size_t most);
   [[nodiscard]] bool keep(const Sum& value, bool is_current, SourceSpan span);

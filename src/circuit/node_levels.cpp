@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -82,9 +83,14 @@ class NodeLevels {
   }
 
   MaybeTaken of(const elements::NodePair& pair) {
+    const std::size_t known = used_.size();
     const MaybeTaken p = of(pair.p), n = p ? of(pair.n) : std::nullopt;
-    return n ? sum_of(*p, *n, -1.0) : std::nullopt;
+    MaybeTaken result = n ? sum_of(*p, *n, -1.0) : std::nullopt;
+    if (!result) used_.resize(known);
+    return result;
   }
+  /// Elements that hold what has been found since the last call.
+  [[nodiscard]] std::vector<const Instance*> take_used() { return std::exchange(used_, {}); }
 
  private:
   /// Two terminals whose voltage nothing else changes.
@@ -103,7 +109,9 @@ class NodeLevels {
       const bool is_first = instance.nodes[0] == node;
       const MaybeTaken other = of(instance.nodes[is_first ? 1 : 0]);
       const MaybeTaken own = other ? across(instance) : std::nullopt;
-      if (own) return sum_of(*other, *own, is_first ? 1.0 : -1.0);
+      if (!own) continue;
+      used_.push_back(&instance);
+      return sum_of(*other, *own, is_first ? 1.0 : -1.0);
     }
     return std::nullopt;
   }
@@ -151,11 +159,11 @@ class NodeLevels {
                                         std::size_t bits) {
     std::vector<std::optional<double>> value(parts.size());
     const auto sum = [&](const AffineSum& x) -> std::optional<double> {
-      double total = x.constant;
+      double total = x.constant.value;
       for (const auto& [part, coefficient] : x.terms) {
         const std::optional<double>& each = value[static_cast<std::size_t>(part)];
         if (!each) return std::nullopt;
-        total += coefficient * *each;
+        total += coefficient.value * *each;
       }
       return total;
     };
@@ -175,6 +183,7 @@ class NodeLevels {
 
   std::multimap<NodeIndex, const Instance*> holders_;
   std::map<NodeIndex, MaybeTaken> gates_;
+  std::vector<const Instance*> used_;
   int depth_ = 0;
 };
 
@@ -231,9 +240,12 @@ class Products {
       const MaybeTaken found = levels_.of(instance.control_nodes[static_cast<std::size_t>(pair)]);
       return found && found->values.size() == 1 ? std::optional(found->values.front()) : std::nullopt;
     };
+    (void)levels_.take_used();
     std::optional<Formula> formula = elements::without_products(*instance.formula, levels, constant, failed);
     if (formula) {
       instance.formula = std::move(formula);
+      for (const Instance* used : levels_.take_used())
+        circuit_.folded.push_back({static_cast<int>(used - circuit_.instances.data()), source});
       return;
     }
     const auto& open = instance.formula->open_products;

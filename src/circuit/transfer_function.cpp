@@ -8,42 +8,44 @@
 
 #include "base/names.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/expression_derivative.hpp"
 
 namespace pwlsim::circuit {
 namespace {
 
 using netlist::Expression;
 using ExpressionKind = Expression::Kind;
-using Polynomial = std::vector<double>;  ///< ascending powers of s, at least one
+using elements::Varied;
+using Polynomial = std::vector<Varied>;  ///< ascending powers of s, at least one
 
 constexpr double largest_degree = 100;
 
 Polynomial operator*(const Polynomial& a, const Polynomial& b) {
   Polynomial product(a.size() + b.size() - 1, 0.0);
   for (std::size_t i = 0; i < a.size(); ++i)
-    for (std::size_t j = 0; j < b.size(); ++j) product[i + j] += a[i] * b[j];
+    for (std::size_t j = 0; j < b.size(); ++j) product[i + j] = product[i + j] + a[i] * b[j];
   return product;
 }
 
 Polynomial sum_of(const Polynomial& a, const Polynomial& b, double factor) {
   Polynomial sum(std::max(a.size(), b.size()), 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) sum[i] += a[i];
-  for (std::size_t i = 0; i < b.size(); ++i) sum[i] += factor * b[i];
+  for (std::size_t i = 0; i < a.size(); ++i) sum[i] = sum[i] + a[i];
+  for (std::size_t i = 0; i < b.size(); ++i) sum[i] = sum[i] + factor * b[i];
   return sum;
 }
 
 bool is_zero(const Polynomial& a) {
-  return std::all_of(a.begin(), a.end(), [](double c) { return c == 0.0; });
+  return std::all_of(a.begin(), a.end(), [](const Varied& c) { return c.value == 0.0; });
 }
 
 struct Quotient {
   Polynomial num{0.0}, den{1.0};
 
   [[nodiscard]] bool is_number() const { return num.size() == 1 && den.size() == 1; }
-  [[nodiscard]] double number() const { return num[0] / den[0]; }
+  [[nodiscard]] Varied number() const { return num[0] / den[0]; }
 };
 
-Quotient number_of(double value) { return {{value}, {1.0}}; }
+Quotient number_of(const Varied& value) { return {{value}, {1.0}}; }
 
 /// What has one denominator keeps it: no pole is added that cancels.
 Quotient sum_of(const Quotient& a, const Quotient& b, double factor) {
@@ -69,7 +71,7 @@ class TransferReader {
     cancel_s(*quotient);
     without_leading_zeros(quotient->num);
     without_leading_zeros(quotient->den);
-    const auto is_infinite = [](double c) { return !std::isfinite(c); };
+    const auto is_infinite = [](const Varied& c) { return !std::isfinite(c.value); };
     if (std::any_of(quotient->num.begin(), quotient->num.end(), is_infinite) ||
         std::any_of(quotient->den.begin(), quotient->den.end(), is_infinite))
       return fail("E-not-finite", expression, "a coefficient of the fraction is not a finite number");
@@ -94,19 +96,23 @@ class TransferReader {
 
   /// Common factors s, which numerators and denominators of sums collect.
   static void cancel_s(Quotient& quotient) {
-    while (quotient.num.size() > 1 && quotient.den.size() > 1 && quotient.num[0] == 0.0 && quotient.den[0] == 0.0) {
+    while (quotient.num.size() > 1 && quotient.den.size() > 1 && quotient.num[0].is_nothing() && quotient.den[0].is_nothing()) {
       quotient.num.erase(quotient.num.begin());
       quotient.den.erase(quotient.den.begin());
     }
   }
 
   static void without_leading_zeros(Polynomial& polynomial) {
-    while (polynomial.size() > 1 && polynomial.back() == 0.0) polynomial.pop_back();
+    // A parameter that would raise the degree is not followed.
+    while (polynomial.size() > 1 && polynomial.back().value == 0.0) {
+      polynomial[0] = unfollowed(polynomial[0], polynomial.back());
+      polynomial.pop_back();
+    }
   }
 
   std::optional<Quotient> value(const Expression& expression, const Place& place) {
     if (is_plain(expression, place)) {
-      const std::optional<double> number = Evaluator(place.scope, place.depth).value(expression);
+      const std::optional<Varied> number = varied_number(expression, place.scope, place.depth);
       return number ? std::optional(number_of(*number)) : std::nullopt;
     }
     switch (expression.kind) {
@@ -162,12 +168,13 @@ class TransferReader {
   }
 
   std::optional<Quotient> power(const Expression& expression, const Quotient& base, const Quotient& exponent) {
-    const double times = exponent.is_number() ? exponent.number() : 0.5;
+    const double times = exponent.is_number() ? exponent.number().value : 0.5;
     if (times != std::floor(times))
       return fail("E-not-supported", expression, "only whole powers of s are fractions of polynomials; try an approximation by one");
     if (std::abs(times) * static_cast<double>(std::max(base.num.size(), base.den.size()) - 1) > largest_degree)
       return fail("E-not-supported", expression, fmt::format("a fraction of a degree above {} is not supported", largest_degree));
     Quotient result = number_of(1.0);
+    if (exponent.is_number()) result.num[0] = unfollowed(1.0, exponent.number());
     for (double k = 0.0; k < std::abs(times); k += 1.0) result = {result.num * base.num, result.den * base.den};
     if (times < 0.0) std::swap(result.num, result.den);
     if (is_zero(result.den)) return fail("E-not-finite", expression, "division by zero");
@@ -199,10 +206,14 @@ class TransferReader {
     if (values.size() < builtin->least || values.size() > builtin->most)
       return fail("E-argument-count", expression, fmt::format("{} does not take {} arguments", expression.text, values.size()));
     std::vector<double> numbers;
-    for (const Quotient& each : values) numbers.push_back(each.number());
+    std::vector<Varied> arguments;
+    for (const Quotient& each : values) {
+      arguments.push_back(each.number());
+      numbers.push_back(arguments.back().value);
+    }
     const double result = builtin->value(numbers);
     if (!std::isfinite(result)) return fail("E-not-finite", expression, "the result is not a finite number");
-    return number_of(result);
+    return number_of(varied_result(*builtin, arguments, result));
   }
 
   std::optional<Quotient> of_function(const Expression& expression, const FunctionText& function, Scope& home, const Place& place,
@@ -215,7 +226,7 @@ class TransferReader {
     for (std::size_t k = 0; k < values.size(); ++k) arguments.emplace(function.formals[k], values[k]);
     const Place inside{home, &arguments, place.depth + 1};
     if (function.body->kind == netlist::Item::Kind::expression) return value(*function.body->expression, inside);
-    const std::optional<double> number = Evaluator(home, inside.depth).value(*function.body);
+    const std::optional<Varied> number = varied_number(*function.body, home, inside.depth);
     return number ? std::optional(number_of(*number)) : std::nullopt;
   }
 

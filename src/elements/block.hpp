@@ -10,10 +10,23 @@
 
 namespace pwlsim::elements {
 
+/// Values of a model with their derivatives to the parameters of `.sens`.
+class VariedValues {
+ public:
+  explicit VariedValues(const Model& model) : model_(model) {}
+
+  [[nodiscard]] Varied get(std::string_view name) const;
+  /// Of a list nobody follows them.
+  [[nodiscard]] std::vector<Varied> list(std::string_view name) const;
+
+ private:
+  const Model& model_;
+};
+
 struct Block {
   bool takes_vector = false;  ///< any number of inputs
   /// For a block without memory: its output as a formula of its inputs. Else null.
-  AffineSum (*law)(FormulaBuilder& builder, const Values& values, const std::vector<AffineSum>& inputs) = nullptr;
+  AffineSum (*law)(FormulaBuilder& builder, const VariedValues& values, const std::vector<AffineSum>& inputs) = nullptr;
   /// For a block with states: adds them and returns its output.
   model::LinearForm (*dynamics)(Emission& emission, const model::LinearForm& input) = nullptr;
   /// The same for ngspice: returns its output as an expression.

@@ -29,23 +29,23 @@ LinearForm limited(Emission& emission, LinearForm form, double least, double mos
 
 LinearForm integrate(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  LinearForm rate = scaled(input, v.get("gain"));
+  LinearForm rate = scaled(input, v.get("gain")).form;
   rate.push_back(model::constant(v.get("gain") * v.get("in_offset")));
   return add_integral(emission, {}, std::move(rate), integral_of(v));
 }
 
 LinearForm differentiate(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  LinearForm rate = scaled(add_derivative(emission, {}, input), v.get("gain"));
+  LinearForm rate = scaled(add_derivative(emission, {}, input), v.get("gain")).form;
   rate.push_back(model::constant(v.get("out_offset")));
   return limited(emission, std::move(rate), v.get("out_lower_limit"), v.get("out_upper_limit"));
 }
 
 LinearForm transfer(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
-  LinearForm driven = scaled(input, v.get("gain"));
+  LinearForm driven = scaled(input, v.get("gain")).form;
   driven.push_back(model::constant(v.get("gain") * v.get("in_offset")));
-  LinearForm output = add_transfer(emission, {}, fraction_of(v), v.get("denormalized_freq"), driven);
+  LinearForm output = add_transfer(emission, {}, fraction_of(v), v.get("denormalized_freq"), driven).form;
   output.push_back(model::constant(v.get("out_offset")));
   return output;
 }
@@ -112,7 +112,10 @@ constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
 
 Integral integral_of(const Values& values) { return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")}; }
 
-Fraction fraction_of(const Values& values) { return {values.list("num_coeff"), values.list("den_coeff")}; }
+Fraction fraction_of(const Values& values) {
+  const std::vector<double> num = values.list("num_coeff"), den = values.list("den_coeff");
+  return {{num.begin(), num.end()}, {den.begin(), den.end()}};
+}
 
 const ModelKind integrator_model{"int", "integrator", integrator_parameters, check_limits, &integrator_block};
 const ModelKind derivative_model{"d_dt", "derivative", derivative_parameters, check_limits, &derivative_block};

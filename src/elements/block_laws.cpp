@@ -9,50 +9,52 @@ namespace {
 using Inputs = std::vector<AffineSum>;
 
 /// A list has one member for each input, or one for all.
-double member(const std::vector<double>& list, std::size_t k) { return list.size() == 1 ? list[0] : list[k]; }
+Varied member(const std::vector<Varied>& list, std::size_t k) { return list.size() == 1 ? list[0] : list[k]; }
 
-AffineSum gain_law(FormulaBuilder&, const Values& v, const Inputs& in) {
+AffineSum gain_law(FormulaBuilder&, const VariedValues& v, const Inputs& in) {
   return v.get("gain") * (in[0] + constant_sum(v.get("in_offset"))) + constant_sum(v.get("out_offset"));
 }
 
-AffineSum summer_law(FormulaBuilder&, const Values& v, const Inputs& in) {
-  const std::vector<double> offsets = v.list("in_offset"), gains = v.list("in_gain");
+AffineSum summer_law(FormulaBuilder&, const VariedValues& v, const Inputs& in) {
+  const std::vector<Varied> offsets = v.list("in_offset"), gains = v.list("in_gain");
   AffineSum sum;
   for (std::size_t k = 0; k < in.size(); ++k) sum = sum + member(gains, k) * (in[k] + constant_sum(member(offsets, k)));
   return v.get("out_gain") * sum + constant_sum(v.get("out_offset"));
 }
 
-AffineSum limit_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+AffineSum limit_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) {
   const AffineSum free = v.get("gain") * (in[0] + constant_sum(v.get("in_offset")));
   return builder.limit(free, constant_sum(v.get("out_lower_limit")), constant_sum(v.get("out_upper_limit")));
 }
 
 /// From (low, lower) to (high, upper), both shifted by `shift`, constant beyond.
-AffineSum ramp(FormulaBuilder& builder, const Values& v, const AffineSum& x, double shift) {
-  const double low = v.get("in_low") + shift, high = v.get("in_high") + shift;
+AffineSum ramp(FormulaBuilder& builder, const VariedValues& v, const AffineSum& x, const Varied& shift) {
+  const Varied low = v.get("in_low") + shift, high = v.get("in_high") + shift;
   return builder.table(x, {{low, v.get("out_lower_limit")}, {high, v.get("out_upper_limit")}}, false);
 }
 
-AffineSum hyst_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
-  const double width = v.get("hyst");
-  const double on = v.get("in_high") + width, off = v.get("in_low") - width;
-  if (v.get("in_high") == v.get("in_low"))
-    return builder.hysteresis(in[0], on, off, constant_sum(v.get("out_upper_limit")), constant_sum(v.get("out_lower_limit")));
+AffineSum hyst_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) {
+  const Varied width = v.get("hyst");
+  const Varied on = v.get("in_high") + width, off = v.get("in_low") - width;
+  // A parameter that moves the two apart makes a ramp of the step.
+  if (const Varied apart = v.get("in_high") - v.get("in_low"); apart.value == 0.0)
+    return builder.hysteresis(in[0], on, off, constant_sum(unfollowed(v.get("out_upper_limit"), apart)),
+                              constant_sum(v.get("out_lower_limit")));
   return builder.hysteresis(in[0], on, off, ramp(builder, v, in[0], -width), ramp(builder, v, in[0], width));
 }
 
-AffineSum pwl_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
-  const std::vector<double> x = v.list("x_array"), y = v.list("y_array");
+AffineSum pwl_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) {
+  const std::vector<Varied> x = v.list("x_array"), y = v.list("y_array");
   std::vector<TablePoint> points;
   for (std::size_t k = 0; k < x.size(); ++k) points.push_back({x[k], y[k]});
   return builder.table(in[0], points, true);
 }
 
-AffineSum relay_law(FormulaBuilder& builder, const Values& v, const Inputs& in) { return v.get("level") * builder.sign(in[0]); }
+AffineSum relay_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) { return v.get("level") * builder.sign(in[0]); }
 
-AffineSum friction_law(FormulaBuilder& builder, const Values& v, const Inputs& in) { return v.get("fc") * builder.sign(in[0]); }
+AffineSum friction_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) { return v.get("fc") * builder.sign(in[0]); }
 
-AffineSum deadzone_law(FormulaBuilder& builder, const Values& v, const Inputs& in) {
+AffineSum deadzone_law(FormulaBuilder& builder, const VariedValues& v, const Inputs& in) {
   const AffineSum d = constant_sum(v.get("d"));
   return v.get("level") * (builder.step(in[0] - d) - builder.step(-1.0 * in[0] - d));
 }
@@ -126,6 +128,22 @@ constexpr Block gain_block{false, gain_law}, summer_block{true, summer_law}, lim
     pwl_block{false, pwl_law}, relay_block{false, relay_law}, deadzone_block{false, deadzone_law}, friction_block{false, friction_law};
 
 }  // namespace
+
+Varied VariedValues::get(std::string_view name) const {
+  const Values::Given* given = model_.values.find(name);
+  Varied number = model_.values.get(name);
+  for (const Written& written : model_.written)
+    if (given != nullptr && written.span.file == given->span.file && written.span.begin == given->span.begin &&
+        written.span.end == given->span.end)
+      number.gradient = written.gradient;
+  return number;
+}
+
+std::vector<Varied> VariedValues::list(std::string_view name) const {
+  std::vector<Varied> numbers;
+  for (const double each : model_.values.list(name)) numbers.emplace_back(each);
+  return numbers;
+}
 
 const ModelKind gain_model{"gain", "gain", gain_parameters, nullptr, &gain_block};
 const ModelKind summer_model{"summer", "sum of inputs", summer_parameters, nullptr, &summer_block};

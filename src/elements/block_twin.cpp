@@ -27,7 +27,7 @@ std::string law_text(Twin& twin, const Block& block, const std::vector<std::stri
   FormulaBuilder builder;
   std::vector<AffineSum> sums;
   for (std::size_t k = 0; k < inputs.size(); ++k) sums.push_back(builder.voltage(static_cast<int>(k)));
-  AffineSum value = block.law(builder, twin.model().values, sums);
+  AffineSum value = block.law(builder, VariedValues(twin.model()), sums);
   return formula_text(twin, std::move(builder).finish(std::move(value)), inputs, {});
 }
 

@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "elements/emission.hpp"
+#include "elements/moving_form.hpp"
 #include "elements/twin.hpp"
 
 namespace pwlsim::elements {
 
-[[nodiscard]] model::LinearForm scaled(const model::LinearForm& form, double factor);
-
 /// ∫ input dt, from `start` at the operating point and at the start with uic. The integral stops at the bounds until the input turns.
 struct Integral {
-  double start = 0.0, least = -infinite, most = infinite;
+  Varied start;
+  double least = -infinite, most = infinite;
 };
 /// The integral stays at its start value while `control` is above the level.
 struct Hold {
-  model::LinearForm control;
+  MovingForm control;
   double level = 0.0;
 };
 /// The jumps of an integral: to its start value, or from one end of a range to the other. Equal ends mean no range.
@@ -28,23 +28,23 @@ struct Resets {
   std::optional<Hold> hold{};
   double from = 0.0, to = 0.0;
 };
-[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, model::LinearForm input, const Integral& integral,
+[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, MovingForm input, const Integral& integral,
                                              const Resets& resets = {});
 [[nodiscard]] std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral);
 
-[[nodiscard]] model::LinearForm add_derivative(Emission& emission, std::string_view part, const model::LinearForm& input);
+[[nodiscard]] model::LinearForm add_derivative(Emission& emission, std::string_view part, const MovingForm& input);
 [[nodiscard]] std::string twin_derivative(Twin& twin, std::string_view part, std::string_view input);
 
 /// The fraction in p = s/(rate·unit), powers ascending, both of length order + 1.
 struct CanonicalForm {
-  double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one
-  std::vector<double> num, den;
+  double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one, a number that does not move
+  std::vector<Varied> num, den;
 };
 [[nodiscard]] CanonicalForm canonical_form(const Fraction& fraction);
 
 /// A proper fraction, s in units of `unit` 1/s; its states start at their DC values.
-[[nodiscard]] model::LinearForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit,
-                                             const model::LinearForm& input);
+[[nodiscard]] MovingForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit,
+                                      const MovingForm& input);
 [[nodiscard]] std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fraction, double unit, std::string_view input);
 
 }  // namespace pwlsim::elements

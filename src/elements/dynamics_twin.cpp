@@ -30,7 +30,7 @@ void add_stop(Twin& twin, const std::string& part, const std::string& state, dou
 
 std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral) {
   const std::string begin(part);
-  const std::string state = add_state(twin, begin + "state", integral.start);
+  const std::string state = add_state(twin, begin + "state", integral.start.value);
   twin.behaviour(begin + "rate", {"0", state}, true, input);
   add_stop(twin, begin + "least", state, integral.least, 1.0);
   add_stop(twin, begin + "most", state, integral.most, -1.0);
@@ -53,8 +53,8 @@ std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fra
   const std::size_t order = den.size() - 1;
   std::vector<std::string> state;
   for (std::size_t k = 0; k < order; ++k) state.push_back(add_state(twin, fmt::format("{}state{}", begin, k + 1), 0.0));
-  std::string highest = fmt::format("{}*({})", 1.0 / den[order], input);
-  for (std::size_t k = 0; k < order; ++k) highest += term_text(-den[k] / den[order], voltage_of(state[k]));
+  std::string highest = fmt::format("{}*({})", 1.0 / den[order].value, input);
+  for (std::size_t k = 0; k < order; ++k) highest += term_text(-den[k].value / den[order].value, voltage_of(state[k]));
   const std::string top = twin.inner(begin + "highest");
   twin.behaviour(begin + "highest", {top, "0"}, false, highest);
   state.push_back(top);
@@ -63,7 +63,7 @@ std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fra
     if (k < order)
       twin.behaviour(fmt::format("{}rate{}", begin, k + 1), {"0", state[k]}, true,
                      fmt::format("{}*{}", rate * unit, voltage_of(state[k + 1])));
-    output += term_text(num[k], voltage_of(state[k]));
+    output += term_text(num[k].value, voltage_of(state[k]));
   }
   return output;
 }

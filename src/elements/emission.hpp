@@ -20,9 +20,10 @@ struct RawSignals {
 
 /// The quantities of an emitted element that others may use.
 struct Emitted {
-  model::LinearForm current;  ///< into its first node and out of its second
-  int item = -1;              ///< its main item in the network, for the second pass
-  int inductor = -1;          ///< its inductor, if it has one that can be coupled
+  model::LinearForm current;                     ///< into its first node and out of its second
+  std::vector<model::LinearForm> current_moved;  ///< by each parameter of `.sens` that moves this form
+  int item = -1;                                 ///< its main item in the network, for the second pass
+  int inductor = -1;                             ///< its inductor, if it has one that can be coupled
   RawSignals raw;
 };
 
@@ -41,6 +42,9 @@ class Emission {
   }
 
   void select(std::size_t index) { index_ = index; }
+  /// Comparisons of sources stay comparisons: what moves the sources moves them.
+  void keep_comparisons() { keeps_comparisons_ = true; }
+  [[nodiscard]] bool keeps_comparisons() const { return keeps_comparisons_; }
 
   [[nodiscard]] const Instance& instance() const { return instances_[index_]; }
   [[nodiscard]] const Model& model() const { return models_[static_cast<std::size_t>(instance().model)]; }
@@ -76,6 +80,7 @@ class Emission {
   Diagnostics& diagnostics_;
   std::vector<char> followed_;  ///< instances whose current another one reads
   std::size_t index_ = 0;
+  bool keeps_comparisons_ = false;
 };
 
 /// coefficients[0] + Σ coefficients[k]·v(control pair k)

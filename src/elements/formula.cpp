@@ -24,8 +24,9 @@ AffineSum combine(const AffineSum& a, const AffineSum& b, double factor) {
       sum.terms.emplace_back(j->first, factor * j->second);
       ++j;
     } else {
-      const double coefficient = i->second + factor * j->second;
-      if (std::abs(coefficient) > rounding * std::abs(i->second)) sum.terms.emplace_back(i->first, coefficient);
+      Varied coefficient = i->second + factor * j->second;
+      if (!(std::abs(coefficient.value) > rounding * std::abs(i->second.value))) coefficient.value = 0.0;
+      if (!coefficient.is_nothing()) sum.terms.emplace_back(i->first, std::move(coefficient));
       ++i;
       ++j;
     }
@@ -33,13 +34,21 @@ AffineSum combine(const AffineSum& a, const AffineSum& b, double factor) {
   return sum;
 }
 
+/// The first coefficient of a sum that is not constant.
+const Varied& lead_of(const AffineSum& x) {
+  return std::find_if(x.terms.begin(), x.terms.end(), [](const auto& term) { return term.second.value != 0.0; })->second;
+}
+
 /// The ratio a/b of the parts with terms, where it is one number.
-std::optional<double> ratio_of_terms(const AffineSum& a, const AffineSum& b) {
+std::optional<Varied> ratio_of_terms(const AffineSum& a, const AffineSum& b) {
   if (a.terms.size() != b.terms.size() || b.terms.empty()) return std::nullopt;
-  const double ratio = a.terms[0].second / b.terms[0].second;
+  const auto is_zero = [](const auto& term) { return term.second.value == 0.0; };
+  if (std::any_of(a.terms.begin(), a.terms.end(), is_zero) || std::any_of(b.terms.begin(), b.terms.end(), is_zero)) return std::nullopt;
+  const Varied ratio = a.terms[0].second / b.terms[0].second;
   for (std::size_t k = 0; k < a.terms.size(); ++k) {
-    const double rest = a.terms[k].second - ratio * b.terms[k].second;
-    if (a.terms[k].first != b.terms[k].first || std::abs(rest) > rounding * std::abs(a.terms[k].second)) return std::nullopt;
+    const Varied rest = a.terms[k].second - ratio * b.terms[k].second;
+    if (a.terms[k].first != b.terms[k].first || std::abs(rest.value) > rounding * std::abs(a.terms[k].second.value) || rest.moves())
+      return std::nullopt;
   }
   return ratio;
 }
@@ -48,33 +57,61 @@ std::optional<double> ratio_of_terms(const AffineSum& a, const AffineSum& b) {
 bool holds_at_zero(const AffineSum& value, const std::vector<FormulaPart>& parts) {
   if (value.terms.size() != 1) return false;
   const auto& [part, coefficient] = value.terms[0];
-  return value.constant + coefficient * parts[static_cast<std::size_t>(part)].at_zero > 0.5;
+  return value.constant.value + coefficient.value * parts[static_cast<std::size_t>(part)].at_zero > 0.5;
 }
 
-bool is_bound(const AffineSum& x, double bound) { return x.is_constant() && x.constant == bound; }
+bool is_bound(const AffineSum& x, double bound) { return x.is_number() && x.constant.value == bound; }
 
-/// Value at x of the lines through the points.
-double table_value(const std::vector<TablePoint>& points, double x, bool extrapolated) {
-  const auto slope = [&](std::size_t k) { return (points[k + 1].y - points[k].y) / (points[k + 1].x - points[k].x); };
+/// A number with NaN for each parameter that gives x terms, or moves its constant.
+Varied unfollowed_by(const AffineSum& x, Varied number) {
+  number = unfollowed(number, x.constant);
+  for (const auto& term : x.terms) number = unfollowed(number, term.second);
+  return number;
+}
+
+/// `chosen`, because x lies on one side of a level; where it lies on it a parameter that moves it decides.
+AffineSum chosen_by(const AffineSum& x, double level, AffineSum chosen) {
+  if (x.constant.value == level && x.moves()) chosen.constant = unfollowed_by(x, std::move(chosen.constant));
+  return chosen;
+}
+
+/// The rise at two points of one x. A parameter that moves them apart makes a line of it.
+Varied unfollowed_slope(const Varied& rise, const Varied& width) { return width.moves() ? unfollowed(rise, width) : rise; }
+
+/// The lines through the points, at an x that is constant.
+AffineSum table_at(const std::vector<TablePoint>& points, const AffineSum& x, bool extrapolated) {
+  const auto on_line = [&](std::size_t k, std::size_t of) {
+    const Varied slope = (points[of + 1].y - points[of].y) / (points[of + 1].x - points[of].x);
+    return constant_sum(points[k].y) + slope * (x - constant_sum(points[k].x));
+  };
   const std::size_t last = points.size() - 1;
-  if (last == 0) return points[0].y;
-  if (x < points[0].x) return extrapolated ? points[0].y + slope(0) * (x - points[0].x) : points[0].y;
-  if (x >= points[last].x) return extrapolated ? points[last].y + slope(last - 1) * (x - points[last].x) : points[last].y;
-  std::size_t k = 0;
-  while (points[k + 1].x <= x) ++k;
-  return points[k].y + slope(k) * (x - points[k].x);
+  const double at = x.constant.value;
+  AffineSum value;
+  if (last == 0) return constant_sum(points[0].y);
+  if (at < points[0].x.value) {
+    value = extrapolated ? on_line(0, 0) : constant_sum(points[0].y);
+  } else if (at >= points[last].x.value) {
+    value = extrapolated ? on_line(last, last - 1) : constant_sum(points[last].y);
+  } else {
+    std::size_t k = 0;
+    while (points[k + 1].x.value <= at) ++k;
+    value = on_line(k, k);
+  }
+  for (const TablePoint& point : points) value = chosen_by(x - constant_sum(point.x), 0.0, std::move(value));
+  return value;
 }
 
 }  // namespace
 
-AffineSum constant_sum(double value) { return {value, {}}; }
+AffineSum constant_sum(Varied value) { return {std::move(value), {}}; }
 AffineSum operator+(const AffineSum& a, const AffineSum& b) { return combine(a, b, 1.0); }
 AffineSum operator-(const AffineSum& a, const AffineSum& b) { return combine(a, b, -1.0); }
-AffineSum operator*(double factor, const AffineSum& a) {
-  if (factor == 0.0) return {};
+AffineSum operator*(const Varied& factor, const AffineSum& a) {
+  if (factor.is_nothing()) return {};
   AffineSum product = a;
-  product.constant *= factor;
-  for (auto& term : product.terms) term.second *= factor;
+  product.constant = factor * a.constant;
+  for (auto& term : product.terms) term.second = factor * term.second;
+  std::erase_if(product.terms, [](const auto& term) { return term.second.is_nothing(); });
   return product;
 }
 
@@ -86,26 +123,29 @@ AffineSum FormulaBuilder::part(FormulaPart part) {
 }
 
 AffineSum FormulaBuilder::positive(const AffineSum& x) {
-  if (x.is_constant()) return constant_sum(std::max(x.constant, 0.0));
+  if (x.is_constant()) return chosen_by(x, 0.0, x.constant.value > 0.0 ? x : AffineSum{});
   if (const auto line = line_in_time(x)) {
     const AffineSum above = table_of_time({1.0, line->zero}, {{-1.0, 0.0}, {0.0, 0.0}, {1.0, 1.0}}, true);
-    return line->slope > 0.0 ? line->slope * above : -line->slope * above + x;
+    return line->slope.value > 0.0 ? line->slope * above : -line->slope * above + x;
   }
-  const double lead = x.terms[0].second;
+  const Varied lead = lead_of(x);
   const AffineSum normal = 1.0 / lead * x;
   const AffineSum above = part({.kind = Kind::positive, .argument = normal});
-  return lead > 0.0 ? lead * above : -lead * above + x;
+  return lead.value > 0.0 ? lead * above : -lead * above + x;
 }
 
 AffineSum FormulaBuilder::step(const AffineSum& x, double at_zero) {
-  if (x.is_constant()) return constant_sum(x.constant > 0.0 ? 1.0 : (x.constant < 0.0 ? 0.0 : at_zero));
+  if (x.is_constant()) {
+    const double constant = x.constant.value;
+    return chosen_by(x, 0.0, constant_sum(constant > 0.0 ? 1.0 : (constant < 0.0 ? 0.0 : at_zero)));
+  }
   if (const auto line = line_in_time(x)) {
     const AffineSum risen = table_of_time({1.0, 0.0}, {{line->zero, 0.0}, {line->zero, 1.0}}, false);
-    return line->slope > 0.0 ? risen : constant_sum(1.0) - risen;
+    return line->slope.value > 0.0 ? risen : constant_sum(1.0) - risen;
   }
-  const double lead = x.terms[0].second;
-  const AffineSum above = part({.kind = Kind::step, .argument = 1.0 / lead * x, .at_zero = lead > 0.0 ? at_zero : 1.0 - at_zero});
-  return lead > 0.0 ? above : constant_sum(1.0) - above;
+  const Varied lead = lead_of(x);
+  const AffineSum above = part({.kind = Kind::step, .argument = 1.0 / lead * x, .at_zero = lead.value > 0.0 ? at_zero : 1.0 - at_zero});
+  return lead.value > 0.0 ? above : constant_sum(1.0) - above;
 }
 
 AffineSum FormulaBuilder::maximum(const AffineSum& a, const AffineSum& b) {
@@ -121,8 +161,8 @@ AffineSum FormulaBuilder::minimum(const AffineSum& a, const AffineSum& b) {
 AffineSum FormulaBuilder::limit(const AffineSum& x, const AffineSum& a, const AffineSum& b) {
   const AffineSum span = b - a;
   if (span.is_constant()) {
-    const AffineSum& low = span.constant >= 0.0 ? a : b;
-    const AffineSum& high = span.constant >= 0.0 ? b : a;
+    const AffineSum& low = span.constant.value >= 0.0 ? a : b;
+    const AffineSum& high = span.constant.value >= 0.0 ? b : a;
     if (is_bound(low, -infinity)) return minimum(x, high);
     if (is_bound(high, infinity)) return maximum(x, low);
     return low + positive(x - low) - positive(x - high);
@@ -131,27 +171,28 @@ AffineSum FormulaBuilder::limit(const AffineSum& x, const AffineSum& a, const Af
 }
 
 AffineSum FormulaBuilder::table(const AffineSum& x, const std::vector<TablePoint>& points, bool extrapolated) {
-  if (x.is_constant()) return constant_sum(table_value(points, x.constant, extrapolated));
+  if (x.is_constant()) return table_at(points, x, extrapolated);
   if (const auto line = line_in_time(x)) return table_of_time(*line, points, extrapolated);
   const std::size_t last = points.size() - 1;
-  std::vector<std::pair<double, double>> segments;  // start, slope; the lines between points of different x
+  std::vector<std::pair<Varied, Varied>> segments;  // start, slope; the lines between points of different x
   AffineSum jumps;
   for (std::size_t k = 0; k < last; ++k) {
-    const double width = points[k + 1].x - points[k].x;
-    const double rise = points[k + 1].y - points[k].y;
-    if (width > 0.0)
+    const Varied width = points[k + 1].x - points[k].x;
+    const Varied rise = points[k + 1].y - points[k].y;
+    if (width.value > 0.0)
       segments.emplace_back(points[k].x, rise / width);
-    else if (rise != 0.0)
-      jumps = jumps + rise * step(x - constant_sum(points[k].x));
+    else if (!rise.is_nothing())
+      jumps = jumps + unfollowed_slope(rise, width) * step(x - constant_sum(points[k].x));
   }
   AffineSum sum = constant_sum(points[0].y) + jumps;
   if (segments.empty()) return sum;
-  double slope = extrapolated ? segments.front().second : 0.0;
+  Varied slope = extrapolated ? segments.front().second : Varied();
   sum = sum + slope * (x - constant_sum(points[0].x));
-  if (!extrapolated) segments.emplace_back(points[last].x, 0.0);
+  if (!extrapolated) segments.emplace_back(points[last].x, Varied());
   for (const auto& [start, next] : segments) {
-    const double change = next - slope;
-    if (std::abs(change) > rounding * std::max(std::abs(slope), std::abs(next))) sum = sum + change * positive(x - constant_sum(start));
+    Varied change = next - slope;
+    if (!(std::abs(change.value) > rounding * std::max(std::abs(slope.value), std::abs(next.value)))) change.value = 0.0;
+    if (!change.is_nothing()) sum = sum + change * positive(x - constant_sum(start));
     slope = next;
   }
   return sum;
@@ -177,50 +218,58 @@ Condition FormulaBuilder::negation(const Condition& a) {
 }
 
 AffineSum FormulaBuilder::choose(const Condition& condition, const AffineSum& yes, const AffineSum& no) {
-  if (condition.is_constant()) return condition.holds() ? yes : no;
+  if (condition.is_constant()) {
+    AffineSum chosen = condition.holds() ? yes : no;
+    if (condition.value.moves()) chosen.constant = unfollowed_by(condition.value, std::move(chosen.constant));
+    return chosen;
+  }
   const AffineSum difference = yes - no;
-  if (difference.is_constant()) return no + difference.constant * condition.value;
+  if (difference.is_number()) return no + difference.constant * condition.value;
   if (!condition.margin) return hysteresis(condition.value, 0.5, 0.5, yes, no);
   const AffineSum& margin = *condition.margin;
-  const std::optional<double> ratio = ratio_of_terms(difference, margin);
+  const std::optional<Varied> ratio = ratio_of_terms(difference, margin);
   if (!ratio && holds_at_zero(condition.value, parts_)) return hysteresis(-1.0 * margin, 0.0, 0.0, no, yes);
   if (!ratio) return hysteresis(margin, 0.0, 0.0, yes, no);
-  const double jump = difference.constant - *ratio * margin.constant;
-  const bool is_continuous = std::abs(jump) <= rounding * std::abs(difference.constant);
-  return no + *ratio * positive(margin) + (is_continuous ? 0.0 : jump) * condition.value;
+  Varied jump = difference.constant - *ratio * margin.constant;
+  if (std::abs(jump.value) <= rounding * std::abs(difference.constant.value)) jump.value = 0.0;
+  return no + *ratio * positive(margin) + jump * condition.value;
 }
 
-AffineSum FormulaBuilder::hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above,
+AffineSum FormulaBuilder::hysteresis(const AffineSum& control, const Varied& on_level, const Varied& off_level, const AffineSum& above,
                                      const AffineSum& below) {
-  if (control.is_constant()) return control.constant > on_level ? above : below;
+  if (control.is_constant())
+    return chosen_by(control - constant_sum(on_level), 0.0, control.constant.value > on_level.value ? above : below);
   return part({.kind = Kind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
 }
 
-AffineSum FormulaBuilder::integral(const AffineSum& x, double start) {
-  if (x.is_constant() && x.constant == 0.0) return constant_sum(start);
+AffineSum FormulaBuilder::integral(const AffineSum& x, const Varied& start) {
+  if (x.is_number() && x.constant.is_nothing()) return constant_sum(start);
   return part({.kind = Kind::integral, .argument = x, .start = start});
 }
 
-AffineSum FormulaBuilder::integral(const AffineSum& x, double start, const Condition& held) {
+AffineSum FormulaBuilder::integral(const AffineSum& x, const Varied& start, const Condition& held) {
   if (held.is_constant()) return held.holds() ? constant_sum(start) : integral(x, start);
   if (held.margin && !holds_at_zero(held.value, parts_)) return held_integral(x, start, *held.margin, 0.0);
   return held_integral(x, start, held.value, 0.5);
 }
 
-AffineSum FormulaBuilder::held_integral(const AffineSum& x, double start, const AffineSum& control, double level) {
-  if (control.is_constant()) return control.constant > level ? constant_sum(start) : integral(x, start);
+AffineSum FormulaBuilder::held_integral(const AffineSum& x, const Varied& start, const AffineSum& control, const Varied& level) {
+  if (control.is_constant())
+    return chosen_by(control - constant_sum(level), 0.0, control.constant.value > level.value ? constant_sum(start) : integral(x, start));
   return part({.kind = Kind::integral, .argument = x, .above = control, .on_level = level, .start = start, .is_held = true});
 }
 
-std::optional<AffineSum> FormulaBuilder::wrapped_integral(const AffineSum& x, double start, double from, double to) {
-  const double width = to - from;
+/// Of signals the range is not followed.
+std::optional<AffineSum> FormulaBuilder::wrapped_integral(const AffineSum& x, const Varied& start, const Varied& from, const Varied& to) {
+  const Varied width = to - from;
   if (x.is_constant()) {
     const AffineSum line = constant_sum(start) + x.constant * time();
     const std::optional<AffineSum> turns = floor(1.0 / width * (line - constant_sum(from)));
     return turns ? std::optional(line - width * *turns) : std::nullopt;
   }
-  const double begin = start - width * std::floor((start - from) / width);
-  return part({.kind = Kind::integral, .argument = x, .start = begin, .from = from, .to = to});
+  const Varied begin = start - width * std::floor((start.value - from.value) / width.value);
+  return part(
+      {.kind = Kind::integral, .argument = x, .start = unfollowed(unfollowed(begin, from), width), .from = from.value, .to = to.value});
 }
 
 std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
@@ -238,7 +287,7 @@ std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
       rest.terms.emplace_back(index, coefficient);
     }
   }
-  if (rest.is_constant()) return sum;
+  if (rest.is_number()) return sum;
   if (const auto line = line_in_time(rest)) return sum + constant_sum(line->slope);
   return sum + part({.kind = Kind::derivative, .argument = rest});
 }
@@ -252,7 +301,7 @@ std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
   const AffineSum itself{0.0, {{index, 1.0}}};
   if (part.kind == Kind::step) return TwoValued{{itself, part.argument}, 0.0, 1.0};
-  const auto between = [&](double below, double above, const AffineSum& margin) {
+  const auto between = [&](const Varied& below, const Varied& above, const AffineSum& margin) {
     return TwoValued{{1.0 / (above - below) * (itself - constant_sum(below)), margin}, below, above};
   };
   if (part.kind == Kind::voltage && levels_) {
@@ -262,7 +311,8 @@ std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   }
   const auto* pwl = part.kind == Kind::time ? std::get_if<model::Pwl>(&part.function) : nullptr;
   if (pwl == nullptr || pwl->repeats > 0.0 || pwl->points.size() != 2 || pwl->points[0].time != pwl->points[1].time) return std::nullopt;
-  return between(pwl->points[0].value, pwl->points[1].value, time() - constant_sum(pwl->points[0].time));
+  const TablePoint first = corner_of(part, 0), second = corner_of(part, 1);
+  return between(first.y, second.y, time() - constant_sum(first.x));
 }
 
 std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_value) {
@@ -283,7 +333,11 @@ std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_va
 }
 
 std::optional<AffineSum> FormulaBuilder::reciprocal(const AffineSum& x) {
-  if (x.is_constant()) return x.constant == 0.0 ? std::nullopt : std::optional(constant_sum(1.0 / x.constant));
+  if (x.is_constant()) {
+    if (x.constant.value == 0.0) return std::nullopt;
+    const Varied inverse = 1.0 / x.constant;
+    return constant_sum(x.is_number() ? inverse : unfollowed_by(x, inverse));
+  }
   constexpr std::size_t most_parts = 4;
   if (x.terms.size() > most_parts) return std::nullopt;
   const auto [part, coefficient] = x.terms.back();
@@ -302,9 +356,22 @@ std::optional<AffineSum> FormulaBuilder::switched_sum(const AffineSum& a, const 
   return sum;
 }
 
+namespace {
+
+/// a·b, a constant. What a parameter gives it as terms would be products of signals where b has some, too.
+AffineSum scaled(const AffineSum& a, const AffineSum& b) {
+  AffineSum product = a.constant * b;
+  if (a.is_number()) return product;
+  if (b.is_constant()) return product + b.constant * AffineSum{0.0, a.terms};
+  product.constant = unfollowed_by(a, std::move(product.constant));
+  return product;
+}
+
+}  // namespace
+
 std::optional<AffineSum> FormulaBuilder::product(const AffineSum& a, const AffineSum& b) {
-  if (a.is_constant()) return a.constant * b;
-  if (b.is_constant()) return b.constant * a;
+  if (a.is_constant()) return scaled(a, b);
+  if (b.is_constant()) return scaled(b, a);
   if (auto product = product_of_time(a, b)) return product;
   if (auto product = switched_sum(a, b)) return product;
   return switched_sum(b, a);

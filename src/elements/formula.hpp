@@ -12,7 +12,11 @@
 ///
 /// max(a,b) = a + positive(b−a), abs(x) = 2·positive(x) − x, sgn(x) = 2·step(x) − 1; a table is a sum of its kinks. Parts are
 /// normalised and shared: positive(x), positive(3x) and positive(−x) are one port.
+///
+/// Numbers carry their derivatives to the parameters of `.sens`; what they decide (a sign, a rank, what is shared) their values decide, and parts that move
+/// differently are not shared. Where the value has a kink, or a derivative would be a product of signals, it is NaN.
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <span>
@@ -21,27 +25,35 @@
 #include <vector>
 
 #include "base/source.hpp"
+#include "elements/varied.hpp"
 #include "model/source_function.hpp"
 
 namespace pwlsim::elements {
 
-/// constant + Σ coefficient·part, ascending in the part, no coefficient zero.
+/// constant + Σ coefficient·part, ascending in the part; a coefficient is zero only where a parameter moves it.
 struct AffineSum {
-  double constant = 0.0;
-  std::vector<std::pair<int, double>> terms;
+  Varied constant;
+  std::vector<std::pair<int, Varied>> terms;
 
-  [[nodiscard]] bool is_constant() const { return terms.empty(); }
+  /// Whatever its parts do. A parameter may give it terms.
+  [[nodiscard]] bool is_constant() const {
+    return std::all_of(terms.begin(), terms.end(), [](const auto& term) { return term.second.value == 0.0; });
+  }
+  [[nodiscard]] bool is_number() const { return terms.empty(); }
+  [[nodiscard]] bool moves() const {
+    return constant.moves() || std::any_of(terms.begin(), terms.end(), [](const auto& term) { return term.second.moves(); });
+  }
   bool operator==(const AffineSum&) const = default;
 };
 
-[[nodiscard]] AffineSum constant_sum(double value);
+[[nodiscard]] AffineSum constant_sum(Varied value);
 [[nodiscard]] AffineSum operator+(const AffineSum& a, const AffineSum& b);
 [[nodiscard]] AffineSum operator-(const AffineSum& a, const AffineSum& b);
-[[nodiscard]] AffineSum operator*(double factor, const AffineSum& a);
+[[nodiscard]] AffineSum operator*(const Varied& factor, const AffineSum& a);
 
 /// A proper rational function of s, the highest power first; the denominator's first coefficient is not zero.
 struct Fraction {
-  std::vector<double> num{0.0}, den{1.0};
+  std::vector<Varied> num{0.0}, den{1.0};
   bool operator==(const Fraction&) const = default;
 };
 
@@ -60,12 +72,14 @@ struct FormulaPart {
   Kind kind = Kind::voltage;
   int index = 0;                     ///< voltage: of Instance::control_nodes; current: of Instance::references
   model::SourceFunction function{};  ///< time
-  AffineSum argument{};              ///< the argument of a nonlinearity or a part with states; the control of a choice
+  std::vector<std::optional<model::SourceFunction>>
+      function_moves{};  ///< time: derivatives of the function's numbers to each parameter that moves them
+  AffineSum argument{};  ///< the argument of a nonlinearity or a part with states; the control of a choice
   AffineSum above{},
       below{};  ///< choice: its value above on_level until the control falls below off_level, and else; the factors of a product, of a quotient its two terms, the arguments of a call
-  double on_level = 0.0, off_level = 0.0;
+  Varied on_level{}, off_level{};
   double at_zero = 0.5;         ///< step outside of loops: its value while the argument stays at 0
-  double start = 0.0;           ///< integral: its value at the start, and while it is held
+  Varied start{};               ///< integral: its value at the start, and while it is held
   bool is_held = false;         ///< integral: it stays at `start` while `above` is above on_level
   double from = 0.0, to = 0.0;  ///< integral: its range, none if they are equal
   Fraction fraction{};          ///< transfer
@@ -91,7 +105,7 @@ using LevelsOf = std::function<std::optional<Levels>(int control_pair)>;
 using ConstantOf = std::function<std::optional<double>(int control_pair)>;
 
 struct TablePoint {
-  double x = 0.0, y = 0.0;
+  Varied x, y;
 };
 
 /// A truth value: 1 or 0, set-valued if the sides of a comparison are equal.
@@ -100,7 +114,7 @@ struct Condition {
   std::optional<AffineSum> margin;  ///< of a single comparison: true if the margin is positive
 
   [[nodiscard]] bool is_constant() const { return value.is_constant(); }
-  [[nodiscard]] bool holds() const { return value.constant > 0.5; }
+  [[nodiscard]] bool holds() const { return value.constant.value > 0.5; }
 };
 
 class FormulaBuilder {
@@ -128,15 +142,15 @@ class FormulaBuilder {
   [[nodiscard]] static Condition negation(const Condition& a);
   [[nodiscard]] AffineSum choose(const Condition& condition, const AffineSum& yes, const AffineSum& no);
   /// `above` after the control has risen above on_level until it falls below off_level ≤ on_level, else `below`.
-  [[nodiscard]] AffineSum hysteresis(const AffineSum& control, double on_level, double off_level, const AffineSum& above,
+  [[nodiscard]] AffineSum hysteresis(const AffineSum& control, const Varied& on_level, const Varied& off_level, const AffineSum& above,
                                      const AffineSum& below);
 
   /// In time. Some need no state: the derivative of a number, the derivative of an integral, a fraction without s.
-  [[nodiscard]] AffineSum integral(const AffineSum& x, double start);
+  [[nodiscard]] AffineSum integral(const AffineSum& x, const Varied& start);
   /// Stays at `start` while `held` is true.
-  [[nodiscard]] AffineSum integral(const AffineSum& x, double start, const Condition& held);
+  [[nodiscard]] AffineSum integral(const AffineSum& x, const Varied& start, const Condition& held);
   /// Shifted into the range by whole multiples of its width.
-  [[nodiscard]] std::optional<AffineSum> wrapped_integral(const AffineSum& x, double start, double from, double to);
+  [[nodiscard]] std::optional<AffineSum> wrapped_integral(const AffineSum& x, const Varied& start, const Varied& from, const Varied& to);
   /// For max(x, 0): that of x while x is positive. Empty if a comparison or a choice may jump, because a value cannot contain impulses.
   [[nodiscard]] std::optional<AffineSum> derivative(const AffineSum& x);
   [[nodiscard]] AffineSum transfer(const AffineSum& x, const Fraction& fraction);
@@ -163,7 +177,7 @@ class FormulaBuilder {
   /// 1/x of a sum of few parts that take two values each: a choice of reciprocals. Empty otherwise, and if a value is zero.
   [[nodiscard]] std::optional<AffineSum> reciprocal(const AffineSum& x);
   /// sin(x + phase) and exp(x), x a linear function of time. Empty otherwise.
-  [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, double phase);
+  [[nodiscard]] std::optional<AffineSum> sine(const AffineSum& x, const Varied& phase);
   [[nodiscard]] std::optional<AffineSum> exponential(const AffineSum& x);
   /// asin(x), x a sinusoid in time of amplitude 1: a triangle. Empty otherwise.
   [[nodiscard]] std::optional<AffineSum> arc_sine(const AffineSum& x);
@@ -173,9 +187,15 @@ class FormulaBuilder {
 
  private:
   [[nodiscard]] AffineSum part(FormulaPart part);
-  [[nodiscard]] AffineSum function_of_time(model::SourceFunction function);
-  [[nodiscard]] AffineSum held_integral(const AffineSum& x, double start, const AffineSum& control, double level);
-  [[nodiscard]] AffineSum oscillation(double amplitude, double omega, double damping, double phase);
+  /// `move`: the derivatives of its numbers to a parameter.
+  [[nodiscard]] AffineSum function_of_time(model::SourceFunction function, std::size_t parameters = 0,
+                                           const std::function<model::SourceFunction(std::size_t)>& move = {});
+  /// Corners in time and value, from `repeat_from` on for ever if that is given.
+  [[nodiscard]] AffineSum lines_of_time(const std::vector<TablePoint>& points, const std::optional<Varied>& repeat_from = std::nullopt);
+  [[nodiscard]] AffineSum held_integral(const AffineSum& x, const Varied& start, const AffineSum& control, const Varied& level);
+  [[nodiscard]] AffineSum oscillation(const Varied& amplitude, Varied omega, const Varied& damping, Varied phase);
+  /// e^{−damping·t}·sin(2π·frequency·t + phase)
+  [[nodiscard]] AffineSum damped(const Varied& amplitude, const Varied& frequency, const Varied& damping, const Varied& phase);
   [[nodiscard]] std::optional<AffineSum> product_of_parts(int a, int b);
   [[nodiscard]] std::optional<AffineSum> product_of_time(const AffineSum& a, const AffineSum& b);
   using Values = std::function<std::optional<AffineSum>(const AffineSum&)>;
@@ -184,13 +204,15 @@ class FormulaBuilder {
   /// Where a part steps from one value to another: in time, with the sign of its argument, or because a voltage does. Then the part is below + (above − below)·condition.
   struct TwoValued {
     Condition condition;
-    double below = 0.0, above = 0.0;
+    Varied below, above;
   };
   [[nodiscard]] std::optional<TwoValued> two_valued(int part);
+  /// A corner of a PWL in time.
+  [[nodiscard]] static TablePoint corner_of(const FormulaPart& part, std::size_t number);
   [[nodiscard]] std::optional<AffineSum> switched_sum(const AffineSum& a, const AffineSum& x);
   /// c and t0 if x = c·(t − t0), c ≠ 0.
   struct Line {
-    double slope = 0.0, zero = 0.0;
+    Varied slope, zero;
   };
   [[nodiscard]] std::optional<Line> line_in_time(const AffineSum& x) const;
   [[nodiscard]] AffineSum table_of_time(const Line& line, const std::vector<TablePoint>& points, bool extrapolated);

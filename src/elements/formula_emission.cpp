@@ -19,7 +19,7 @@ class FormulaEmission {
   FormulaEmission(Emission& emission, const Formula& formula, const Signals& signals)
       : emission_(emission), formula_(formula), signals_(signals), needed_(formula.parts.size(), 0), forms_(formula.parts.size()) {}
 
-  LinearForm run() {
+  MovingForm run() {
     mark(formula_.value);
     for (std::size_t k = formula_.parts.size(); k-- > 0;)
       if (needed_[k] != 0) mark_arguments(formula_.parts[k]);
@@ -39,20 +39,19 @@ class FormulaEmission {
     mark(part.below);
   }
 
-  LinearForm form(const AffineSum& sum) const {
-    LinearForm result;
-    if (sum.constant != 0.0) result.push_back(model::constant(sum.constant));
-    for (const auto& [part, coefficient] : sum.terms) model::accumulate(result, forms_[static_cast<std::size_t>(part)], coefficient);
+  MovingForm form(const AffineSum& sum) const {
+    MovingForm result = constant_form(sum.constant);
+    for (const auto& [part, coefficient] : sum.terms) accumulate(result, forms_[static_cast<std::size_t>(part)], coefficient);
     return result;
   }
 
-  LinearForm form_of(const FormulaPart& part) {
+  MovingForm form_of(const FormulaPart& part) {
     switch (part.kind) {
       case PartKind::voltage:
       case PartKind::current:
         return signals_(part);
       case PartKind::time:
-        return quantity(Quantity::source, emission_.builder().add(model::Source{emission_.label(), part.function}));
+        return quantity(Quantity::source, add_source(part));
       case PartKind::positive:
         return add_positive_part(emission_, form(part.argument));
       case PartKind::step:
@@ -74,9 +73,21 @@ class FormulaEmission {
     return {};
   }
 
+  int add_source(const FormulaPart& part) {
+    model::Builder& builder = emission_.builder();
+    // Each has a name of its own, by which derivatives find it.
+    const model::Label label = sources_ == 0 ? emission_.label() : emission_.label(fmt::format("time {}", sources_ + 1));
+    ++sources_;
+    const int index = builder.add(model::Source{label, part.function});
+    for (std::size_t k = 0; k < part.function_moves.size(); ++k)
+      if (part.function_moves[k])
+        builder.move(k, {.item = model::NetworkMove::Item::source, .index = index, .function = part.function_moves[k]});
+    return index;
+  }
+
   Resets resets_of(const FormulaPart& part) const {
     Resets resets;
-    if (part.is_held) resets.hold = Hold{form(part.above), part.on_level};
+    if (part.is_held) resets.hold = Hold{form(part.above), part.on_level.value};
     resets.from = part.from;
     resets.to = part.to;
     return resets;
@@ -89,14 +100,14 @@ class FormulaEmission {
   const Formula& formula_;
   const Signals& signals_;
   std::vector<char> needed_;
-  std::vector<LinearForm> forms_;
-  int parts_with_states_ = 0;
+  std::vector<MovingForm> forms_;
+  int parts_with_states_ = 0, sources_ = 0;
 };
 
 }  // namespace
 
-LinearForm emit_formula(Emission& emission, const Formula& formula) {
-  return emit_formula(emission, formula, [&](const FormulaPart& part) {
+MovingForm emit_formula(Emission& emission, const Formula& formula) {
+  return emit_formula(emission, formula, [&](const FormulaPart& part) -> LinearForm {
     const auto index = static_cast<std::size_t>(part.index);
     if (part.kind == PartKind::current) return emission.referenced_result(index).current;
     const NodePair& pair = emission.instance().control_nodes[index];
@@ -104,7 +115,7 @@ LinearForm emit_formula(Emission& emission, const Formula& formula) {
   });
 }
 
-LinearForm emit_formula(Emission& emission, const Formula& formula, const Signals& signals) {
+MovingForm emit_formula(Emission& emission, const Formula& formula, const Signals& signals) {
   return FormulaEmission(emission, formula, signals).run();
 }
 
@@ -119,29 +130,28 @@ void add_formula_source(Emission& emission, bool is_current) {
   result.current = quantity(Quantity::branch_current, result.item);
 }
 
-void set_source_value(Emission& emission, LinearForm value, bool is_current) {
+void set_source_value(Emission& emission, const MovingForm& value, bool is_current) {
+  using Moved = model::NetworkMove::Item;
   Emitted& result = emission.result();
   model::Network& network = emission.builder().network();
   const auto index = static_cast<std::size_t>(result.item);
-  // A constant that a parameter of .sens moves has a term where it is 0, too.
-  const auto& moves = emission.instance().formula_moves;
-  const bool has_constant = std::any_of(value.begin(), value.end(), [](const model::Term& term) { return term.kind == Quantity::one; });
-  if (!has_constant && std::any_of(moves.begin(), moves.end(), [](const AffineSum& moved) { return moved.constant != 0.0; }))
-    value.push_back({Quantity::one, 0, 0.0});
   if (is_current && !emission.is_referenced()) {
-    result.current = value;
-    network.injections[index].current = std::move(value);
-    return;
+    result.current = value.form;
+    result.current_moved = value.moved;
+    network.injections[index].current = value.form;
+    return add_moves(emission.builder(), Moved::injection_form, result.item, value.moved);
   }
   LinearForm& law = network.branches[index].voltage;
   if (!is_current) {
-    law = std::move(value);
+    law = value.form;
     if (const double r = emission.instance().series_resistance; r != 0.0) law.push_back({Quantity::branch_current, result.item, r});
-    return;
+    return add_moves(emission.builder(), Moved::branch_form, result.item, value.moved);
   }
-  law = model::voltage_between(emission.p(), emission.n());
-  model::accumulate(law, value, -1.0);
-  law.push_back({Quantity::branch_current, result.item, 1.0});
+  MovingForm difference(model::voltage_between(emission.p(), emission.n()));
+  accumulate(difference, value, -1.0);
+  difference.form.push_back({Quantity::branch_current, result.item, 1.0});
+  law = difference.form;
+  add_moves(emission.builder(), Moved::branch_form, result.item, difference.moved);
 }
 
 bool is_voltage_formula(const Instance& instance) { return !instance.formula_is_current; }

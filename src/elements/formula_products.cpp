@@ -23,9 +23,15 @@ AffineSum FormulaBuilder::open_call(const SmoothFunction& called, const AffineSu
 std::optional<AffineSum> FormulaBuilder::call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b) {
   using Form = SmoothFunction::Form;
   if (a.is_constant() && b.is_constant()) {
-    const std::array<double, 2> numbers{a.constant, b.constant};
-    const double value = called.value(std::span(numbers).first(called.count));
-    return std::isfinite(value) ? std::optional(constant_sum(value)) : std::nullopt;
+    // Numbers that the circuit holds; those of the deck have been folded with their derivatives.
+    const std::array<double, 2> numbers{a.constant.value, b.constant.value};
+    Varied value = called.value(std::span(numbers).first(called.count));
+    if (!std::isfinite(value.value)) return std::nullopt;
+    for (const AffineSum* argument : {&a, &b}) {
+      value = unfollowed(value, argument->constant);
+      for (const auto& term : argument->terms) value = unfollowed(value, term.second);
+    }
+    return constant_sum(value);
   }
   constexpr double quarter_turn = 0.5 * std::numbers::pi;
   switch (called.form) {

@@ -21,8 +21,9 @@ class FormulaTwin {
 
  private:
   std::string sum(const AffineSum& sum) const {
-    std::string text = sum.constant == 0.0 && !sum.terms.empty() ? "" : fmt::format("{}", sum.constant);
-    for (const auto& [part, coefficient] : sum.terms) text += term_text(coefficient, texts_[static_cast<std::size_t>(part)]);
+    std::string text = sum.constant.value == 0.0 && !sum.is_constant() ? "" : fmt::format("{}", sum.constant.value);
+    for (const auto& [part, coefficient] : sum.terms)
+      if (coefficient.value != 0.0) text += term_text(coefficient.value, texts_[static_cast<std::size_t>(part)]);
     return text[0] == '+' ? text.substr(1) : text;
   }
 
@@ -76,9 +77,9 @@ class FormulaTwin {
     const std::string control = name() + ".control", start = name() + ".start";
     std::string state = twin_integral(twin_, name(), sum(part.argument), {part.start});
     twin_.behaviour(control, {twin_.inner(control), "0"}, false, fmt::format("{}*({})", gain, sum(part.above)));
-    twin_.source(start, {twin_.inner(start), "0"}, false, model::Dc{part.start});
+    twin_.source(start, {twin_.inner(start), "0"}, false, model::Dc{part.start.value});
     twin_.contact(name() + ".hold", {twin_.inner(name() + "state"), twin_.inner(start)}, {twin_.inner(control), "0"},
-                  {twin_.sharpness(), infinite, gain * part.on_level, gain * part.on_level, false});
+                  {twin_.sharpness(), infinite, gain * part.on_level.value, gain * part.on_level.value, false});
     return state;
   }
 
@@ -89,7 +90,7 @@ class FormulaTwin {
     twin_.behaviour(control, {twin_.inner(control), "0"}, false, fmt::format("{}*({})", gain, sum(part.argument)));
     twin_.source(supply, {twin_.inner(supply), "0"}, false, model::Dc{1.0});
     twin_.contact(chosen, {twin_.inner(supply), twin_.inner(chosen)}, {twin_.inner(control), "0"},
-                  {twin_.sharpness(), infinite, gain * part.on_level, gain * part.off_level, false});
+                  {twin_.sharpness(), infinite, gain * part.on_level.value, gain * part.off_level.value, false});
     twin_.resistor(chosen, {twin_.inner(chosen), "0"}, 1.0);
     return fmt::format("(({1})+v({0})*(({2})-({1})))", twin_.inner(chosen), sum(part.below), sum(part.above));
   }

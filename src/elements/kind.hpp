@@ -139,8 +139,7 @@ struct Instance {
   std::vector<Written> written{};    ///< numbers of the card that depend on varied parameters
   std::vector<double> coefficients;  ///< Tail::gain: the constant part, then one number a control
   std::optional<Formula> formula;
-  std::vector<AffineSum> formula_moves{};  ///< its derivative to each parameter of .sens, where it is a sum of signals; else empty
-  bool formula_is_current = false;         ///< also of the output of an A element
+  bool formula_is_current = false;  ///< also of the output of an A element
   std::vector<BlockInput> inputs;
   std::shared_ptr<const RawSystem> raw_system;
   std::optional<model::SourceFunction> waveform;

@@ -118,6 +118,8 @@ std::optional<LinearForm> step_of_source(Emission& emission, const LinearForm& x
   const std::optional<model::SourceFunction> step = std::visit(StepOf{*sum, at_zero}, function);
   if (!step) return std::nullopt;
   if (const auto* constant = std::get_if<model::Dc>(&*step)) return LinearForm{model::constant(constant->value)};
+  // Its edges would have to move with the source and the level; a switch that the source drives does.
+  if (emission.keeps_comparisons()) return std::nullopt;
   model::Source source{emission.label(), *step};
   source.follows = network.sources[static_cast<std::size_t>(sum->source)].label.name;
   return quantity(Quantity::source, emission.builder().add(std::move(source)));

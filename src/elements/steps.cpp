@@ -13,18 +13,35 @@ using model::LinearForm;
 using model::Network;
 
 /// 1 where the argument is positive, 0 where it is negative, and at 0 as `at_zero` says: a half is the mean of both answers.
-LinearForm add_decision(model::Builder& builder, const model::Label& label, const model::Step& step) {
-  const auto answer = [&](bool at_zero) {
-    if (!at_zero) return add_choice(builder, label, {step.argument}, {model::constant(1.0)}, {});
-    LinearForm opposite;
-    model::accumulate(opposite, step.argument, -1.0);
-    return add_choice(builder, label, {std::move(opposite)}, {}, {model::constant(1.0)});
+LinearForm add_decision(model::Builder& builder, const model::Label& label, const MovingForm& argument, double at_zero) {
+  const MovingForm nothing, one(LinearForm{model::constant(1.0)});
+  const auto answer = [&](bool holds_at_zero) {
+    return holds_at_zero ? add_choice(builder, label, {scaled(argument, -1.0), 0.0, 0.0}, nothing, one).form
+                         : add_choice(builder, label, {argument, 0.0, 0.0}, one, nothing).form;
   };
-  if (step.at_zero == 0.0 || step.at_zero == 1.0) return answer(step.at_zero == 1.0);
+  if (at_zero == 0.0 || at_zero == 1.0) return answer(at_zero == 1.0);
   LinearForm value;
-  model::accumulate(value, answer(false), 1.0 - step.at_zero);
-  model::accumulate(value, answer(true), step.at_zero);
+  model::accumulate(value, answer(false), 1.0 - at_zero);
+  model::accumulate(value, answer(true), at_zero);
   return value;
+}
+
+/// What parameters move in the slack of a complementarity that goes, taken.
+std::vector<LinearForm> take_moves(model::Builder& builder, int complementarity) {
+  std::vector<LinearForm> moved;
+  const auto is_own = [&](const model::NetworkMove& move) {
+    return move.item == model::NetworkMove::Item::slack_form && move.index == complementarity;
+  };
+  for (std::size_t k = 0; k < builder.moves().size(); ++k) {
+    model::NetworkMoves& moves = builder.moves()[k];
+    for (const model::NetworkMove& move : moves)
+      if (is_own(move)) {
+        moved.resize(k + 1);
+        model::accumulate(moved[k], move.form);
+      }
+    std::erase_if(moves, is_own);
+  }
+  return moved;
 }
 
 /// The inputs of complementarities that go become forms, the others get new numbers.
@@ -37,8 +54,14 @@ class Replacement {
     goes_[static_cast<std::size_t>(input)] = 1;
   }
 
-  void apply(Network& network) {
+  void apply(model::Builder& builder) {
+    Network& network = builder.network();
     number();
+    for (model::NetworkMoves& moves : builder.moves())
+      for (model::NetworkMove& move : moves) {
+        apply(move.form);
+        if (move.item == model::NetworkMove::Item::slack_form) move.index = number_[static_cast<std::size_t>(move.index)];
+      }
     for (auto& branch : network.branches) apply(branch.voltage);
     for (auto& injection : network.injections) apply(injection.current);
     for (auto& complementarity : network.complementarities) apply(complementarity.slack);
@@ -87,12 +110,14 @@ void decide_steps(model::Builder& builder) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (in_loop[i] != 0) continue;
     const model::Label label = builder.network().complementarities[static_cast<std::size_t>(steps[i].first)].label;
+    MovingForm argument(steps[i].argument);
+    argument.moved = take_moves(builder, steps[i].first);
     LinearForm input{model::constant(1.0)};
-    model::accumulate(input, add_decision(builder, label, steps[i]), -1.0);
+    model::accumulate(input, add_decision(builder, label, argument, steps[i].at_zero), -1.0);
     replacement.replace(steps[i].first, std::move(input));
     replacement.replace(steps[i].first + 1, {});
   }
-  replacement.apply(builder.network());
+  replacement.apply(builder);
 }
 
 }  // namespace pwlsim::elements

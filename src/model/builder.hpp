@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/network.hpp"
+#include "model/network_move.hpp"
 
 namespace pwlsim::model {
 
@@ -49,6 +50,13 @@ class Builder {
   int add(NodeCondition item) { return append(network_.node_conditions, std::move(item)); }
   int add(CurrentCondition item) { return append(network_.current_conditions, std::move(item)); }
 
+  /// What a parameter of `.sens` moves.
+  void move(std::size_t parameter, NetworkMove item) {
+    if (moves_.size() <= parameter) moves_.resize(parameter + 1);
+    moves_[parameter].push_back(std::move(item));
+  }
+  [[nodiscard]] std::vector<NetworkMoves>& moves() { return moves_; }
+
   /// Items whose forms need currents of elements added later are completed in place.
   [[nodiscard]] Network& network() { return network_; }
   [[nodiscard]] const Network& network() const { return network_; }
@@ -65,6 +73,7 @@ class Builder {
 
   Network network_;
   std::vector<Step> steps_;
+  std::vector<NetworkMoves> moves_;  ///< of each parameter
   std::unordered_map<std::string, NodeIndex> node_by_name_;
 };
 

@@ -13,7 +13,7 @@ void add(double& sum, double other, double factor) {
 }
 
 double* number_of(Network& network, const NetworkMove& move) {
-  const auto at = static_cast<std::size_t>(move.index), term = static_cast<std::size_t>(move.term);
+  const auto at = static_cast<std::size_t>(move.index);
   switch (move.item) {
     case Item::resistance:
       return &network.resistors[at].resistance;
@@ -35,10 +35,6 @@ double* number_of(Network& network, const NetworkMove& move) {
       return &network.switches[at].on_level;
     case Item::off_level:
       return &network.switches[at].off_level;
-    case Item::branch_term:
-      return &network.branches[at].voltage[term].coefficient;
-    case Item::injection_term:
-      return &network.injections[at].current[term].coefficient;
     case Item::initial_voltage:
       return &network.capacitors[at].initial_voltage;
     case Item::initial_current:
@@ -47,7 +43,26 @@ double* number_of(Network& network, const NetworkMove& move) {
       return &network.node_conditions[at].voltage;
     case Item::current_condition:
       return &network.current_conditions[at].current;
-    case Item::source:
+    default:
+      break;
+  }
+  return nullptr;
+}
+
+LinearForm* form_of(Network& network, const NetworkMove& move) {
+  const auto at = static_cast<std::size_t>(move.index);
+  switch (move.item) {
+    case Item::branch_form:
+      return &network.branches[at].voltage;
+    case Item::injection_form:
+      return &network.injections[at].current;
+    case Item::slack_form:
+      return &network.complementarities[at].slack;
+    case Item::control_form:
+      return &network.switches[at].control;
+    case Item::signal_form:
+      return at < network.signals.size() ? &network.signals[at].form : nullptr;
+    default:
       break;
   }
   return nullptr;
@@ -77,6 +92,11 @@ void move(Network& network, const NetworkMoves& moves, double by) {
   for (const NetworkMove& each : moves) {
     if (each.item == Item::source)
       add(network.sources[static_cast<std::size_t>(each.index)].function, *each.function, by);
+    else if (LinearForm* form = form_of(network, each))
+      for (Term term : each.form) {
+        term.coefficient *= by;
+        form->push_back(term);
+      }
     else
       add(*number_of(network, each), each.derivative, by);
     if (each.item != Item::current_condition) continue;

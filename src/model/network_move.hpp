@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "model/source_function.hpp"
+#include "model/network.hpp"
 
 namespace pwlsim::model {
 
@@ -21,17 +21,21 @@ struct NetworkMove {
     on_level,  ///< of switches[index], in units of its control
     off_level,
     source,            ///< sources[index]: `function` holds the derivatives of the function's own numbers
-    branch_term,       ///< coefficient of branches[index].voltage[term]
-    injection_term,    ///< coefficient of injections[index].current[term]
+    branch_form,       ///< branches[index].voltage
+    injection_form,    ///< injections[index].current
+    slack_form,        ///< complementarities[index].slack
+    control_form,      ///< switches[index].control
+    signal_form,       ///< signals[index].form
     initial_voltage,   ///< of capacitors[index], V; counts with uic
     initial_current,   ///< of inductors[index], A; counts with uic
     node_condition,    ///< voltage of node_conditions[index], V
     current_condition  ///< current of current_conditions[index], A
   };
   Item item = Item::resistance;
-  int index = 0, term = 0;
+  int index = 0;
   double derivative = 0.0;
   std::optional<SourceFunction> function{};
+  LinearForm form{};  ///< of a form: its derivative, of any quantities
 };
 
 /// All that one parameter moves.

@@ -31,6 +31,25 @@ Adjoint::Adjoint(const Sensitivity& sensitivity, std::vector<int> signals) : alo
   for (std::size_t island = 0; island < along_.model_.islands.size(); ++island) shares_.push_back(along_.shares_of(island, signals_));
 }
 
+namespace {
+
+/// Whether a parameter may move an instant's guards apart: those that read the same go together, but for their thresholds.
+bool may_part(const ParameterInputs& own, const LinearInstant& instant) {
+  constexpr double same = 1e-9;  // of the entries
+  const auto moves_level = [&](const LinearGuard& guard) {
+    return std::any_of(own.levels.begin(), own.levels.end(), [&](const LevelMove& level) { return level.number == guard.level_switch; });
+  };
+  const auto agree = [](double a, double b) { return std::abs(a - b) <= same * (std::abs(a) + std::abs(b)); };
+  return std::any_of(instant.beside.begin(), instant.beside.end(), [&](const LinearGuard& guard) {
+    return guard.island != instant.island || moves_level(guard) || moves_level(instant) ||
+           !guard.on_state.isApprox(instant.on_state, same) ||
+           !std::equal(guard.on_w.begin(), guard.on_w.end(), instant.on_w.begin(), instant.on_w.end(), agree) ||
+           !std::equal(guard.on_slope.begin(), guard.on_slope.end(), instant.on_slope.begin(), instant.on_slope.end(), agree);
+  });
+}
+
+}  // namespace
+
 void Adjoint::examine(std::size_t parameter) {
   Followed scratch;
   scratch.failure = along_.check(parameter);
@@ -39,7 +58,7 @@ void Adjoint::examine(std::size_t parameter) {
   for (std::size_t i = 0; i < along_.orbit_.instants().size() && scratch.failure.empty(); ++i) {
     const LinearInstant& instant = along_.orbit_.instants()[i];
     along_.check_changes(i, scratch);
-    if (!instant.beside.empty()) forward_only_[parameter] = 1;
+    if (may_part(own, instant)) forward_only_[parameter] = 1;
     if (own.waves.empty() || !scratch.failure.empty()) continue;
     const auto edge = along_.edge_shift_of(parameter, instant.time, scratch);
     if (!edge) continue;

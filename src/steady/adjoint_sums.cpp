@@ -89,7 +89,7 @@ double Adjoint::of_parameter(std::size_t parameter, Pass& pass) const {
 /// Edges, clocks and thresholds that move.
 double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
   const ParameterInputs& own = along_.inputs_.parameters[parameter];
-  if (own.waves.empty() && own.levels.empty()) return 0.0;
+  if (own.waves.empty() && own.levels.empty() && own.drives.empty()) return 0.0;
   double total = 0.0;
   Followed scratch;
   for (const auto& [i, weight] : pass.read) {
@@ -104,7 +104,7 @@ double Adjoint::of_edges(std::size_t parameter, const Pass& pass) const {
       continue;
     }
     total += pass.shifts[i] * along_.level_shift_of(parameter, instant);
-    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant);
+    if (instant.island < 0) total += pass.shifts[i] * along_.clock_shift_of(parameter, instant, instant.time);
   }
   return total;
 }

@@ -44,6 +44,16 @@ ClockValue clock_value(const System& system, const model::Control& control, doub
   return at;
 }
 
+/// Whether a guard is at zero within this time, and moves.
+bool is_passed(const Change& change, int row, double near) {
+  const Mode& mode = *change.before;
+  Vector rate(mode.ny);
+  linalg::multiply_sparse(mode.flow.a(), change.y_before.data(), rate);
+  const double fall = mode.guards.row(row).dot(rate);
+  const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+  return fall != 0.0 && std::abs(value) <= near * std::abs(fall);
+}
+
 template <class Form>
 void superpose(Form& form, int source, int input) {
   const std::size_t terms = form.size();
@@ -97,6 +107,20 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
   for (const TraceSegment& s : trace.tail) tail_.push_back({s.island, s.mode, s.begin, s.length});
 }
 
+std::vector<int> LinearisedOrbit::take_impulses(const Trace& trace, bool is_driven) {
+  std::vector<int> unknown;
+  for (std::size_t i = 0; i < instants_.size(); ++i) {
+    const std::vector<Change> changes = i == 0 && is_driven ? wrap_of(trace).changes : trace.steps[i].changes;
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      const System& system = stacking_.system(changes[k].island);
+      Impulses impulses = impulses_of(system, changes[k]);
+      for (const int output : impulses.unknown) unknown.push_back(system.output_signal[static_cast<std::size_t>(output)]);
+      instants_[i].changes[k].impulses = std::move(impulses.list);
+    }
+  }
+  return unknown;
+}
+
 void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {
   LinearInstant& instant = instants_.emplace_back();
   instant.time = step.time;
@@ -123,8 +147,28 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
     }
     linear.outputs = outputs_of(*change.before, change.y_before) - outputs_of(*change.after, change.y_after);
   }
-  for (const Change& change : changes)
+  for (const Change& change : changes) {
     if (!is_nothing(change)) take_beside(change, instant);
+    take_controls_beside(change, on_before, step.on, instant);
+  }
+}
+
+/// Other switches that pass their threshold at the same time: what they change comes when they do.
+void LinearisedOrbit::take_controls_beside(const Change& change, const std::vector<char>& on_before, const std::vector<char>& on,
+                                           LinearInstant& instant) const {
+  if (instant.island < 0 || change.cause != Cause::guard || change.before == nullptr || change.y_before.empty()) return;
+  const System& system = stacking_.system(change.island);
+  for (std::size_t k = 0; k < system.controls.size(); ++k) {
+    const auto driven = static_cast<std::size_t>(system.controls[k].driven);
+    if (on_before[driven] == on[driven] || system.controls[k].driven == instant.level_switch) continue;
+    const int row = system.diodes + static_cast<int>(2 * k) + (on_before[driven] != 0 ? 0 : 1);
+    if (row >= change.before->guards.rows() || !is_passed(change, row, same_instant * (period_ + instant.time))) continue;
+    const auto is_there = [&](const LinearGuard& other) { return other.island == static_cast<int>(change.island) && other.row == row; };
+    if (std::any_of(instant.beside.begin(), instant.beside.end(), is_there)) continue;
+    LinearGuard guard;
+    take_guard(change, row, guard);
+    if (guard.island >= 0) instant.beside.push_back(std::move(guard));
+  }
 }
 
 /// Guards that are passed by chance at the time of another one, or of an edge.
@@ -169,7 +213,6 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
 /// A switch that sources alone drive, and that one of them crosses rather than jumps past: inputs among these sources move its time.
 void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant) {
   constexpr double on_level = 1e-9;  // of the terms
-  if (instant.island >= 0) return;
   const double time = instant.time > 0.0 ? instant.time : period_;
   for (std::size_t island = 0; island < stacking_.islands(); ++island) {
     const System& system = stacking_.system(island);
@@ -179,15 +222,20 @@ void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std:
       const ClockValue at = clock_value(system, control, time);
       const double level = on_before[driven] != 0 ? control.off_level : control.on_level;
       if (at.slope == 0.0 || std::abs(at.value - level) > on_level * (at.size + std::abs(level))) continue;
-      instant.on_w.assign(inputs_, 0.0);
-      instant.on_slope.assign(inputs_, 0.0);
+      LinearGuard guard;
+      guard.on_w.assign(inputs_, 0.0);
+      guard.on_slope.assign(inputs_, 0.0);
       for (std::size_t k = 0; k < inputs_; ++k)
         if (const InputColumns& column = columns_[island][k]; column.value >= 0)
-          instant.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
-      instant.level_switch = control.driven;
-      instant.is_off_level = on_before[driven] != 0;
-      instant.level_rate = at.slope;
-      return;
+          guard.on_w[k] = -control.value.state[system.n + column.value] / at.slope;
+      guard.level_switch = control.driven;
+      guard.is_off_level = on_before[driven] != 0;
+      guard.level_rate = at.slope;
+      const bool is_first = instant.island < 0 && instant.level_switch < 0;
+      if (is_first)
+        static_cast<LinearGuard&>(instant) = std::move(guard);
+      else
+        instant.beside.push_back(std::move(guard));
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "steady/impulses.hpp"
 #include "steady/orbit_trace.hpp"
 #include "steady/variation.hpp"
 
@@ -35,8 +36,9 @@ struct LinearSegment {
 struct LinearChange {
   std::size_t island = 0;
   std::vector<const model::Mode*> by_way_of;
-  Vector d;        ///< (P f⁻ − f⁺): n
-  Vector outputs;  ///< y⁻ − y⁺ of its outputs
+  Vector d;                         ///< (P f⁻ − f⁺): n
+  Vector outputs;                   ///< y⁻ − y⁺ of its outputs
+  std::vector<Impulse> impulses{};  ///< after take_impulses, by way
 };
 
 /// δt = on_state·δξ + on_w·w for a guard that crosses zero; zero if the time is fixed.
@@ -65,6 +67,9 @@ class LinearisedOrbit {
   LinearisedOrbit(const engine::ExactModel& model, const Trace& trace, double period, bool is_driven,
                   const std::vector<std::string>& inputs);
 
+  /// The impulses of all changes, of the orbit's own trace. The signals of which some have no linear form.
+  std::vector<int> take_impulses(const Trace& trace, bool is_driven);
+
   [[nodiscard]] const Stacking& stacking() const { return stacking_; }
   [[nodiscard]] double period() const { return period_; }
   [[nodiscard]] const std::vector<LinearInstant>& instants() const { return instants_; }
@@ -76,6 +81,8 @@ class LinearisedOrbit {
   void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
   void take_guard(const engine::Change& change, int row, LinearGuard& guard) const;
   void take_beside(const engine::Change& change, LinearInstant& instant) const;
+  void take_controls_beside(const engine::Change& change, const std::vector<char>& on_before, const std::vector<char>& on,
+                            LinearInstant& instant) const;
   void take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant);
 
   Stacking stacking_;

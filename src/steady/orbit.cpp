@@ -18,6 +18,8 @@ constexpr double least_gain = 0.5;       ///< of a residual that is close, or it
 constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
 constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
 constexpr double zero_multiplier = 1e-13;
+constexpr double sure_swing =
+    1e-10;  ///< of the largest motion within a period: more than this of a residual, along a free direction, and there may be no orbit
 constexpr double lone_drift = 1e-6;      ///< of the residual: what else moves beside a drift
 constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
 constexpr int points_inside = 7;
@@ -353,9 +355,23 @@ class Search {
     const Variation v = variation(stacking_, lap_.trace);
     orbit_.kink = v.kink;
     orbit_.beside = v.beside;
-    orbit_.trace = std::move(lap_.trace);
     if (v.kink.empty()) take_multipliers(v);
+    // Oscillations that die away in ever shorter periods end where rounding does not let them become smaller.
+    if (!is_driven() && !orbit_.free_directions.empty() && f.norm() > sure_swing * swing()) orbit_.verdict = Verdict::not_converged;
+    orbit_.trace = std::move(lap_.trace);
     return std::move(orbit_);
+  }
+
+  /// The largest motion of an island in one mode.
+  [[nodiscard]] double swing() const {
+    double largest = 0.0;
+    const auto take = [&](const TraceSegment& s) {
+      const Eigen::Map<const Vector> from(s.y0.data(), s.mode->n1), to(s.y1.data(), s.mode->n1);
+      largest = std::max(largest, (to - from).norm());
+    };
+    for (const TraceStep& step : lap_.trace.steps) std::for_each(step.segments.begin(), step.segments.end(), take);
+    std::for_each(lap_.trace.tail.begin(), lap_.trace.tail.end(), take);
+    return largest;
   }
 
   void take_multipliers(const Variation& v) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <utility>
 
 #include "linalg/dense.hpp"
 #include "model/conditions.hpp"
@@ -27,12 +27,16 @@ struct Pair {
 
 /// The voltage of a node that a branch of sources alone ties to ground; empty where it is none, or where a name stands for several sources.
 std::optional<Drive::Held> held_by_sources(const model::Network& network, const model::Term& read) {
-  if (read.kind != Kind::node_voltage) return std::nullopt;
+  if (read.kind != Kind::node_voltage && read.kind != Kind::source) return std::nullopt;
   const auto name_of = [&](int source) { return network.sources[static_cast<std::size_t>(source)].label.name; };
   const auto is_alone = [&](const model::Term& term) {
     const auto same = [&](const model::Source& other) { return other.label.name == name_of(term.index); };
     return term.kind == Kind::one || std::count_if(network.sources.begin(), network.sources.end(), same) == 1;
   };
+  if (read.kind == Kind::source) {
+    if (!is_alone(read)) return std::nullopt;
+    return Drive::Held{{{name_of(read.index), read.coefficient}}, 0.0};
+  }
   for (const model::Branch& branch : network.branches) {
     const bool is_upright = branch.p == read.index && branch.n == model::ground;
     if (!is_upright && !(branch.n == read.index && branch.p == model::ground)) continue;
@@ -112,22 +116,22 @@ class Adder {
   }
 
   template <class Make>
-  Pair pair_of(Item item, int index, int term, const Make& make) {
-    const auto key = std::tuple(item, index, term);
+  Pair pair_of(Item item, int index, const Make& make) {
+    const auto key = std::pair(item, index);
     const auto known = pairs_.find(key);
     return known != pairs_.end() ? known->second : pairs_[key] = make();
   }
 
   template <class Element>
   Pair in_series(Item item, int index, std::vector<Element>& list, Kind current) {
-    return pair_of(item, index, 0, [&] {
+    return pair_of(item, index, [&] {
       const int input = input_in_series(list[static_cast<std::size_t>(index)]);
       return Pair{input, new_signal({{current, index, 1.0}})};
     });
   }
 
   Pair capacitor(int index) {
-    return pair_of(Item::capacitance, index, 0, [&] {
+    return pair_of(Item::capacitance, index, [&] {
       model::Capacitor& item = network_.capacitors[static_cast<std::size_t>(index)];
       return Pair{input_in_series(item), -1, item.state.empty() ? "v(" + item.label.name + ")" : item.state};
     });
@@ -135,7 +139,7 @@ class Adder {
 
   /// A current beside the inductor: all that reads its current reads both.
   Pair inductor(int index) {
-    return pair_of(Item::inductance, index, 0, [&] {
+    return pair_of(Item::inductance, index, [&] {
       const model::Inductor& item = network_.inductors[static_cast<std::size_t>(index)];
       const int input = new_input();
       read_beside(index, input);
@@ -159,18 +163,29 @@ class Adder {
     for (std::size_t k = 0; k < own; ++k) extend(network_.signals[k].form);
   }
 
+  /// Of a form: one input for all that moves it.
   template <class Element>
-  Pair term(Item item, const model::NetworkMove& move, std::vector<Element>& list, LinearForm Element::*form) {
-    return pair_of(item, move.index, move.term, [&] {
-      const int input = new_input();
-      LinearForm& terms = list[static_cast<std::size_t>(move.index)].*form;
-      model::Term read = terms[static_cast<std::size_t>(move.term)];
-      read.coefficient = 1.0;
-      terms.push_back(source_of(input).front());
-      if (read.kind == Kind::one) return Pair{input, -1};
-      if (auto held = held_by_sources(original_, read)) return Pair{input, -1, {}, std::move(held)};
-      return Pair{input, new_signal({read})};
-    });
+  void add_form(const model::NetworkMove& move, std::vector<Element>& list, LinearForm Element::*form, ParameterInputs& result) {
+    const int input = pair_of(move.item, move.index, [&] {
+                        const int own = new_input();
+                        (list[static_cast<std::size_t>(move.index)].*form).push_back(source_of(own).front());
+                        return Pair{own, -1};
+                      }).input;
+    for (const model::Term& term : move.form) {
+      const model::Term read{term.kind, term.index, 1.0};
+      if (term.kind == Kind::one)
+        add_drop({input, -1}, term.coefficient, result);
+      else if (auto held = held_by_sources(original_, read))
+        drive(result, {input, -1, {}, std::move(held)}, term.coefficient);
+      else
+        drive(result, {input, signal_of(read)}, term.coefficient);
+    }
+  }
+
+  int signal_of(const model::Term& read) {
+    const auto [known, is_new] = signals_.try_emplace({read.kind, read.index}, -1);
+    if (is_new) known->second = new_signal({read});
+    return known->second;
   }
 
   static void drive(ParameterInputs& result, const Pair& pair, double weight) {
@@ -206,10 +221,16 @@ class Adder {
       case Item::source:
         return add_wave({source(move.index), original_.sources[at].function, *move.function, move.index, original_.sources[at].label.name},
                         result);
-      case Item::branch_term:
-        return add_term(move, network_.branches, &model::Branch::voltage, result);
-      case Item::injection_term:
-        return add_term(move, network_.injections, &model::Injection::current, result);
+      case Item::branch_form:
+        return add_form(move, network_.branches, &model::Branch::voltage, result);
+      case Item::injection_form:
+        return add_form(move, network_.injections, &model::Injection::current, result);
+      case Item::slack_form:
+        return add_form(move, network_.complementarities, &model::Complementarity::slack, result);
+      case Item::control_form:
+        return add_form(move, network_.switches, &model::Switch::control, result);
+      case Item::signal_form:
+        return add_form(move, network_.signals, &model::Signal::form, result);
       case Item::initial_voltage:
         result.starts.push_back({true, original_.capacitors[at].label.name, p});
         return;
@@ -228,18 +249,6 @@ class Adder {
     }
   }
 
-  /// The coefficient of a signal, or a constant.
-  template <class Element>
-  void add_term(const model::NetworkMove& move, std::vector<Element>& list, LinearForm Element::*form, ParameterInputs& result) {
-    const LinearForm& terms = list[static_cast<std::size_t>(move.index)].*form;
-    const bool is_constant = terms[static_cast<std::size_t>(move.term)].kind == Kind::one;
-    const Pair pair = term(move.item, move, list, form);
-    if (is_constant)
-      add_drop(pair, move.derivative, result);
-    else
-      drive(result, pair, move.derivative);
-  }
-
   static void add_drop(const Pair& pair, double drop, ParameterInputs& result) {
     result.waves.push_back({pair.input, model::Dc{}, model::Dc{drop}, -1, {}});
   }
@@ -254,7 +263,7 @@ class Adder {
   }
 
   int source(int index) {
-    return pair_of(Item::source, index, 0,
+    return pair_of(Item::source, index,
                    [&] {
                      const int input = new_input();
                      superpose_input(network_, index, sources_[static_cast<std::size_t>(input)]);
@@ -324,7 +333,8 @@ class Adder {
   const model::Network original_, started_;  ///< started_: what `.ic` says are initial values there
   SensitivityInputs all_;
   std::vector<int> sources_;  ///< of the inputs
-  std::map<std::tuple<Item, int, int>, Pair> pairs_;
+  std::map<std::pair<Item, int>, Pair> pairs_;
+  std::map<std::pair<Kind, int>, int> signals_;
 };
 
 }  // namespace

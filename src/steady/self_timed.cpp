@@ -70,6 +70,19 @@ class Counter {
   double last_time_ = 0.0;
 };
 
+/// s: when the last guard of the modes that the trace ends in would be passed, straight on. Integrators have no other time.
+double last_passage(const Trace& trace) {
+  double longest = 0.0;
+  for (const TraceSegment& segment : trace.tail) {
+    const model::Mode& mode = *segment.mode;
+    const Eigen::Map<const Vector> y(segment.y1.data(), mode.ny);
+    const Vector value = mode.guards * y, rate = mode.guards * (mode.flow.a() * y);
+    for (Eigen::Index k = 0; k < value.size(); ++k)
+      if (rate[k] != 0.0) longest = std::max(longest, std::abs(value[k] / rate[k]));
+  }
+  return longest;
+}
+
 /// s: the slowest motion of the modes that the trace ends in.
 double slowest(const Trace& trace) {
   double longest = 0.0;
@@ -122,7 +135,9 @@ class Finder {
     TraceRecorder recorder(at.on);
     constexpr double instant = 1e-12;
     march_.advance(at, instant, &recorder);
-    return time_constants * slowest(recorder.take());
+    const Trace trace = recorder.take();
+    const double longest = slowest(trace);
+    return time_constants * (longest > 0.0 ? longest : last_passage(trace));
   }
 
   /// Runs to where an event has recurred, `state` then being right of it.

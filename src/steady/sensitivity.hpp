@@ -145,7 +145,8 @@ class Sensitivity {
   [[nodiscard]] double passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const;
   void check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const;
   [[nodiscard]] std::optional<double> edge_shift_of(std::size_t parameter, double time, Followed& followed) const;
-  [[nodiscard]] double clock_shift_of(std::size_t parameter, const LinearInstant& instant) const;
+  [[nodiscard]] double clock_shift_of(std::size_t parameter, const LinearGuard& guard, double time) const;
+  [[nodiscard]] double driven_by(const Drive& drive, double time) const;
   [[nodiscard]] std::string name_of(const LinearGuard& guard) const;
   void check_changes(std::size_t number, Followed& followed) const;
   [[nodiscard]] std::vector<Vector> states_by_way(const engine::Change& change) const;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <variant>
 
 #include "steady/sensitivity.hpp"
 #include "steady/sensitivity_parts.hpp"
@@ -18,6 +20,21 @@ using model::System;
 constexpr double same_shift = 1e-9;
 /// Two shifts that differ by less of the run, for a change by all of the parameter, are one.
 constexpr double no_shift = 1e-11;
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+
+/// Of a function of time, just before a time, where it is piecewise linear.
+struct ValueBefore {
+  double time;
+
+  double operator()(const model::Dc& dc) const { return dc.value; }
+  double operator()(const model::Pulse& pulse) const { return model::make_track(pulse).before(time).at(time); }
+  double operator()(const model::Pwl& pwl) const { return model::make_track(pwl).before(time).at(time); }
+  template <class Other>
+  double operator()(const Other&) const {
+    return not_known;
+  }
+};
+
 }  // namespace
 
 std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double time, Followed& followed) const {
@@ -52,17 +69,35 @@ std::string Sensitivity::name_of(const LinearGuard& guard) const {
 }
 
 /// Of an instant that a clock decides, or nothing that moves.
-double Sensitivity::clock_shift_of(std::size_t parameter, const LinearInstant& instant) const {
+double Sensitivity::clock_shift_of(std::size_t parameter, const LinearGuard& guard, double at) const {
   double shift = 0.0;
-  if (instant.on_w.empty()) return shift;
-  const double time = instant.time > 0.0 ? instant.time : length_;
+  if (guard.on_w.empty()) return shift;
+  const double time = at > 0.0 ? at : length_;
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
-    const double on_w = instant.on_w[static_cast<std::size_t>(wave.input)];
+    const double on_w = guard.on_w[static_cast<std::size_t>(wave.input)];
     if (on_w == 0.0) continue;
     const double left = time - same_time * (length_ + time);
     shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
   }
+  for (const Drive& drive : inputs_.parameters[parameter].drives) {
+    const double on_w = guard.on_w[static_cast<std::size_t>(drive.input)];
+    if (on_w != 0.0) shift += on_w * drive.weight * driven_by(drive, time);
+  }
   return shift;
+}
+
+/// What an input is a multiple of, just before a time.
+double Sensitivity::driven_by(const Drive& drive, double time) const {
+  if (!drive.held) return drive.signal >= 0 ? signals_at({drive.signal}, time, Side::left).front().value : not_known;
+  double sum = drive.held->constant;
+  for (const auto& [name, coefficient] : drive.held->sources) {
+    const model::SourceFunction* function = nullptr;
+    for (const engine::IslandModel& island : model_.islands)
+      for (const model::Source& source : island.island.network.sources)
+        if (source.label.name == name) function = &source.function;
+    sum += coefficient * (function != nullptr ? std::visit(ValueBefore{time}, *function) : not_known);
+  }
+  return sum;
 }
 
 double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Vector& xi, Followed& followed) const {
@@ -72,7 +107,7 @@ double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Ve
     return *edge;
   }
   const double level = level_shift_of(parameter, instant);
-  return level + (instant.island < 0 ? clock_shift_of(parameter, instant) : passage_of(parameter, number, instant, xi));
+  return level + (instant.island < 0 ? clock_shift_of(parameter, instant, instant.time) : passage_of(parameter, number, instant, xi));
 }
 
 double Sensitivity::corner_shift_of(std::size_t parameter, const LinearInstant& instant) const {
@@ -113,7 +148,8 @@ void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double
   const double value = std::abs(inputs_.parameters[parameter].value), least = no_shift * length_;
   const double time = orbit_.instants()[number].time;
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
-    const double own = level_shift_of(parameter, guard) + passage_of(parameter, number, guard, xi), apart = std::abs(own - shift);
+    const double passage = guard.island < 0 ? clock_shift_of(parameter, guard, time) : passage_of(parameter, number, guard, xi);
+    const double own = level_shift_of(parameter, guard) + passage, apart = std::abs(own - shift);
     if (apart * value <= least || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
     followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
                   true);
@@ -168,6 +204,8 @@ void Sensitivity::check_changes(std::size_t number, Followed& followed) const {
 void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector& xi, Followed& followed) const {
   const LinearInstant& instant = orbit_.instants()[number];
   const double shift = shift_of(parameter, number, xi, followed);
+  if (std::isnan(shift))
+    followed.fail(fmt::format("when the event at t = {} s comes depends on it in a way that is not followed", instant.time), false);
   followed.shifts[number] = shift != 0.0 ? shift : corner_shift_of(parameter, instant);
   check_changes(number, followed);
   check_beside(parameter, number, shift, xi, followed);

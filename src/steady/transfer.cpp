@@ -12,9 +12,9 @@ using model::Mode;
 using model::System;
 
 constexpr Complex j{0.0, 1.0};
-/// Reciprocal condition of (A − jω)τ below which it is not inverted: a lossless mode in resonance.
-constexpr double resonant = 1e-7;
-constexpr double brief = 1e-3;  ///< of its norm: then most of what is solved for would cancel
+/// 1/‖(A − jω)⁻¹‖ times the length of a stretch below which it is not inverted (integrators at low frequencies, lossless modes in resonance): what is solved for
+/// would cancel, to the square of that.
+constexpr double brief = 1e-3;
 /// Smallest size of I − e^{−jωT}Φ against the larger of 1 and its norm.
 constexpr double singular_response = 1e-12;
 constexpr double just_beside = 1e-9;  ///< of the period: this far beside an instant what holds on that side is in force
@@ -60,12 +60,16 @@ auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows&
   return sum;
 }
 
-/// (A − jω)⁻¹ with its reciprocal condition.
+/// (A − jω)⁻¹
 struct Inverse {
   Eigen::PartialPivLU<ComplexMatrix> factors;
-  double condition = 0.0;
+  double least = 0.0;  ///< 1/‖(A − jω)⁻¹‖
 
-  explicit Inverse(const ComplexMatrix& m) : factors(m), condition(factors.rcond()) {}
+  /// Where a pivot is zero (an integrator at ω = 0) its estimate means nothing.
+  explicit Inverse(const ComplexMatrix& m) : factors(m) {
+    if (m.size() > 0 && factors.matrixLU().diagonal().cwiseAbs().minCoeff() > 0.0)
+      least = factors.rcond() * m.cwiseAbs().colwise().sum().maxCoeff();
+  }
   [[nodiscard]] ComplexVector solve(const ComplexVector& b) const { return factors.solve(b); }
 };
 
@@ -81,6 +85,7 @@ struct Transfer::Pass {
   bool collects = false;
   std::optional<double> sample;  ///< s: the deviation at that time of the period in place of its mean
   std::map<const Mode*, Inverse> inverse, inverse_out;
+  std::map<std::pair<const Mode*, double>, Slow> slow;
 
   void take_amplitudes(double time) {
     for (std::size_t k = 0; k < amplitudes.size() && moved.amplitude; ++k) amplitudes[k] = moved.amplitude(k, time);
@@ -94,7 +99,7 @@ Transfer::Transfer(const LinearisedOrbit& orbit, std::size_t signals) : orbit_(o
   const std::vector<Complex> none(orbit.inputs(), 0.0);
   const TimeShifts still;
   for (Eigen::Index k = 0; k < n; ++k) {
-    Pass pass{0.0, 0.0, none, still, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {}};
+    Pass pass{0.0, 0.0, none, still, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {}, {}};
     pass.r[k] = 1.0;
     run(pass);
     monodromy_.col(k) = pass.r.real();
@@ -124,15 +129,19 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
   };
   const auto& inverse = inverse_of(pass.inverse, pass.omega);
   const auto& inverse_out = pass.omega_out == 0.0 ? inverse : inverse_of(pass.inverse_out, total);
-  const auto can_solve = [&](const auto& factors, double omega) {
-    return factors.condition > resonant && (mode.flow.rate() + std::abs(omega)) * length > brief;
-  };
+  const auto can_solve = [&](const Inverse& factors) { return factors.least * length > brief; };
   const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
-  if (can_solve(inverse, pass.omega) && can_solve(inverse_out, total)) {
+  if (can_solve(inverse) && can_solve(inverse_out)) {
     stretch.end += inverse.solve(ComplexVector(turn * (propagator(mode, length) * b) - b));
     if (pass.collects)
       stretch.integral =
           inverse_out.solve(ComplexVector(turn1 * stretch.end - turn0 * c0 - phase_integral(pass.omega_out, s.begin, length) * b));
+    return stretch;
+  }
+  if (FlowSeries::is_slow(pass.omega, length) && FlowSeries::is_slow(total, length)) {
+    const auto& [whole, whole_out, rest] = slow_of(mode, length, pass);
+    stretch.end += whole * b;
+    if (pass.collects) stretch.integral = turn0 * (whole_out * c0 + rest * b);
     return stretch;
   }
   // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
@@ -147,6 +156,23 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
   start[n] = turn0;
   const ComplexVector end = exponential(m * length) * start;
   return {end.head(n) / turn1, end.tail(n)};
+}
+
+const Transfer::Slow& Transfer::slow_of(const Mode& mode, double length, Pass& pass) {
+  const std::pair key(&mode, length);
+  const auto known = pass.slow.find(key);
+  if (known != pass.slow.end()) return known->second;
+  auto series = series_.find(key);
+  if (series == series_.end()) series = series_.emplace(key, FlowSeries(mode.flow.a().topLeftCorner(mode.n1, mode.n1), length)).first;
+  Slow slow{series->second.integral(pass.omega), {}, {}};
+  if (pass.omega_out == 0.0) {
+    slow.whole_out = slow.whole;
+    slow.rest = length * slow.whole - series->second.moment(pass.omega);
+  } else {
+    slow.whole_out = series->second.integral(pass.omega + pass.omega_out);
+    slow.rest = (std::exp(-j * pass.omega_out * length) * slow.whole - slow.whole_out) / (-j * pass.omega_out);
+  }
+  return pass.slow.emplace(key, std::move(slow)).first->second;
 }
 
 void Transfer::segment(const LinearSegment& s, Pass& pass) {
@@ -190,8 +216,18 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
     const int n = stacking.count(change.island);
     const System& system = stacking.system(change.island);
     auto block = pass.r.segment(stacking.first(change.island), n);
-    for (const Mode* mode : change.by_way_of) {
+    auto impulse = change.impulses.begin();
+    for (std::size_t way = 0; way < change.by_way_of.size(); ++way) {
+      const Mode* const mode = change.by_way_of[way];
       if (!mode->constrained || n == 0) continue;
+      // δQ̂ − j(ω + mω_s) Q δt̂
+      for (; impulse != change.impulses.end() && impulse->way == way; ++impulse) {
+        if (!pass.collects || pass.sample) continue;
+        const ComplexVector inputs = input_columns(orbit_, change.island, impulse->on, n, pass.omega, pass.amplitudes);
+        const Complex size = (impulse->on.head(n).cast<Complex>() * block).value() + inputs[0] + impulse->rate * delta;
+        pass.sums[system.output_signal[static_cast<std::size_t>(impulse->output)]] +=
+            turn * (size - j * (pass.omega + pass.omega_out) * impulse->size * delta);
+      }
       block = mode->projector.topLeftCorner(n, n) * block +
               input_columns(orbit_, change.island, mode->projector, n, pass.omega, pass.amplitudes).head(n);
     }
@@ -216,7 +252,8 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   const Eigen::Index n = orbit_.stacking().size();
   const double omega = 2.0 * std::numbers::pi * frequency;
   const double period = orbit_.period();
-  Pass pass{omega, 2.0 * std::numbers::pi * harmonic / period, amplitudes, shifts, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {}};
+  Pass pass{omega, 2.0 * std::numbers::pi * harmonic / period, amplitudes, shifts, ComplexVector::Zero(n), {}, false, std::nullopt, {}, {},
+            {}};
   run(pass);
   Response response;
   ComplexMatrix closing = -std::exp(-j * omega * period) * monodromy_.cast<Complex>();

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "steady/flow_series.hpp"
 #include "steady/linearised.hpp"
 
 namespace pwlsim::steady {
@@ -49,11 +50,17 @@ class Transfer {
   void segment(const LinearSegment& s, Pass& pass);
   void instant(const LinearInstant& at, const Complex& shift, Pass& pass);
   const Matrix& propagator(const model::Mode& mode, double length);
+  /// Of a stretch that is brief for the frequencies: what an input adds to its end, what its begin and an input add to the integral.
+  struct Slow {
+    ComplexMatrix whole, whole_out, rest;
+  };
+  const Slow& slow_of(const model::Mode& mode, double length, Pass& pass);
 
   const LinearisedOrbit& orbit_;
   std::size_t signals_;
   Matrix monodromy_;
   std::map<std::pair<const model::Mode*, double>, Matrix> propagators_;
+  std::map<std::pair<const model::Mode*, double>, FlowSeries> series_;
 };
 
 /// A linear circuit without switches and diodes, in its only mode.

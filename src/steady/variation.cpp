@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 namespace pwlsim::steady {
 namespace {
@@ -73,7 +74,9 @@ class Walk {
     const Eigen::RowVectorXd shift = time_shift(step);
     result_.end_time = shift;
     take_beside(step, shift);
-    for (const engine::Change& change : step.changes) pass(change, own_shift(change, shift));
+    std::vector<Eigen::RowVectorXd> shifts;
+    for (const engine::Change& change : step.changes) shifts.push_back(own_shift(change, step, shift));
+    for (std::size_t k = 0; k < shifts.size(); ++k) pass(step.changes[k], shifts[k]);
     on_ = &step.on;
   }
 
@@ -120,8 +123,36 @@ class Walk {
     }
   }
 
-  Eigen::RowVectorXd own_shift(const engine::Change& change, const Eigen::RowVectorXd& shift) {
-    return change.cause == engine::Cause::time ? Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(stacking_.size())) : shift;
+  /// Of one change: parts that do not depend on one another may pass their guards at one instant, each by itself. `shift`: of the first guard.
+  Eigen::RowVectorXd own_shift(const engine::Change& change, const TraceStep& step, const Eigen::RowVectorXd& shift) {
+    if (change.cause == engine::Cause::time) return Eigen::RowVectorXd::Zero(stacking_.size());
+    const std::vector<char>& before = on_ != nullptr ? *on_ : step.on;
+    const System& system = stacking_.system(change.island);
+    if (change.cause == engine::Cause::guard) return passes_guard(system, change, before, step.on) ? shift_of(change, step.time) : shift;
+    for (const int number : system.switch_number)
+      if (const auto driven = static_cast<std::size_t>(number); before[driven] != step.on[driven])
+        for (const engine::Change& other : step.changes)
+          if (const auto row = passed_row(other, number, before[driven] != 0, step.time)) return shift_of(*other.before, *row, other);
+    return shift;
+  }
+
+  /// The guard by which a part's signals change a switch at this instant.
+  std::optional<int> passed_row(const engine::Change& change, int driven, bool was_on, double time) const {
+    if (change.cause != engine::Cause::guard || change.before == nullptr || change.y_before.empty() || change.before->n1 == 0)
+      return std::nullopt;
+    const System& system = stacking_.system(change.island);
+    const Mode& mode = *change.before;
+    const Vector rate = rate_of(mode, change.y_before);
+    for (std::size_t k = 0; k < system.controls.size(); ++k) {
+      const int row = system.diodes + static_cast<int>(2 * k) + (was_on ? 0 : 1);
+      if (system.controls[k].driven != driven || row >= mode.guards.rows()) continue;
+      const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+      const double fall = mode.guards.row(row).dot(rate);
+      if (std::abs(fall) > touching * mode.guard_norm[row] * rate.norm() &&
+          std::abs(value) <= same_instant * (length_ + time) * std::abs(fall))
+        return row;
+    }
+    return std::nullopt;
   }
 
   Eigen::RowVectorXd shift_of(const engine::Change& change, double time) {

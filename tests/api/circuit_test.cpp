@@ -268,6 +268,25 @@ TEST_CASE("api: a run tells which cards of the deck it leaves to functions of th
     return note == result.messages().end() ? std::string() : note->text;
   };
   CHECK(told().empty());
-  circuit.cards(".pss\n.ac lin 2 1k 10k");
-  CHECK_THAT(told(), Contains(".pss (steady_state), .ac (small_signals"));
+  circuit.cards(".pss\n.ac lin 2 1k 10k\n.meas pss m avg v(b)");
+  CHECK_THAT(told(), Contains(".meas pss (steady_state), .ac (small_signals"));
+}
+
+// RC behind a square wave from 0 to 1 of half duty: at its rise v = e^{-x}/(1 + e^{-x}), x the half period over RC. From rest it would be 0.
+TEST_CASE("api: a run of a deck with .pss starts on the orbit, as the program does", "[unit]") {
+  Circuit circuit("on the orbit");
+  circuit.voltage_source("V1", "a", "0", "PULSE(0 1 0 0 0 5u 10u)").resistor("R1", "a", "b", Value("{r}")).capacitor("C1", "b", "0", 1e-9);
+  circuit.cards(".param r=1k\n.pss\n.tran 1u 20u\n.meas tran begin FIND v(b) AT=0\n.meas tran next FIND v(b) AT=10u");
+  const auto at_rise = [](double r) {
+    const double fall = std::exp(-5e-6 / (r * 1e-9));
+    return fall / (1.0 + fall);
+  };
+  const Result result = circuit.run({});
+  CHECK(result.measurement("begin") == Approx(at_rise(1e3)).epsilon(1e-9));
+  CHECK(result.measurement("next") == Approx(at_rise(1e3)).epsilon(1e-9));
+  const Sweep sweep(circuit, {"r"});
+  CHECK(sweep.run({3e3}).measurement("begin") == Approx(at_rise(3e3)).epsilon(1e-9));
+  Circuit drifts("no orbit");
+  drifts.current_source("I1", "0", "a", "PULSE(0 1 0 0 0 5u 10u)").capacitor("C1", "a", "0", 1e-9).cards(".pss\n.tran 1u 20u");
+  CHECK_THROWS_AS(drifts.run({}), RunError);
 }

@@ -792,3 +792,194 @@ TEST_CASE("parameters in expressions of B and E that are sums of signals are fol
     }
   }
 }
+
+namespace {
+
+/// The derivatives by both methods against those given, by measurement and parameter.
+void check_formulas(const std::string& deck,
+                    const std::vector<std::pair<std::string, std::vector<std::pair<std::string, double>>>>& expected, double tolerance) {
+  const Scratch scratch;
+  for (const std::string method : {"forward", "adjoint"}) {
+    const Json told = sensitivities_of(scratch, deck + " method=" + method + "\n.end\n");
+    for (const auto& [measurement, list] : expected)
+      for (const auto& [parameter, value] : list) {
+        INFO(method << ": " << measurement << " to " << parameter);
+        CHECK(derivative(told, measurement, parameter) == Approx(value).epsilon(tolerance).margin(1e-12));
+      }
+  }
+}
+
+}  // namespace
+
+// A triangle from 0 to p within 1 ms and back: above k for the share 1 − k/p. So is g·vr.
+TEST_CASE("levels and values of comparisons are followed, and the source that is compared", "[unit]") {
+  const double k = 1.5, hi = 4.7, lo = 0.3, p = 4.0, g = 0.7, vr = 2.0;
+  const double share = 1.0 - k / p;
+  check_formulas(
+      "comparison\n.param k=1.5 hi=4.7 lo=0.3 p=4 g=0.7 vr=2\nVt t 0 PULSE(0 {p} 0 1m 1m 0 2m)\nVr r 0 {vr}\n"
+      "B1 a 0 V=if(V(t)>k,hi,lo)\nR1 a 0 1k\nB2 b 0 V=u(V(t)-g*V(r))*hi\nR2 b 0 1k\n"
+      "E3 c 0 VALUE={if(V(t)<k,lo,V(t)*g)}\nR3 c 0 1k\n.tran 1u 4m uic\n"
+      ".meas tran a AVG v(a)\n.meas tran b AVG v(b)\n.meas tran c AVG v(c)\n.sens param=k,hi,lo,p,g,vr",
+      {{"a", {{"k", -(hi - lo) / p}, {"hi", share}, {"lo", 1.0 - share}, {"p", (hi - lo) * k / (p * p)}, {"g", 0.0}, {"vr", 0.0}}},
+       {"b", {{"g", -hi * vr / p}, {"vr", -hi * g / p}, {"hi", 1.0 - g * vr / p}, {"p", hi * g * vr / (p * p)}}},
+       // lo·k/p + g·(p² − k²)/(2 p)
+       {"c",
+        {{"k", (lo - g * k) / p},
+         {"lo", k / p},
+         {"g", (p * p - k * k) / (2.0 * p)},
+         {"p", -lo * k / (p * p) + 0.5 * g * (1.0 + k * k / (p * p))}}}},
+      1e-10);
+}
+
+// One period of sin x; θ = asin k.
+TEST_CASE("kinks, limits, choices and tables move with their numbers", "[unit]") {
+  const double pi = std::acos(-1.0), k = 0.4, g = 2.5, m = 0.3, lim = 1.2, y = 1.7;
+  const double theta = std::asin(k), of_limit = std::asin(lim / g);
+  check_formulas(
+      "kinks\n.param k=0.4 g=2.5 m=0.3 lim=1.2 y=1.7\nVs s 0 SIN(0 1 1k)\n"
+      "B1 a 0 V=max(V(s),k)\nR1 a 0 1k\nB2 b 0 V=limit(g*V(s),0,lim)\nR2 b 0 1k\nB3 c 0 V=if(V(s)>k,g*V(s)+m,0)\nR3 c 0 1k\n"
+      "E4 d 0 TABLE {V(s)} = (0 0) ({k} {y})\nR4 d 0 1k\nB5 0 e I=V(s)>k&V(s)<2?m:0\nR5 e 0 1\n.tran 1u 1m\n"
+      ".meas tran a AVG v(a)\n.meas tran b AVG v(b)\n.meas tran c AVG v(c)\n.meas tran d AVG v(d)\n.meas tran e AVG i(B5)\n"
+      ".sens param=k,g,m,lim,y",
+      {{"a", {{"k", 0.5 + theta / pi}, {"g", 0.0}}},
+       {"b", {{"lim", 0.5 - of_limit / pi}, {"g", (1.0 - std::cos(of_limit)) / pi}}},
+       {"c", {{"k", -(g * k + m) / (pi * std::cos(theta))}, {"g", std::cos(theta) / pi}, {"m", 0.5 - theta / pi}}},
+       {"d", {{"y", ((1.0 - std::cos(theta)) / k + 0.5 * pi - theta) / pi}, {"k", -y * (1.0 - std::cos(theta)) / (pi * k * k)}}},
+       {"e", {{"m", 0.5 - theta / pi}, {"k", -m / (pi * std::cos(theta))}}}},
+      1e-9);
+}
+
+// The instant is that of the carrier: t = (2 + m)/f of a saw, (1 + 5/12)/f of a sine at 1/2, τ ln 2 of a decay, (1 + (2 − b)/4)/f of a triangle.
+TEST_CASE("functions of time move with their frequencies and levels", "[unit]") {
+  const double m = 0.3, f = 1e3, tau = 1e-3, b = 0.25;
+  check_formulas(
+      "carriers\n.param m=0.3 f=1k tau=1m b=0.25\nB1 a 0 V=if(m>idtmod(f,0,1),1,0)\nR1 a 0 1\nB2 b 0 V=sin(2*pi*f*time)\nR2 b 0 1\n"
+      "B3 c 0 V=exp(-time/tau)\nR3 c 0 1\nB4 d 0 V=if(time>3*tau,m,2)\nR4 d 0 1\nB5 e 0 V=if(b<asin(sin(2*pi*f*time))*2/pi,1,0)\nR5 e 0 1\n"
+      ".tran 1u 3.7m\n.meas tran a WHEN v(a)=0.5 FALL=3\n.meas tran b WHEN v(b)=0.5 FALL=2\n.meas tran c WHEN v(c)=0.5\n"
+      ".meas tran d INTEG v(d)\n.meas tran e WHEN v(e)=0.5 FALL=2\n.sens param=m,f,tau,b",
+      {{"a", {{"m", 1.0 / f}, {"f", -(2.0 + m) / (f * f)}}},
+       {"b", {{"f", -(17.0 / 12.0) / (f * f)}}},
+       {"c", {{"tau", std::log(2.0)}}},
+       {"d", {{"tau", 3.0 * (2.0 - m)}, {"m", 3.7e-3 - 3.0 * tau}}},
+       {"e", {{"f", -(1.0 + (2.0 - b) / 4.0) / (f * f)}, {"b", -0.25 / f}}}},
+      1e-9);
+}
+
+// A relay between hi and lo with the levels k + h·hi/10 and k + h·lo/10: T = RC ln((hi − a)(b − lo)/((hi − b)(a − lo))). Shapes do not change with R.
+TEST_CASE("a relay in an expression of itself: its period moves with its levels, its root mean square not with R", "[unit]") {
+  const double k = 1.5, h = 0.6, hi = 10.0, lo = -8.0, rc = 1e-3;
+  const double a = k + h * lo / 10.0, b = k + h * hi / 10.0;
+  const double to_a = -1.0 / (hi - a) - 1.0 / (a - lo), to_b = 1.0 / (hi - b) + 1.0 / (b - lo);
+  const double period = rc * std::log((hi - a) * (b - lo) / ((hi - b) * (a - lo)));
+  const double to_hi = 1.0 / (hi - a) - 1.0 / (hi - b) + to_b * h / 10.0, to_lo = -1.0 / (b - lo) + 1.0 / (a - lo) + to_a * h / 10.0;
+  for (const std::string level : {"1.4", "1.8"})
+    check_formulas(
+        "relay\n.param k=1.5 h=0.6 hi=10 lo=-8 r=1k\n.options nonunique=stay\nB1 u 0 V=if(V(c)<k+h*V(u)/10,hi,lo)\n"
+        "R1 u c {r}\nC1 c 0 1u ic=0\n.pss uic when v(c)=" +
+            level +
+            " rise\n.meas pss t PERIOD\n.meas pss top MAX v(c)\n"
+            ".meas pss q RMS v(c)\n.meas pss s AVG v(c)*v(u)\n.sens param=k,h,hi,lo,r",
+        {{"t",
+          {{"k", rc * (to_a + to_b)},
+           {"h", rc * (to_a * lo + to_b * hi) / 10.0},
+           {"hi", rc * to_hi},
+           {"lo", rc * to_lo},
+           {"r", period / 1e3}}},
+         {"top", {{"k", 1.0}, {"h", hi / 10.0}, {"hi", h / 10.0}, {"lo", 0.0}}},
+         {"q", {{"r", 0.0}}},
+         {"s", {{"r", 0.0}}}},
+        1e-8);
+}
+
+// ∫ from s of g·2 V: s + 2 g t. A factor that is 0 has the derivative of what it multiplies: 2 V. A current that is no unknown: k·2 V.
+TEST_CASE("integrals, factors that are zero, and currents of expressions move", "[unit]") {
+  const double t = 0.7e-3, g = 300.0;
+  check_formulas(
+      "integrals\n.param s=0.5 g=300 z=0 k=0.4\nVa a 0 2\nB1 b 0 V=sdt(g*V(a),s)\nR1 b 0 1k\nB2 c 0 V=V(a)*3+z*V(a)\nR2 c 0 1k\n"
+      "B3 0 d I={k*V(a)}\nR3 d 0 1\nB4 e 0 V=if(V(b)>0.6+z*V(a),k,0)\nR4 e 0 1k\n.tran 1u 1m uic\n"
+      ".meas tran b FIND v(b) AT=0.7m\n.meas tran c AVG v(c)\n.meas tran d AVG i(B3)\n.meas tran e INTEG v(e)\n.sens param=s,g,z,k",
+      {{"b", {{"s", 1.0}, {"g", 2.0 * t}}},
+       {"c", {{"z", 2.0}}},
+       {"d", {{"k", 2.0}}},
+       // k·(1 ms − t₁), s + 2 g t₁ = 0.6 + 2 z
+       {"e", {{"s", 0.4 / (2.0 * g)}, {"g", 0.4 * (0.1 / 600.0) / g}, {"z", -0.4 / g}}}},
+      1e-9);
+}
+
+TEST_CASE("the current of a G element moves with its gain", "[unit]") {
+  // 1.5 V at the control
+  check_formulas("gain\nV1 a 0 2\nR1 a b 1k\nR2 b 0 3k\nG1 0 c b 0 2m\nR3 c 0 1k\n.tran 1u 1m\n.meas tran g AVG i(G1)\n.sens param=G1",
+                 {{"g", {{"G1", 1.5}}}}, 1e-12);
+}
+
+TEST_CASE("a voltage that a formula takes as a number is named where a parameter moves it", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "folded\n.param x=2 f=1k\nVm m 0 {x}\nB1 a 0 V=V(m)*sin(2*pi*f*time)\nR1 a 0 1k\n.tran 1u 1m\n.meas tran r RMS v(a)\n"
+                ".sens param=x,Vm,f\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("r has no derivative to x: B1 takes the voltage of Vm as a number"));
+  CHECK_THAT(finished.err, Contains("r has no derivative to Vm: B1 takes the voltage of Vm as a number"));
+}
+
+// A step through g/(1 + sτ): g(1 − e^{−t/τ}); through 1/((1 + s/a)(1 + s/b)): 1 − (b e^{−at} − a e^{−bt})/(b − a).
+TEST_CASE("fractions of Laplace= move with their numbers", "[unit]") {
+  const double g = 2.2, tau = 0.3e-3, a = 2e3, b = 5e3, t = 0.4e-3;
+  const double fall = std::exp(-t / tau), of_a = std::exp(-a * t), of_b = std::exp(-b * t);
+  const double rest = b * of_a - a * of_b;
+  check_formulas(
+      "laplace\n.param g=2.2 tau=0.3m a=2k b=5k\n.func pole(w) {1/(1+s/w)}\nV1 a 0 PWL(0 0 0.1m 0 0.1m 1 1 1)\n"
+      "E1 b 0 a 0 Laplace={g/(1+s*tau)}\nR1 b 0 1k\nB2 c 0 V=V(a) Laplace={pole(a)*pole(b)}\nR2 c 0 1k\n.tran 1u 1m\n"
+      ".meas tran x FIND v(b) AT=0.5m\n.meas tran y FIND v(c) AT=0.5m\n.sens param=g,tau,a,b",
+      {{"x", {{"g", 1.0 - fall}, {"tau", -g * t / (tau * tau) * fall}, {"a", 0.0}}},
+       {"y",
+        {{"a", -((-b * t * of_a - of_b) * (b - a) + rest) / ((b - a) * (b - a))},
+         {"b", -((of_a + a * t * of_b) * (b - a) - rest) / ((b - a) * (b - a))},
+         {"g", 0.0}}}},
+      1e-9);
+}
+
+// A triangle from 0 to 4 within 1 ms and back. Limited at m from above: the mean is m − m²/8. With hysteresis h about d it switches at (d + h)/4 ms and (8 − d + h)/4 ms.
+TEST_CASE("models of blocks move with parameters", "[unit]") {
+  const double m = 1.5, g = 1.0, d = 2.0, hi = 3.0, lo = 1.0;
+  check_formulas(
+      "blocks\n.param m=1.5 d=2 h=0.3 hi=3 lo=1 g=1\nV1 a 0 PULSE(0 4 0 1m 1m 0 2m)\nA1 a b LM\n.model LM limit(gain={g} "
+      "out_lower_limit=-1 out_upper_limit={m})\n"
+      "R1 b 0 1k\nA2 a c HM\n.model HM hyst(in_low={d} in_high={d} hyst={h} out_lower_limit={lo} out_upper_limit={hi})\nR2 c 0 1k\n.tran "
+      "1u 2m\n"
+      ".meas tran x AVG v(b)\n.meas tran y AVG v(c)\n.meas tran r WHEN v(c)=2 RISE=1\n.meas tran f WHEN v(c)=2 FALL=1\n.sens "
+      "param=m,d,h,hi,lo,g",
+      {{"x", {{"m", 1.0 - m / (4.0 * g)}, {"g", m * m / (8.0 * g * g)}, {"h", 0.0}}},
+       {"y", {{"d", -(hi - lo) / 4.0}, {"h", 0.0}, {"hi", 1.0 - d / 4.0}, {"lo", d / 4.0}}},
+       {"r", {{"d", 0.25e-3}, {"h", 0.25e-3}}},
+       {"f", {{"d", -0.25e-3}, {"h", 0.25e-3}}}},
+      1e-10);
+}
+
+// Above k for the share 1 − k/4 of a triangle from 0 to 4, and above m likewise; k = m. Of 1 + 3 sin x: 1/2 − asin((k − 1)/3)/π.
+TEST_CASE("two comparisons that change at one instant move by themselves", "[unit]") {
+  const Scratch scratch;
+  const double k = 1.5, pi = std::acos(-1.0);
+  const std::pair<std::string, double> waves[] = {{"PULSE(0 4 0 1m 1m 0 2m)", -0.25},
+                                                  {"SIN(1 3 500)", -1.0 / (3.0 * pi * std::sqrt(1.0 - std::pow((k - 1.0) / 3.0, 2)))}};
+  for (const auto& [wave, slope] : waves)
+    for (const std::string method : {"forward", "adjoint"}) {
+      INFO(wave << " " << method);
+      const Json told =
+          sensitivities_of(scratch, "together\n.param k=1.5 m=1.5\nVt t 0 " + wave +
+                                        "\nB1 a 0 V=if(V(t)>k,5,0)\nR1 a 0 1k\nB2 b 0 V=if(V(t)>m,3,0)\nR2 b 0 1k\n.tran 1u 2m\n"
+                                        ".meas tran a AVG v(a)\n.meas tran b AVG v(b)\n.sens param=k,m method=" +
+                                        method + "\n.end\n");
+      const auto is = [&](const std::string& measurement, const std::string& parameter, double value) {
+        const Json d = entry(told, measurement, parameter);
+        INFO(measurement << " to " << parameter);
+        CHECK(d["left"].number == Approx(value).epsilon(1e-6).margin(1e-7));
+        CHECK(d["right"].number == Approx(value).epsilon(1e-6).margin(1e-7));
+      };
+      is("a", "k", 5.0 * slope);
+      is("a", "m", 0.0);
+      is("b", "k", 0.0);
+      is("b", "m", 3.0 * slope);
+    }
+}

@@ -407,18 +407,42 @@ TEST_CASE("a constant input of a self-timed orbit: the response is the derivativ
   CHECK(response(result, 1, "v(a)").real() == Approx(expected).epsilon(1e-7));
 }
 
-TEST_CASE("a current that is impulses has no response, with a warning; voltages beside it have theirs", "[unit]") {
-  // Linear in Vin: at 0 Hz the response of v(out) is its mean over Vin.
+namespace {
+
+std::string pump(const std::string& card) {
+  return "pump\nVin in 0 5\nVg g 0 PULSE(0 1 0 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
+         ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.save v(out) i(Vin)\n.pss\n" +
+         card + "\n.end\n";
+}
+
+}  // namespace
+
+// C₁ is charged at t = 0 from what v(out) has become, C₁(1 − x₀), and follows the source until 5 µs, C₁jω; then it shares its charge, and both discharge, later C₂ alone:
+// x₀ e^{jωT} = E₂ (C₁ e^{jωT/2} + C₂ E₁ x₀)/(C₁ + C₂).
+TEST_CASE("a current that is impulses has a response", "[unit]") {
   const Scratch scratch;
-  scratch.write(
-      "pump.net",
-      "pump\nVin in 0 5\nVg g 0 PULSE(0 1 0 0 0 5u 10u)\nS1 in a g 0 SX\nC1 a 0 1u\nS2 a out 0 g SY\nC2 out 0 10u\nR1 out 0 1k\n"
-      ".model SX SW(Vt=0.5)\n.model SY SW(Vt=-0.5)\n.save v(out) i(Vin)\n.pss\n.meas pss mean AVG v(out)\n.ac list 0 1k from=Vin\n.end\n");
+  const Json result = result_of(scratch, pump(".meas pss mean AVG v(out)\n.meas pss i AVG i(Vin)\n.ac list 0 1k 77k from=Vin"));
+  const double c1 = 1e-6, c2 = 10e-6, period = 10e-6, half = 5e-6;
+  const double e1 = std::exp(-half / (1e3 * c2)), e2 = std::exp(-half / (1e3 * (c1 + c2)));
+  const double frequencies[] = {0.0, 1e3, 77e3};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Complex s = j * two_pi * frequencies[k];
+    const Complex x = e2 * c1 * std::exp(s * half) / (c1 + c2) / (std::exp(s * period) - e2 * c2 * e1 / (c1 + c2));
+    check_equal(response(result, k, "i(Vin)"), -(c1 / period * (1.0 - x) + s * c1 * half / period), 1e-10);
+  }
+  // Linear in Vin: at 0 Hz the responses are the means over Vin.
+  check_equal(response(result, 0, "v(out)"), result["measurements"][0]["value"].number / 5.0, 1e-11);
+  check_equal(response(result, 0, "i(Vin)"), result["measurements"][1]["value"].number / 5.0, 1e-11);
+}
+
+TEST_CASE("impulses at edges that move have no response, with a warning; voltages beside them have theirs", "[unit]") {
+  const Scratch scratch;
+  scratch.write("pump.net", pump(".ac list 1k from=duty(Vg)"));
   const Finished finished = run_in(scratch, {"pump.net", "--json"});
   REQUIRE(finished.status == 0);
   CHECK_THAT(finished.err, Contains("warning[W-ac-impulse]: no response of i(Vin)"));
   const Json result = read_json(finished.out);
-  CHECK(response(result, 0, "v(out)").real() == Approx(result["measurements"][0]["value"].number / 5.0).epsilon(1e-11));
+  CHECK(result["ac"]["signals"][0]["re"][0].kind == Json::Kind::number);
   CHECK(result["ac"]["signals"][1]["re"][0].kind == Json::Kind::null);
   CHECK_THAT(read_file(scratch / "pump.ac.csv"), Contains(",,\n"));
 }
@@ -448,4 +472,56 @@ TEST_CASE("a Bode plot beside the waveforms; multipliers and a Nyquist plot on t
   scratch.write("rc.net", "rc\nV1 a 0 AC 1\nR1 a b 1k\nC1 b 0 1u\n.ac dec 5 10 10k\n.end\n");
   CHECK(run_in(scratch, {"rc.net", "--plot", "rc.svg"}).status == 0);
   CHECK_THAT(read_file(scratch / "rc.svg"), Contains(">magnitude<"));
+}
+
+// The phase of A sin(ω₀t + φ) follows the frequency by 2π/(jω): c₁ = A e^{jφ}/(2 jf) at f + f₀, through 1/(1 + j(ω + ω₀)RC).
+TEST_CASE("frequency modulation of a sinusoid: its sidebands, and the mean of what rectifies it", "[unit]") {
+  const Scratch scratch;
+  const Json told =
+      result_of(scratch, "sine\nV1 a 0 SIN(0.3 2 1k 0 0 30)\nR1 a b 1k\nC1 b 0 1u\n.pss\n.ac list 50 130 from=freq(V1) harm=1\n.end\n");
+  const double frequencies[] = {50.0, 130.0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double f = frequencies[k];
+    const Complex input = 2.0 * std::exp(j * M_PI / 6.0) / (2.0 * j * f);
+    check_equal(response(told, k, "v(a)"), input, 1e-10);
+    check_equal(response(told, k, "v(b)"), input / (1.0 + j * two_pi * (f + 1e3) * 1e-3), 1e-10);
+  }
+  // Slow modulation moves the mean by its derivative to the frequency, which .sens finds along the orbit instead of at a frequency.
+  const Json slow = result_of(
+      scratch,
+      "rectifier\n.param f=1k\nV1 a 0 SIN(0 5 {f})\nL1 a b 10m\nD1 b c DX\nR1 c 0 100\nC1 c 0 2u\n.model DX D(Ron=0.1 Vfwd=0.3)\n.pss\n"
+      ".meas pss m AVG v(c)\n.ac list 1m from=freq(V1)\n.sens param=f\n.end\n");
+  check_equal(response(slow, 0, "v(c)").real(), slow["sensitivities"][0]["derivative"].number, 1e-8);
+}
+
+// A triangle from 0 to 4 above 1.5 from t₁ = 0.375·T/2 to t₂ = T − t₁: both edges move by −1/(jω f₀), the comparison by −h δ(t − t₁) + h δ(t − t₂) of it.
+TEST_CASE("the comparison of a source with a level moves with the source's frequency", "[unit]") {
+  const Scratch scratch;
+  const Json told = result_of(scratch,
+                              "comparison\nVt t 0 PULSE(0 4 0 1m 1m 0 2m)\nB1 g 0 V=if(V(t)>1.5,5,0)\nR1 g b 1k\nC1 b 0 1u\n.pss\n"
+                              ".ac list 50 130 from=freq(Vt) harm=1\n.end\n");
+  const double period = 2e-3, f0 = 500.0, t1 = 0.375e-3, t2 = period - t1;
+  const double frequencies[] = {50.0, 130.0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double f = frequencies[k];
+    const Complex shift = -1.0 / (j * two_pi * f * f0);
+    const Complex input = 5.0 / period * shift * (std::exp(-j * two_pi * f0 * t2) - std::exp(-j * two_pi * f0 * t1));
+    check_equal(response(told, k, "v(g)"), input, 1e-9);
+    check_equal(response(told, k, "v(b)"), input / (1.0 + j * two_pi * (f + f0) * 1e-3), 1e-9);
+  }
+}
+
+// The comparison with a triangle between ±1/2 has the mean 2 v(x), which the integrator holds at v(r): v(x) is v(r)/2 up to terms of ω². A filter that only listens stands
+// beside the integrator, whose A − jω is nearly singular.
+TEST_CASE("an integrator at frequencies far below that of the switching", "[unit]") {
+  const Scratch scratch;
+  const Json told = result_of(scratch,
+                              "integrator\nVr r 0 0.6\nVt t 0 PULSE(-0.5 0.5 0 50u 50u 0 0.1m)\nB1 q 0 V=if(V(x)>V(t),1,-1)\n"
+                              "B2 x 0 V=sdt(2k*(V(r)-V(q)),0)\nR1 q f 1k\nC1 f 0 1u\n.pss uic\n.ac list 0 1e-5 1e-4 1e-3 from=Vr\n.end\n");
+  const double frequencies[] = {0.0, 1e-5, 1e-4, 1e-3};
+  for (std::size_t k = 0; k < 4; ++k) {
+    CHECK(response(told, k, "v(x)").real() == Approx(0.5).epsilon(1e-11));
+    CHECK(response(told, k, "v(q)").real() == Approx(1.0).epsilon(1e-10));
+    check_equal(response(told, k, "v(f)"), response(told, k, "v(q)") / (1.0 + j * two_pi * frequencies[k] * 1e-3), 1e-12);
+  }
 }

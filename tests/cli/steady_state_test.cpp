@@ -479,3 +479,68 @@ TEST_CASE("a switch that closes and opens at one instant makes an oscillator", "
     CHECK(largest == Approx(0.8394060).epsilon(1e-6));  // the difference has so many digits
   }
 }
+
+// A relay without hysteresis before 1/(LCs² + …): the locus of G(jω) meets the negative real axis at ω → ∞ only (Tsypkin), so that oscillations die away in ever shorter
+// periods and there is no orbit. What the last steps of the search leave is a motion, no rounding.
+TEST_CASE("oscillations that die away in ever shorter periods are no orbit", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net",
+                "relay\nB1 u 0 V=if(V(c)>0.1,-5,5)\nS9 s9 0 c 0 SX\nR9 s9 0 1k\nR1 u a 5\nL1 a c 1m ic=0\nC1 c 0 1u ic=0\nR2 c 0 50\n"
+                ".model SX SW(Ron=1 Roff=1meg Vt=0.1)\n.pss uic on=S9\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]"));
+}
+
+// The integrator of the compensator holds the mean of its input at zero: v(o) = 2·2.5 V on the mean. Its fraction is written with numbers that are far from 1, so that states
+// which take the size of them would be nothing beside the rest, and a drifting one no motion.
+TEST_CASE("a compensator as a fraction in s: the mean of its input is zero, however the fraction is written", "[unit]") {
+  const std::string power =
+      "loop\nVin in 0 12\nVt t 0 PULSE(0 3 0 9.9u 0.1u 0 10u)\nS1 in sw g 0 SX\nD1 0 sw DX\nL1 sw o 22u ic=2\nC1 o x 100u ic=5\nRe x 0 "
+      "20m\n"
+      "R1 o 0 2.5\nRa o fb 10k\nRb fb 0 10k\nVr ref 0 2.5\nB2 er 0 V=V(ref)-V(fb)\nRer er 0 1k\n"
+      "B1 g 0 V=if(limit(V(ea),0.05,2.9)>V(t),5,0)\n.model SX SW(Ron=20m Vt=2.5)\n.model DX D(Ron=20m Vfwd=0.4)\n.meas pss vo AVG v(o)\n";
+  const Scratch scratch;
+  for (const std::string fraction : {"500*(1+s/2e4)/(s*(1+s/4e5))", "1e12*(2e4+s)*4e5/(2e4*s*(4e5+s)*2e9)"})
+    for (const std::string start : {".pss\n", ".pss uic\n"}) {
+      INFO(fraction << " " << start);
+      const Json result = steady_state_of(scratch, power + "E1 ea 0 er 0 Laplace={" + fraction + "}\n" + start + ".end\n");
+      CHECK(measured(result, "vo") == Approx(5.0).epsilon(1e-9));
+      CHECK(result["pss"]["stability"].string == "stable");
+    }
+  // Ten times the gain: the double pole of the filter makes the loop unstable, its orbit is there all the same.
+  const Json unstable = steady_state_of(scratch, power + "E1 ea 0 er 0 Laplace={9k*(1+s/2e4)/(s*(1+s/4e5))}\n.pss\n.end\n");
+  CHECK(measured(unstable, "vo") == Approx(5.0).epsilon(1e-9));
+  CHECK(unstable["pss"]["stability"].string == "unstable");
+}
+
+// A triangle by an integrator alone: from −0.7 to 0.7 with the slope 2000·1 V/s, and back with 2000·1.5 V/s. No mode has a time constant.
+TEST_CASE("an oscillator of an integrator and a relay has an orbit, though no mode has a time constant", "[unit]") {
+  const Scratch scratch;
+  const std::string relay = "S1 s 0 x 0 SX\nVs v 0 1\nRs v s 1k\nB2 q 0 V=if(V(s)>0.5,1,-1.5)\n.model SX SW(Ron=1 Roff=1meg Vt=0 Vh=0.7)\n";
+  for (const std::string integrator : {"B1 x 0 V=sdt(2k*V(q),0)\n", "G1 0 x q 0 2m\nC1 x 0 1u ic=0\n"}) {
+    const Json result =
+        steady_state_of(scratch, "vco\n" + integrator + relay + ".pss uic on=S1\n.meas pss t PERIOD\n.meas pss m AVG v(x)\n.end\n");
+    CHECK(measured(result, "t") == Approx(1.4 / 2000.0 + 1.4 / 3000.0).epsilon(1e-11));
+    CHECK(std::abs(measured(result, "m")) < 1e-12);
+  }
+}
+
+// Two cells that do not depend on each other pass their guards at the same instants; their multipliers are those of one cell, twice.
+TEST_CASE("parts that pass their guards at one instant have the multipliers of each", "[unit]") {
+  const auto cell = [](const std::string& n) {
+    return "B" + n + " g" + n + " 0 V=if(V(ck)>2.5,5,if(I(L" + n + ")*0.1>0.3,0,V(h" + n + ")))\nRg" + n + " g" + n + " h" + n + " 10\nCg" +
+           n + " h" + n + " 0 100p ic=0\nS" + n + " in s" + n + " h" + n + " 0 SX\nD" + n + " 0 s" + n + " DX\nL" + n + " s" + n + " o" +
+           n + " 10u ic=1\nC" + n + " o" + n + " 0 47u ic=5\nR" + n + " o" + n + " 0 1.2\n";
+  };
+  const std::string frame =
+      "cells\nVin in 0 12\nVclk ck 0 PULSE(0 5 0 1n 1n 50n 5u)\n.model SX SW(Ron=20m Vt=2.5)\n.model DX D(Ron=20m Vfwd=0.4)\n.pss uic\n";
+  const Scratch scratch;
+  const auto one = steady_state_of(scratch, frame + cell("1") + ".end\n")["pss"]["multipliers"].array;
+  const auto two = steady_state_of(scratch, frame + cell("1") + cell("2") + ".end\n")["pss"]["multipliers"].array;
+  REQUIRE(two.size() == 2 * one.size());
+  for (std::size_t k = 0; k < two.size(); ++k) {
+    CHECK(two[k]["re"].number == Approx(one[k / 2]["re"].number).epsilon(1e-8));
+    CHECK(std::abs(two[k]["im"].number) < 1e-8);
+  }
+}

@@ -22,15 +22,15 @@ class Evaluation {
       if (part.kind == Kind::voltage) value = v[static_cast<std::size_t>(part.index)];
       if (part.kind == Kind::positive) value = std::max(x, 0.0);
       if (part.kind == Kind::step) value = x > 0.0 ? 1.0 : (x < 0.0 ? 0.0 : 0.5);
-      if (part.kind == Kind::choice) value = of(x > part.on_level ? part.above : part.below);
+      if (part.kind == Kind::choice) value = of(x > part.on_level.value ? part.above : part.below);
       if (part.kind == Kind::time) value = of_time(part, time);
       values_.push_back(value);
     }
   }
 
   [[nodiscard]] double of(const AffineSum& sum) const {
-    double value = sum.constant;
-    for (const auto& [part, coefficient] : sum.terms) value += coefficient * values_[static_cast<std::size_t>(part)];
+    double value = sum.constant.value;
+    for (const auto& [part, coefficient] : sum.terms) value += coefficient.value * values_[static_cast<std::size_t>(part)];
     return value;
   }
 

@@ -17,7 +17,7 @@ model::LinearForm read(Emission& emission, const BlockInput& input) {
   return quantity(Quantity::branch_current, meter);
 }
 
-model::LinearForm output_of(Emission& emission) {
+MovingForm output_of(Emission& emission) {
   const Block& block = *emission.model().kind->block;
   std::vector<model::LinearForm> inputs;
   for (const BlockInput& input : emission.instance().inputs) inputs.push_back(read(emission, input));
@@ -25,7 +25,7 @@ model::LinearForm output_of(Emission& emission) {
   FormulaBuilder builder;
   std::vector<AffineSum> sums;
   for (std::size_t k = 0; k < inputs.size(); ++k) sums.push_back(builder.voltage(static_cast<int>(k)));
-  AffineSum value = block.law(builder, emission.model().values, sums);
+  AffineSum value = block.law(builder, VariedValues(emission.model()), sums);
   const Formula formula = std::move(builder).finish(std::move(value));
   return emit_formula(emission, formula, [&](const FormulaPart& part) { return inputs[static_cast<std::size_t>(part.index)]; });
 }
