@@ -40,6 +40,7 @@ struct Compiled {
   std::size_t drawn_signals = 0;  ///< the first ones of these, for pictures
   bool draws_random = false;      ///< values differ from run to run of .step
   bool names_signals = false;     ///< the deck names the signals to save
+  bool has_mosfets = false;
   HiddenParts hidden{};
   std::vector<std::string> rated_ports{};  ///< diodes of the network that are the breakdown of a part of the models at hand
   std::vector<RatedCurrent> rated_currents{};

@@ -134,10 +134,10 @@ bool Session::is_orbit_alone() const {
          analysis::has_modes(network, run_.options.engine);
 }
 
-/// A run alone: what other analyses take from it would not be of its network.
+/// A run alone, of transistors with gates: what other analyses take from it would not be of its network. Others pass their rows on at once.
 bool Session::may_repeat_with_gates() const {
   const circuit::Analyses& deck = run_.analyses();
-  return deck.transient && !deck.steady_state && !deck.small_signal && !deck.sensitivities && !run_.is_stepped() && !run_.options.check;
+  return run_.compiled->has_mosfets && deck.transient && !deck.steady_state && !deck.small_signal && !deck.sensitivities && !run_.is_stepped() && !run_.options.check;
 }
 
 std::optional<circuit::Compiled> Session::compiled_with_gates() const {
