@@ -4,6 +4,7 @@
 /// Inputs are sources of value zero in the model (add_input), so that every matrix of the model has a column for w and one for w′: the effect of an input
 /// on a guard, a jump or an output comes from these columns only.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,15 +33,6 @@ struct LinearSegment {
   double begin = 0.0, length = 0.0;  ///< s
 };
 
-/// δξ⁺ = p·δξ⁻ + p_w·w + d·δt of one island.
-struct LinearChange {
-  std::size_t island = 0;
-  std::vector<const model::Mode*> by_way_of;
-  Vector d;                         ///< (P f⁻ − f⁺): n
-  Vector outputs;                   ///< y⁻ − y⁺ of its outputs
-  std::vector<Impulse> impulses{};  ///< after take_impulses, by way
-};
-
 /// δt = on_state·δξ + on_w·w for a guard that crosses zero; zero if the time is fixed.
 struct LinearGuard {
   int island = -1;                     ///< whose deviation decides δt; −1: none
@@ -50,6 +42,16 @@ struct LinearGuard {
   bool is_off_level = false;           ///< the threshold at which it opens
   double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
   int row = -1;                        ///< of the mode's guards
+};
+
+/// δξ⁺ = p·δξ⁻ + p_w·w + d·δt of one island.
+struct LinearChange {
+  std::size_t island = 0;
+  std::vector<const model::Mode*> by_way_of;
+  Vector d;                         ///< (P f⁻ − f⁺): n
+  Vector outputs;                   ///< y⁻ − y⁺ of its outputs
+  std::vector<Impulse> impulses{};  ///< after take_impulses, by way
+  std::optional<LinearGuard> own;   ///< by which it comes, where that is not the instant's
 };
 
 struct LinearInstant : LinearGuard {
@@ -80,6 +82,10 @@ class LinearisedOrbit {
  private:
   void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
   void take_guard(const engine::Change& change, int row, LinearGuard& guard) const;
+  [[nodiscard]] std::optional<LinearGuard> guard_of(const engine::Change& change, const std::vector<engine::Change>& changes,
+                                                    const std::vector<char>& on_before, const std::vector<char>& on, double near) const;
+  void take_own_guards(const std::vector<engine::Change>& changes, const std::vector<char>& on_before, const std::vector<char>& on,
+                       LinearInstant& instant) const;
   void take_beside(const engine::Change& change, LinearInstant& instant) const;
   void take_controls_beside(const engine::Change& change, const std::vector<char>& on_before, const std::vector<char>& on,
                             LinearInstant& instant) const;

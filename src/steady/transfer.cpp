@@ -200,19 +200,28 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
     block = mode.basis * stretch.end + input_columns(orbit_, s.island, mode.lift, 0, pass.omega, pass.amplitudes);
 }
 
+/// δt̂ of a guard.
+Complex Transfer::guard_shift(const LinearGuard& guard, const Pass& pass) const {
+  Complex delta = 0.0;
+  for (std::size_t k = 0; k < guard.on_w.size(); ++k) delta += pass.amplitudes[k] * (guard.on_w[k] + j * pass.omega * guard.on_slope[k]);
+  if (guard.island < 0) return delta;
+  const Stacking& stacking = orbit_.stacking();
+  const auto island = static_cast<std::size_t>(guard.island);
+  return delta + (guard.on_state.cast<Complex>() * pass.r.segment(stacking.first(island), stacking.count(island))).value();
+}
+
 void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass) {
   const Stacking& stacking = orbit_.stacking();
   const double near = just_beside * orbit_.period();
   pass.take_amplitudes(at.time > near ? at.time - near : orbit_.period() - near);
-  Complex delta = shift;
-  for (std::size_t k = 0; k < at.on_w.size(); ++k) delta += pass.amplitudes[k] * (at.on_w[k] + j * pass.omega * at.on_slope[k]);
-  if (at.island >= 0) {
-    const auto island = static_cast<std::size_t>(at.island);
-    delta += (at.on_state.cast<Complex>() * pass.r.segment(stacking.first(island), stacking.count(island))).value();
-  }
+  const Complex first = shift + guard_shift(at, pass);
+  std::vector<Complex> deltas;  // δt̂ of each change, before any of them moves the deviation
+  for (const LinearChange& change : at.changes) deltas.push_back(change.own ? guard_shift(*change.own, pass) : first);
+  auto next = deltas.cbegin();
   const Complex turn = std::exp(-j * pass.omega_out * at.time);
   pass.take_amplitudes(at.time + near);
   for (const LinearChange& change : at.changes) {
+    const Complex delta = *next++;
     const int n = stacking.count(change.island);
     const System& system = stacking.system(change.island);
     auto block = pass.r.segment(stacking.first(change.island), n);

@@ -48,6 +48,7 @@ class Transfer {
   Stretch travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass);
   void run(Pass& pass);
   void segment(const LinearSegment& s, Pass& pass);
+  [[nodiscard]] Complex guard_shift(const LinearGuard& guard, const Pass& pass) const;
   void instant(const LinearInstant& at, const Complex& shift, Pass& pass);
   const Matrix& propagator(const model::Mode& mode, double length);
   /// Of a stretch that is brief for the frequencies: what an input adds to its end, what its begin and an input add to the integral.

@@ -525,3 +525,24 @@ TEST_CASE("an integrator at frequencies far below that of the switching", "[unit
     check_equal(response(told, k, "v(f)"), response(told, k, "v(q)") / (1.0 + j * two_pi * frequencies[k] * 1e-3), 1e-12);
   }
 }
+
+// Two cells that do not depend on each other pass their guards at the same instants. A source in one of them moves that one alone, and as it does without the other; the other's guard, which comes first,
+// took both of them along (14 times the response at 100 Hz).
+TEST_CASE("parts that pass their guards at one instant respond each by itself", "[unit]") {
+  const auto cell = [](const std::string& n, const std::string& input) {
+    return "V" + n + " i" + n + " 0 12 " + input + "\nB" + n + " g" + n + " 0 V=if(V(ck)>2.5,5,if(I(L" + n + ")*0.1>0.3,0,V(h" + n +
+           ")))\nRg" + n + " g" + n + " h" + n + " 10\nCg" + n + " h" + n + " 0 100p ic=0\nS" + n + " i" + n + " s" + n + " h" + n +
+           " 0 SX\nD" + n + " 0 s" + n + " DX\nL" + n + " s" + n + " o" + n + " 10u ic=1\nC" + n + " o" + n + " 0 47u ic=5\nR" + n + " o" +
+           n + " 0 1.2\n";
+  };
+  const std::string frame =
+      "cells\nVck ck 0 PULSE(0 5 0 1n 1n 50n 5u)\n.model SX SW(Ron=20m Vt=2.5)\n.model DX D(Ron=20m Vfwd=0.4)\n.pss uic\n.ac list 100 "
+      "40k\n";
+  const Scratch scratch;
+  const Json one = result_of(scratch, frame + cell("1", "AC 1") + ".end\n");
+  const Json two = result_of(scratch, frame + cell("2", "") + cell("1", "AC 1") + ".end\n");
+  for (std::size_t k = 0; k < 2; ++k) {
+    check_equal(response(two, k, "v(o1)"), response(one, k, "v(o1)"), 1e-9);
+    CHECK(std::abs(response(two, k, "v(o2)")) < 1e-12 * std::abs(response(one, k, "v(o1)")));
+  }
+}
