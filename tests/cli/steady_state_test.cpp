@@ -517,10 +517,10 @@ TEST_CASE("a compensator as a fraction in s: the mean of its input is zero, howe
 // A triangle by an integrator alone: from −0.7 to 0.7 with the slope 2000·1 V/s, and back with 2000·1.5 V/s. No mode has a time constant.
 TEST_CASE("an oscillator of an integrator and a relay has an orbit, though no mode has a time constant", "[unit]") {
   const Scratch scratch;
-  const std::string relay = "S1 s 0 x 0 SX\nVs v 0 1\nRs v s 1k\nB2 q 0 V=if(V(s)>0.5,1,-1.5)\n.model SX SW(Ron=1 Roff=1meg Vt=0 Vh=0.7)\n";
+  const std::string switched = "S1 s 0 x 0 SX\nVs v 0 1\nRs v s 1k\nB2 q 0 V=if(V(s)>0.5,1,-1.5)\n.model SX SW(Ron=1 Roff=1meg Vt=0 Vh=0.7)\n";
   for (const std::string integrator : {"B1 x 0 V=sdt(2k*V(q),0)\n", "G1 0 x q 0 2m\nC1 x 0 1u ic=0\n"}) {
     const Json result =
-        steady_state_of(scratch, "vco\n" + integrator + relay + ".pss uic on=S1\n.meas pss t PERIOD\n.meas pss m AVG v(x)\n.end\n");
+        steady_state_of(scratch, "vco\n" + integrator + switched + ".pss uic on=S1\n.meas pss t PERIOD\n.meas pss m AVG v(x)\n.end\n");
     CHECK(measured(result, "t") == Approx(1.4 / 2000.0 + 1.4 / 3000.0).epsilon(1e-11));
     CHECK(std::abs(measured(result, "m")) < 1e-12);
   }
