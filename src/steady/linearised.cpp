@@ -154,42 +154,17 @@ void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& 
   }
 }
 
-/// The guard by which a change comes: that of its own part or, where a switch of the part is driven by another part, that of the other.
-std::optional<LinearGuard> LinearisedOrbit::guard_of(const Change& change, const std::vector<Change>& changes,
-                                                     const std::vector<char>& on_before, const std::vector<char>& on, double near) const {
-  std::optional<LinearGuard> guard;
-  const auto take = [&](const Change& from, int row) {
-    take_guard(from, row, guard.emplace());
-    if (guard->island < 0) guard.reset();
-  };
-  const System& system = stacking_.system(change.island);
-  if (change.cause == Cause::guard) {
-    if (passes_guard(system, change, on_before, on)) take(change, change.guard);
-    return guard;
-  }
-  if (change.cause == Cause::time) return guard;
-  for (const int number : system.switch_number) {
-    const auto driven = static_cast<std::size_t>(number);
-    if (on_before[driven] == on[driven]) continue;
-    for (const Change& other : changes) {
-      if (other.cause != Cause::guard || other.before == nullptr || other.y_before.empty()) continue;
-      const System& driver = stacking_.system(other.island);
-      for (std::size_t k = 0; k < driver.controls.size() && !guard; ++k) {
-        const int row = driver.diodes + static_cast<int>(2 * k) + (on_before[driven] != 0 ? 0 : 1);
-        if (driver.controls[k].driven == number && row < other.before->guards.rows() && is_passed(other, row, near)) take(other, row);
-      }
-    }
-  }
-  return guard;
-}
-
 /// Parts that do not depend on one another may pass their guards at one instant, each by itself.
 void LinearisedOrbit::take_own_guards(const std::vector<Change>& changes, const std::vector<char>& on_before, const std::vector<char>& on,
                                       LinearInstant& instant) const {
   if (instant.island < 0) return;
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    std::optional<LinearGuard> guard = guard_of(changes[k], changes, on_before, on, same_instant * (period_ + instant.time));
-    if (guard && (guard->island != instant.island || guard->row != instant.row)) instant.changes[k].own = std::move(guard);
+    const auto passage = passage_of(stacking_, changes[k], changes, on_before, on, same_instant * (period_ + instant.time));
+    if (!passage) continue;
+    LinearGuard guard;
+    take_guard(*passage->change, passage->row, guard);
+    const bool is_first = guard.island == instant.island && guard.row == instant.row;
+    if (guard.island >= 0 && !is_first) instant.changes[k].own = std::move(guard);
   }
 }
 
@@ -201,7 +176,7 @@ void LinearisedOrbit::take_controls_beside(const Change& change, const std::vect
   for (std::size_t k = 0; k < system.controls.size(); ++k) {
     const auto driven = static_cast<std::size_t>(system.controls[k].driven);
     if (on_before[driven] == on[driven] || system.controls[k].driven == instant.level_switch) continue;
-    const int row = system.diodes + static_cast<int>(2 * k) + (on_before[driven] != 0 ? 0 : 1);
+    const int row = control_row(system, k, on_before[driven] != 0);
     if (row >= change.before->guards.rows() || !is_passed(change, row, same_instant * (period_ + instant.time))) continue;
     const auto is_there = [&](const LinearGuard& other) { return other.island == static_cast<int>(change.island) && other.row == row; };
     if (std::any_of(instant.beside.begin(), instant.beside.end(), is_there)) continue;

@@ -82,8 +82,6 @@ class LinearisedOrbit {
  private:
   void take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<engine::Change>& changes);
   void take_guard(const engine::Change& change, int row, LinearGuard& guard) const;
-  [[nodiscard]] std::optional<LinearGuard> guard_of(const engine::Change& change, const std::vector<engine::Change>& changes,
-                                                    const std::vector<char>& on_before, const std::vector<char>& on, double near) const;
   void take_own_guards(const std::vector<engine::Change>& changes, const std::vector<char>& on_before, const std::vector<char>& on,
                        LinearInstant& instant) const;
   void take_beside(const engine::Change& change, LinearInstant& instant) const;

@@ -127,32 +127,10 @@ class Walk {
   Eigen::RowVectorXd own_shift(const engine::Change& change, const TraceStep& step, const Eigen::RowVectorXd& shift) {
     if (change.cause == engine::Cause::time) return Eigen::RowVectorXd::Zero(stacking_.size());
     const std::vector<char>& before = on_ != nullptr ? *on_ : step.on;
-    const System& system = stacking_.system(change.island);
-    if (change.cause == engine::Cause::guard) return passes_guard(system, change, before, step.on) ? shift_of(change, step.time) : shift;
-    for (const int number : system.switch_number)
-      if (const auto driven = static_cast<std::size_t>(number); before[driven] != step.on[driven])
-        for (const engine::Change& other : step.changes)
-          if (const auto row = passed_row(other, number, before[driven] != 0, step.time)) return shift_of(*other.before, *row, other);
-    return shift;
-  }
-
-  /// The guard by which a part's signals change a switch at this instant.
-  std::optional<int> passed_row(const engine::Change& change, int driven, bool was_on, double time) const {
-    if (change.cause != engine::Cause::guard || change.before == nullptr || change.y_before.empty() || change.before->n1 == 0)
-      return std::nullopt;
-    const System& system = stacking_.system(change.island);
-    const Mode& mode = *change.before;
-    const Vector rate = rate_of(mode, change.y_before);
-    for (std::size_t k = 0; k < system.controls.size(); ++k) {
-      const int row = system.diodes + static_cast<int>(2 * k) + (was_on ? 0 : 1);
-      if (system.controls[k].driven != driven || row >= mode.guards.rows()) continue;
-      const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
-      const double fall = mode.guards.row(row).dot(rate);
-      if (std::abs(fall) > touching * mode.guard_norm[row] * rate.norm() &&
-          std::abs(value) <= same_instant * (length_ + time) * std::abs(fall))
-        return row;
-    }
-    return std::nullopt;
+    const auto passage = passage_of(stacking_, change, step.changes, before, step.on, same_instant * (length_ + step.time));
+    if (!passage) return shift;
+    if (passage->change == &change) return shift_of(change, step.time);
+    return shift_of(*passage->change->before, passage->row, *passage->change);
   }
 
   Eigen::RowVectorXd shift_of(const engine::Change& change, double time) {
@@ -242,6 +220,44 @@ Vector state_speed(const model::System& system, const model::Mode& mode, const s
 Vector store_speed(const model::System& system, const model::Mode& mode, const std::vector<double>& y) {
   if (mode.constrained) return state_speed(system, mode, y).head(system.n);
   return rate_of(mode, y, mode.n1);
+}
+
+int control_row(const System& system, std::size_t control, bool was_on) {
+  return system.diodes + static_cast<int>(2 * control) + (was_on ? 0 : 1);
+}
+
+namespace {
+
+/// The guard by which a part's signals change a switch at this instant.
+std::optional<int> passed_row(const System& system, const engine::Change& change, int driven, bool was_on, double near) {
+  if (change.cause != engine::Cause::guard || change.before == nullptr || change.y_before.empty() || change.before->n1 == 0)
+    return std::nullopt;
+  const Mode& mode = *change.before;
+  const Vector rate = rate_of(mode, change.y_before);
+  for (std::size_t k = 0; k < system.controls.size(); ++k) {
+    const int row = control_row(system, k, was_on);
+    if (system.controls[k].driven != driven || row >= mode.guards.rows()) continue;
+    const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
+    const double fall = mode.guards.row(row).dot(rate);
+    if (std::abs(fall) > touching * mode.guard_norm[row] * rate.norm() && std::abs(value) <= near * std::abs(fall)) return row;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Passage> passage_of(const Stacking& stacking, const engine::Change& change, const std::vector<engine::Change>& changes,
+                                  const std::vector<char>& on_before, const std::vector<char>& on, double near) {
+  const System& system = stacking.system(change.island);
+  if (change.cause == engine::Cause::time) return std::nullopt;
+  if (change.cause == engine::Cause::guard)
+    return passes_guard(system, change, on_before, on) ? std::optional(Passage{&change, change.guard}) : std::nullopt;
+  for (const int number : system.switch_number)
+    if (const auto driven = static_cast<std::size_t>(number); on_before[driven] != on[driven])
+      for (const engine::Change& other : changes)
+        if (const auto row = passed_row(stacking.system(other.island), other, number, on_before[driven] != 0, near))
+          return Passage{&other, *row};
+  return std::nullopt;
 }
 
 std::vector<int> guards_beside(const engine::Change& change, double near) {

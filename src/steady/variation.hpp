@@ -62,6 +62,19 @@ struct Variation {
 [[nodiscard]] bool passes_guard(const model::System& system, const engine::Change& change, const std::vector<char>& on_before,
                                 const std::vector<char>& on_after);
 
+/// The row of the guard by which a control switches.
+[[nodiscard]] int control_row(const model::System& system, std::size_t control, bool was_on);
+
+/// The guard by which a change comes: of its own part or, where a switch of the part is driven by another part, of the other. Empty where the time is fixed, or another
+/// part's guard takes it along. `near`: s.
+struct Passage {
+  const engine::Change* change = nullptr;  ///< one of `changes`
+  int row = -1;
+};
+[[nodiscard]] std::optional<Passage> passage_of(const Stacking& stacking, const engine::Change& change,
+                                                const std::vector<engine::Change>& changes, const std::vector<char>& on_before,
+                                                const std::vector<char>& on, double near);
+
 /// Rows of guards of `change.before` that cross zero within `near` (s) of the instant.
 [[nodiscard]] std::vector<int> guards_beside(const engine::Change& change, double near);
 /// Instants closer than this (relative to the run and to the time) are one.
