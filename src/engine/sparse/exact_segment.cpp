@@ -192,15 +192,12 @@ bool ExactSegment::reaches(double longer) {
 /// Whether voltages and currents, over the length last estimated, are more than what rounding leaves of sums of vectors. In currents that a constraint of voltages
 /// decides, as that of a wire across an inductor, each vector multiplies the rounding of the one before by 1/h, h the size of its new part.
 bool ExactSegment::has_digits() {
-  const int nodes = descriptor_.nodes();
-  const std::vector<double> first = space_.first_unknowns();  // of a jump, with its impulses
-  const auto is_known = [&](int from, int count, double before) {
-    if (count == 0) return true;
-    const auto begin = static_cast<std::size_t>(from), length = static_cast<std::size_t>(count);
-    const double size = std::max(before, least_voltage_), after = largest(std::span(first).subspan(begin, length));
-    return rounding_of_rows * space_.largest_terms(from, count) <= least_digits * std::clamp(after, size, most_rise * size);
+  const auto is_known = [&](double terms, double before, double after) {  // after a jump: with its impulses
+    const double size = std::max(before, least_voltage_);
+    return rounding_of_rows * terms <= least_digits * std::clamp(after, size, most_rise * size);
   };
-  return is_known(0, nodes, voltage_) && is_known(nodes, descriptor_.size() - nodes, current_);
+  const KrylovSpace::Sizes terms = space_.largest_terms(), first = space_.largest_first();
+  return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
 }
 
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
@@ -310,7 +307,7 @@ bool ExactSegment::is_short_circuited(int row) const {
 /// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
 void ExactSegment::drop_empty_guards() {
   if (segment_.rows.empty()) return;
-  node_terms_ = space_.largest_terms(0, descriptor_.nodes());
+  node_terms_ = space_.largest_terms().voltage;
   input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
   const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
   double input = least_voltage_;

@@ -183,9 +183,8 @@ void KrylovSpace::find_residual(const std::vector<double>& d) {
   for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
 }
 
-/// The same with sums in extended precision.
+/// The same with sums in extended precision; the matrix is in `values_`.
 void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
-  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   const linalg::SparsePattern& pattern = descriptor_.pattern();
   wide_.assign(given_.begin(), given_.end());
   for (std::size_t j = 0; j < d.size(); ++j)
@@ -202,6 +201,7 @@ void KrylovSpace::refine(std::vector<double>& d, double counts) {
   descriptor_.memory_sizes(d.data(), sizes_.data());
   const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
   if (!(rounding_of_solution * charging * weight_of_currents_ > counts)) return;
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   double before = INFINITY;
   for (int round = 0; round < most_refinements; ++round) {
     find_wide_residual(d);
@@ -247,6 +247,7 @@ void KrylovSpace::reserve(int columns) {
   changes_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
   delta_.conservativeResize(cols);
+  largest_.conservativeResize(4, cols);
   passed_on_.conservativeResizeLike(Matrix::Zero(cols, cols));
   zetas_.conservativeResize(zetas, cols);
   zeta_changes_.conservativeResize(zetas, cols);
@@ -317,6 +318,8 @@ void KrylovSpace::add_vector() {
   descriptor_.add_sources(w.data(), right_.data());
   solve(right_, change);
   changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
+  note_largest(vectors_, 0, j);
+  note_largest(changes_, 2, j);
   zeta_changes_.col(j) = change;
 
   Vector x(measured_.rows()), c = Vector::Zero(j + 1);
@@ -440,11 +443,28 @@ double KrylovSpace::row_terms(const Form& form) const {
   return sum.dot(k_.cwiseAbs() * reach_);
 }
 
+/// Of the largest of unknowns whose columns have these largest entries in Z and T Z.
+double KrylovSpace::terms_of(const Vector& of_vectors, const Vector& of_changes) const {
+  return (of_vectors.array() * lost_.head(dimension_).array() + of_changes.array()).matrix().dot(k_.cwiseAbs() * reach_);
+}
+
 double KrylovSpace::largest_terms(int first, int count) const {
-  const auto largest = [&](const Matrix& columns) {
-    return columns.block(first, 0, count, dimension_).cwiseAbs().colwise().maxCoeff().transpose().array().eval();
+  const auto largest_of = [&](const Matrix& columns) {
+    return Vector(columns.block(first, 0, count, dimension_).cwiseAbs().colwise().maxCoeff().transpose());
   };
-  return (largest(vectors_) * lost_.head(dimension_).array() + largest(changes_)).matrix().dot(k_.cwiseAbs() * reach_);
+  return terms_of(largest_of(vectors_), largest_of(changes_));
+}
+
+KrylovSpace::Sizes KrylovSpace::largest_terms() const {
+  const auto row = [&](Eigen::Index i) { return Vector(largest_.row(i).head(dimension_).transpose()); };
+  return {terms_of(row(0), row(2)), terms_of(row(1), row(3))};
+}
+
+/// The largest voltage and the largest other unknown of a column.
+void KrylovSpace::note_largest(const Matrix& columns, Eigen::Index row, Eigen::Index j) {
+  const Eigen::Index nodes = descriptor_.nodes(), others = columns.rows() - nodes;
+  largest_(row, j) = nodes > 0 ? columns.col(j).head(nodes).cwiseAbs().maxCoeff() : 0.0;
+  largest_(row + 1, j) = others > 0 ? columns.col(j).tail(others).cwiseAbs().maxCoeff() : 0.0;
 }
 
 double KrylovSpace::loss() const {

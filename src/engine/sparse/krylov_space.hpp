@@ -86,6 +86,13 @@ class KrylovSpace {
   [[nodiscard]] double row_terms(const Form& form) const;
   /// The same of the largest of several unknowns, with what their vectors have lost in orthogonalisation.
   [[nodiscard]] double largest_terms(int first, int count) const;
+  struct Sizes {
+    double voltage = 0.0, other = 0.0;
+  };
+  /// The same of all voltages, and of all other unknowns.
+  [[nodiscard]] Sizes largest_terms() const;
+  /// The largest of them in S z₀.
+  [[nodiscard]] Sizes largest_first() const { return {norm_ * largest_(0, 0), norm_ * largest_(1, 0)}; }
   /// How many times its own rounding a vector has, on average over what the motion takes of them in that length.
   [[nodiscard]] double loss() const;
   /// Of the states in the unknowns at y(0), in the norm of the space: vectors may hold impulses of voltage that cancel.
@@ -106,6 +113,8 @@ class KrylovSpace {
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
+  [[nodiscard]] double terms_of(const linalg::Vector& of_vectors, const linalg::Vector& of_changes) const;
+  void note_largest(const linalg::Matrix& columns, Eigen::Index row, Eigen::Index j);
   [[nodiscard]] double size_of_states(const std::vector<double>& z) const;
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
@@ -131,6 +140,7 @@ class KrylovSpace {
   bool full_ = false, sound_ = true;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
+  linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
   linalg::Matrix passed_on_;     ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
   linalg::Vector delta_;         ///< rounding of T z of each vector, in the norm of the space
   linalg::Vector lost_;          ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
