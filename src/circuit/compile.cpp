@@ -163,9 +163,9 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   std::optional<model::Network> network = assemble(circuit, reporter);
   if (!network) return std::nullopt;
   follow_parameters(circuit, *network, reporter);
-  warn_of_folded(circuit, reporter);
   if (reporter.failed()) return std::nullopt;
   leave_out_small_signals(circuit, reporter);
+  warn_of_folded(circuit, reporter);
   if (circuit.analyses.transient) {
     check_row_step(*network, *circuit.analyses.transient, reporter);
     resolve_last_periods(*network, circuit.analyses, circuit.measurements, reporter);

@@ -86,6 +86,7 @@ struct Transfer::Pass {
   std::optional<double> sample;  ///< s: the deviation at that time of the period in place of its mean
   std::map<const Mode*, Inverse> inverse, inverse_out;
   std::map<std::pair<const Mode*, double>, Slow> slow;
+  std::vector<Complex> deltas{};  ///< δt̂ of each change of an instant, before any of them moves the deviation
 
   void take_amplitudes(double time) {
     for (std::size_t k = 0; k < amplitudes.size() && moved.amplitude; ++k) amplitudes[k] = moved.amplitude(k, time);
@@ -215,9 +216,9 @@ void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass
   const double near = just_beside * orbit_.period();
   pass.take_amplitudes(at.time > near ? at.time - near : orbit_.period() - near);
   const Complex first = shift + guard_shift(at, pass);
-  std::vector<Complex> deltas;  // δt̂ of each change, before any of them moves the deviation
-  for (const LinearChange& change : at.changes) deltas.push_back(change.own ? guard_shift(*change.own, pass) : first);
-  auto next = deltas.cbegin();
+  pass.deltas.clear();
+  for (const LinearChange& change : at.changes) pass.deltas.push_back(change.own ? guard_shift(*change.own, pass) : first);
+  auto next = pass.deltas.cbegin();
   const Complex turn = std::exp(-j * pass.omega_out * at.time);
   pass.take_amplitudes(at.time + near);
   for (const LinearChange& change : at.changes) {
