@@ -1,6 +1,8 @@
 #pragma once
 /// The page of --report: what its data hold, and how headless Chromium shows it.
 
+#include <sys/wait.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -61,11 +63,17 @@ inline std::string shown(const Scratch& scratch, const std::string& page, const 
     WARN("chromium is not installed: this test is skipped");
     return "";
   }
-  const std::string command = "cd '" + scratch.path().string() +
-                              "' && HOME=\"$PWD\" timeout 60 chromium --headless --no-sandbox --disable-gpu --window-size=1200,1000 " +
-                              options + " --virtual-time-budget=10000 --dump-dom 'file://" + (scratch / page) + view +
-                              "' > dom.html 2> chromium.log";
-  REQUIRE(std::system(command.c_str()) == 0);
+  const std::string command =
+      "cd '" + scratch.path().string() +
+      "' && HOME=\"$PWD\" timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --window-size=1200,1000 " +
+      options + " --virtual-time-budget=10000 --dump-dom 'file://" + (scratch / page) + view + "' > dom.html 2> chromium.log";
+  // Chromium itself falls now and then (by a signal, which the shell reports as 128 and its number; timeout as 124): that says nothing of the page.
+  const auto has_fallen = [](int status) { return WIFSIGNALED(status) || WEXITSTATUS(status) == 124 || WEXITSTATUS(status) > 128; };
+  constexpr int tries = 3;
+  int status = std::system(command.c_str());
+  for (int more = 1; more < tries && has_fallen(status); ++more) status = std::system(command.c_str());
+  INFO("chromium ended with status " << status << "\n" << read_file(scratch / "chromium.log"));
+  REQUIRE(status == 0);
   return read_file(scratch / "dom.html");
 }
 
