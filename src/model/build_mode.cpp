@@ -80,15 +80,15 @@ class Builder {
   }
 
   /// Null where the mode leaves no fast decays.
-  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, double longest) {
-    manifold_ = slow_manifold(s_, whole, rates, r_.b, r_.c, r_.d, longest);
+  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, ShiftedSystems& shifted, double longest) {
+    manifold_ = slow_manifold(s_, whole, rates, r_.j, shifted, longest);
     if (!manifold_) return nullptr;
     mode_->regular = true;
     take_manifold();
     auto mode = finish();
     if (!mode->regular) return nullptr;
     add_decays(whole, *mode);
-    if (const std::optional<Matrix> guards = guards_at_other_shift(*mode)) measure_guard_noise(s_, *mode, *guards);
+    if (const std::optional<Matrix> guards = guards_at_other_shift(*mode, shifted)) measure_guard_noise(s_, *mode, *guards);
     return mode;
   }
 
@@ -117,7 +117,7 @@ class Builder {
   bool build_flow();
   [[nodiscard]] Matrix mode_rows(const Mode& m);
   [[nodiscard]] Matrix guards_of(const Mode& m, const Matrix& rows) const;
-  [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m);
+  [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m, ShiftedSystems& shifted);
   void build_rows();
   void add_decays(const Mode& whole, Mode& slow) const;
   template <class Input>
@@ -453,8 +453,8 @@ Matrix Builder::guards_of(const Mode& m, const Matrix& rows) const {
 }
 
 /// As rows of x; nothing where there is none.
-std::optional<Matrix> Builder::guards_at_other_shift(const Mode& m) {
-  std::optional<Feedback> other = feedback_at_other_shift(s_, r_.b, r_.c, r_.d, *manifold_);
+std::optional<Matrix> Builder::guards_at_other_shift(const Mode& m, ShiftedSystems& shifted) {
+  std::optional<Feedback> other = feedback_at_other_shift(s_, r_.j, shifted, *manifold_);
   if (!other) return std::nullopt;
   kj_ = std::move(other->inputs);
   if (other->free_inputs.cols() > 0) share_by_least_norm(other->free_inputs);
@@ -519,9 +519,10 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
   return Builder(system, held).run();
 }
 
-std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, double longest) {
-  if (!whole.regular || whole.ny == 0 || rates.empty()) return nullptr;
-  return Builder(system, whole.active).run_slow(whole, rates, longest);
+std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, ShiftedSystems& shifted,
+                                      double longest) {
+  if (!whole.regular || whole.ny == 0 || !has_fast_decays(system, rates, longest)) return nullptr;
+  return Builder(system, whole.active).run_slow(whole, rates, shifted, longest);
 }
 
 }  // namespace pwlsim::model

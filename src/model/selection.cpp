@@ -40,7 +40,7 @@ bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept&
 
 }  // namespace
 
-Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system) {
+Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system), shifted_(system) {
   ports_are_read_ = std::any_of(system.outputs.begin(), system.outputs.end(), std::mem_fn(&OutputRow::reads_ports)) ||
                     std::any_of(system.controls.begin(), system.controls.end(), [](const Control& c) { return c.value.reads_ports(); });
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
@@ -81,10 +81,10 @@ void Selector::split(Known& about, const Mode& whole) {
   if (!whole.regular || whole.ny == 0) return;
   const double longest = brief_per_unseen * unseen_;
   const Rates rates = rates_by_speed(whole, longest);
-  about.slow = build_slow_mode(system_, whole, rates, longest);
+  about.slow = build_slow_mode(system_, whole, rates, shifted_, longest);
   whole.slow = about.slow.get();
   if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
-  about.brief = build_slow_mode(system_, whole, rates, unseen_ / time_constants_to_rest);
+  about.brief = build_slow_mode(system_, whole, rates, shifted_, unseen_ / time_constants_to_rest);
   if (!about.brief) return;
   if (about.brief->n1 > about.slow->n1)
     about.brief->slow = about.slow.get();

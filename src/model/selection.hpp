@@ -16,6 +16,7 @@
 #include "model/impulse.hpp"
 #include "model/mode.hpp"
 #include "model/rcp.hpp"
+#include "model/slow_manifold.hpp"
 #include "model/verify.hpp"
 
 namespace pwlsim::model {
@@ -141,6 +142,7 @@ class Selector {
   bool rational_only_ = false;
   bool ports_are_read_ = false;  ///< by a signal or a control
   RationalProblem rational_;
+  ShiftedSystems shifted_;
   double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
   /// The data of a set.
   struct Known {
