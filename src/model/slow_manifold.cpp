@@ -32,8 +32,10 @@ constexpr double gap = 1e4, least_gap = 1e3;
 constexpr double least_damping = 0.999;
 /// Of the first shift: another one, at which rounding is another.
 constexpr Wide other_shift = 3.0L;
+/// Of every shift, times a power of two: products with it round, so that two shifts differ by all the rounding there is.
+constexpr Wide digits_of_shift = 1.2020569031595942854L;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
-constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
+constexpr Wide above_slow = 8.0L, below_fast = 2e-9L;
 constexpr int most_iterations = 16;
 constexpr int fewest_iterations =
     3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
@@ -263,7 +265,9 @@ class Splitter {
 
   std::optional<SlowManifold> run(const std::vector<int>& active, ShiftedSystems& shifted) {
     const Wide least = std::max(above_slow * static_cast<Wide>(cut_.slow_rate), below_fast * static_cast<Wide>(cut_.fast_rate));
-    if (!make_resolvent(system_, shifted.at(std::exp2(std::ceil(std::log2(least)))), active, resolvent_)) return std::nullopt;
+    if (!make_resolvent(system_, shifted.at(digits_of_shift * std::exp2(std::ceil(std::log2(least / digits_of_shift)))), active,
+                        resolvent_))
+      return std::nullopt;
     Bases bases = find_bases(resolvent_.states, fast_, whole_.constrained);
     if (!motion_.take_subspaces(std::move(bases.slow), std::move(bases.of_rows))) return std::nullopt;
     off_ = bases.off_slow.transpose();

@@ -58,7 +58,7 @@ struct ShiftedSystem {
   bool is_regular = false;        ///< σ is no rate of the system without ports
 };
 
-/// The shifted systems that the modes of one system have asked for. Shifts are powers of two, or thrice one, so that modes of like rates share them.
+/// The shifted systems that the modes of one system have asked for. Shifts differ by powers of two, or thrice one, so that modes of like rates share them.
 class ShiftedSystems {
  public:
   explicit ShiftedSystems(const System& system) : system_(system) {}
