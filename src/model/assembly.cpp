@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 #include "base/log_mean.hpp"
 #include "linalg/doubled.hpp"
+#include "model/leaks.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -32,17 +33,32 @@ bool needs_constant(const Network& network) {
 }
 
 /// The smallest and the largest of what is neither zero nor infinite.
-struct Range {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
-
+class Range {
+ public:
   void take(double value) {
     const double size = std::abs(value);
-    if (size == 0.0 || std::isinf(size)) return;
-    least = std::min(least, size);
-    most = std::max(most, size);
+    if (size != 0.0 && !std::isinf(size)) sizes_.push_back(size);
   }
-  /// As many decades from the one as from the other.
-  [[nodiscard]] double middle() const { return most > 0.0 ? std::sqrt(least) * std::sqrt(most) : 1.0; }
+  /// As many decades from the least as from the most.
+  [[nodiscard]] double middle() const {
+    if (sizes_.empty()) return 1.0;
+    const auto [least, most] = std::minmax_element(sizes_.begin(), sizes_.end());
+    return std::sqrt(*least) * std::sqrt(*most);
+  }
+  /// The same of the two neighbours that are furthest apart, the lower of which is at most `firm`.
+  [[nodiscard]] double middle_of_widest_gap(double firm) {
+    std::sort(sizes_.begin(), sizes_.end());
+    double widest = 1.0, middle = this->middle();
+    for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i)
+      if (const double ratio = sizes_[i] / sizes_[i - 1]; ratio > widest) {
+        widest = ratio;
+        middle = std::sqrt(sizes_[i - 1]) * std::sqrt(sizes_[i]);
+      }
+    return middle;
+  }
+
+ private:
+  std::vector<double> sizes_;
 };
 
 /// Writes what elements put into G, F, Hₐ, H_w and S_x.
@@ -189,14 +205,16 @@ void Assembly::choose_scales() {
   for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
   for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
   // In the middle every resistor is clearly a wire or clearly a leak to the wave ports, and both come out of them as small entries that nothing
-  // cancels with.
+  // cancels with. Beside leaks (leaks.hpp) a diode's Roff may be there.
   Range resistance;
   for (const auto& r : network.resistors) resistance.take(r.resistance);
   for (const auto& d : network.diodes) resistance.take(d.resistance);
   for (const auto& s : network.switches)
     if (s.p != s.n) resistance.take(s.resistance);
-  if (!capacitance.empty() && !inductance.empty()) resistance.take(std::sqrt(inductance.value() / capacitance.value()));
-  r0 = resistance.middle();
+  const double impedance = std::sqrt(inductance.value() / capacitance.value());
+  if (!capacitance.empty() && !inductance.empty()) resistance.take(impedance);
+  const bool has_leaks = std::any_of(network.diodes.begin(), network.diodes.end(), [](const auto& d) { return d.is_of_leak; });
+  r0 = has_leaks ? resistance.middle_of_widest_gap(least_leak * impedance) : resistance.middle();
   for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);
   for (const auto& l : network.inductors) time.add(std::abs(l.inductance) / r0);
   tau0 = time.value();

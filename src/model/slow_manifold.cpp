@@ -36,6 +36,8 @@ constexpr Wide other_shift = 3.0L;
 constexpr Wide digits_of_shift = 1.2020569031595942854L;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
 constexpr Wide above_slow = 8.0L, below_fast = 2e-9L;
+/// Of the fast rates, so that one loses no more than three digits beside another.
+constexpr double most_spread = 1e3;
 constexpr int most_iterations = 16;
 constexpr int fewest_iterations =
     3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
@@ -46,7 +48,7 @@ constexpr int rounds_of_equilibration = 4;
 /// How many of the mode's motions are decays with a time constant of at most `longest`, far faster than the rest; and the rates on both sides of the cut.
 struct Cut {
   Index fast = 0;
-  double slow_rate = 0.0, fast_rate = 0.0;
+  double slow_rate = 0.0, fast_rate = 0.0, fastest_rate = 0.0;
 };
 
 Cut find_cut_of(const System& system, const Rates& rates, double longest, double ratio) {
@@ -55,7 +57,7 @@ Cut find_cut_of(const System& system, const Rates& rates, double longest, double
     const double rate = std::abs(rates[i]);
     if (!(rate * longest > 1.0) || !(-rates[i].real() > least_damping * rate)) break;
     const double next = std::max(i + 1 < rates.size() ? std::abs(rates[i + 1]) : 0.0, system.exosystem->fastest());
-    if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate};
+    if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate, std::abs(rates.front())};
   }
   return cut;
 }
@@ -196,11 +198,11 @@ struct Bases {
 };
 
 /// By iteration for the smaller of the slow and the fast subspaces. What is fast in S is slow in S⁻¹ = σ − A_J, whose dominant columns and rows have all their digits however
-/// few its others have; where the mode is a jump in part, S has no inverse.
-Bases find_bases(const WideMatrix& s, Index fast, bool jumps) {
+/// few its others have. `fast_is_dominant`: no fast motion takes another's digits there.
+Bases find_bases(const WideMatrix& s, Index fast, bool fast_is_dominant) {
   const Index slow = s.rows() - fast;
   Bases bases;
-  if (!jumps && fast < slow) {
+  if (fast_is_dominant && fast < slow) {
     if (const WideElimination elimination(s, 0); elimination.rank() == s.rows()) {
       const WideMatrix inverse = elimination.inverse();
       bases.off_rows = dominant_subspace(inverse, fast);
@@ -268,7 +270,8 @@ class Splitter {
     if (!make_resolvent(system_, shifted.at(digits_of_shift * std::exp2(std::ceil(std::log2(least / digits_of_shift)))), active,
                         resolvent_))
       return std::nullopt;
-    Bases bases = find_bases(resolvent_.states, fast_, whole_.constrained);
+    const bool is_dominant = !whole_.constrained && cut_.fastest_rate <= most_spread * cut_.fast_rate;  // a jump has no rate
+    Bases bases = find_bases(resolvent_.states, fast_, is_dominant);
     if (!motion_.take_subspaces(std::move(bases.slow), std::move(bases.of_rows))) return std::nullopt;
     off_ = bases.off_slow.transpose();
     f_ = std::move(bases.off_rows);
