@@ -186,7 +186,7 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
     if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
     return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
-  if (!s.decays.empty() && enclosed_[i].until > 0.0) return {verdict_at_end(i, h), h};
+  if (!s.decays.empty() && enclosed_[i].until > 0.0) return {verdict_at_end(i, h), h, 0.0, enclosed_[i].from};
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
     const Mode& m = *s.mode;
@@ -371,7 +371,8 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
     if (root.verdict == Verdict::excluded) continue;
     // Still positive at the earliest root so far: its only root lies behind that.
     if (first < root.upper && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
-    const double at = find_root(s, i, 0.0, std::min(root.upper, first), parabola_root(i), root.below);
+    if (first <= root.lower) continue;
+    const double at = find_root(s, i, root.lower, std::min(root.upper, first), parabola_root(i), root.below);
     if (at < first) {
       first = at;
       below = root.below;

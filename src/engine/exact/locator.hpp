@@ -63,8 +63,9 @@ class Locator {
   enum class Verdict { excluded, one_root, undecided };
   struct Root {
     Verdict verdict = Verdict::excluded;
-    double upper = 0.0;  ///< one root in (0, upper), g(upper) < 0
+    double upper = 0.0;  ///< one root in (lower, upper), g(upper) < 0
     double below = 0.0;  ///< for a guard that stays at zero: the event is where it is this far below zero; before, its sign is rounding
+    double lower = 0.0;  ///< up to here the guard does not fall, though it may begin below zero, by what decays hold
   };
 
   void prepare(Segment& segment);
@@ -96,6 +97,7 @@ class Locator {
   struct Enclosed {
     double until = 0.0;  ///< s from the interval's start: decided so far
     bool falls = false;  ///< it has one root before, and is negative there
+    double from = 0.0;   ///< the root lies behind
   };
   void split_at_decays(const Segment& segment, double h);
   [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last) const;

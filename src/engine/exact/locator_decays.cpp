@@ -236,7 +236,7 @@ Locator::Enclosed Locator::enclose_in_parts(const Segment& s, std::size_t i) con
   for (std::size_t j = 0; j < last; ++j) {
     const Verdict verdict = enclose(s, i, j, j + 1);
     if (verdict == Verdict::undecided) return {parts_[j], false};
-    if (verdict == Verdict::one_root) return {parts_[j + 1], true};
+    if (verdict == Verdict::one_root) return {parts_[j + 1], true, parts_[j]};
   }
   return {parts_[last], false};
 }
