@@ -10,6 +10,7 @@
 #include "circuit/evaluation.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
+#include "circuit/measured_powers.hpp"
 #include "circuit/raw_system_reader.hpp"
 #include "circuit/sections.hpp"
 #include "circuit/shipped.hpp"
@@ -35,6 +36,7 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
   circuit.written_by_ltspice = definitions.written_by_ltspice;
   circuit.prints = definitions.prints;
+  measure_powers(definitions);
   replace_control_switches(definitions);
   replace_xspice_logic(definitions, reporter);
   replace_logic_devices(definitions, reporter);

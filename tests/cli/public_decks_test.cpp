@@ -350,3 +350,18 @@ TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   CHECK(value_of(rest.out, "lo") == Approx(0.0).margin(1e-6));
   CHECK(value_of(rest.out, "i") == Approx(0.1).epsilon(1e-9));
 }
+
+TEST_CASE("a measurement of a node that shows a power measures the product", "[unit]") {
+  const Scratch scratch;
+  // (10 V sin)²/10 Ω: 5 W in the mean, 10 W at the peak; half of both at b.
+  const Finished finished =
+      run_deck(scratch,
+               "power\nV1 a 0 SIN(0 10 50)\nR1 a 0 10\nB1 p 0 V=V(a)*I(R1)\nB2 q 0 V={0.5*V(a)**2/10+0*V(a)}\n.tran 0 40m\n"
+               ".meas pavg AVG V(p)\n.meas pk MAX V(p) FROM 10m TO 30m\n.meas q AVG V(q)-V(p)\n.backanno\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-unread-part"));
+  CHECK(value_of(finished.out, "pavg") == Approx(5.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "pk") == Approx(10.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "q") == Approx(-2.5).epsilon(1e-9));
+}
