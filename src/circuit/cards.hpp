@@ -25,12 +25,14 @@ enum class CardRole {
   measurement,
   fourier,
   sweep,
-  state_machine,  ///< .machine to .endmachine
-  raw_system,     ///< .lcs
-  section,        ///< .if to .endif
-  ltspice,        ///< shows which program wrote the deck
-  silent,         ///< accepted without effect
-  ignored         ///< one warning
+  machine,
+  machine_part,  ///< .state, .rule, .output
+  end_of_machine,
+  raw_system,  ///< .lcs
+  section,     ///< .if to .endif
+  ltspice,     ///< shows which program wrote the deck
+  silent,      ///< accepted without effect
+  ignored      ///< one warning
 };
 
 struct CardKind {

@@ -89,6 +89,7 @@ class Circuit {
   std::vector<Folded> folded;
   std::vector<elements::Written> unfollowed;  ///< numbers that depend on parameters of .sens but do not belong to an element
   std::vector<std::string> parameter_names;   ///< of the deck itself
+  bool has_machines = false;                  ///< LTspice's .machine
   bool written_by_ltspice = false;            ///< by its own cards
   bool prints = false;                        ///< has a card `.print` or `.plot`
   std::string stands_for_ground;              ///< the node used as ground in a circuit without ground; else ""

@@ -187,6 +187,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
   compiled.draws_random = circuit.draws_random;
   compiled.has_mosfets =
       std::any_of(circuit.instances.begin(), circuit.instances.end(), [](const elements::Instance& i) { return i.kind->letter == 'M'; });
+  compiled.has_machines = circuit.has_machines;
   compiled.names_signals =
       std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
   compiled.rated_ports = rated_ports(circuit, compiled.network, reporter);

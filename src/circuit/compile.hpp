@@ -41,6 +41,7 @@ struct Compiled {
   bool draws_random = false;      ///< values differ from run to run of .step
   bool names_signals = false;     ///< the deck names the signals to save
   bool has_mosfets = false;
+  bool has_machines = false;      ///< state machines, which may hold a value by reading it: here it is not determined then
   HiddenParts hidden{};
   std::vector<std::string> rated_ports{};  ///< diodes of the network that are the breakdown of a part of the models at hand
   std::vector<RatedCurrent> rated_currents{};

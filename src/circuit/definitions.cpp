@@ -57,6 +57,7 @@ class Reader {
       reporter_.error("E-missing-ends", current().definition->span, fmt::format(".subckt {} has no .ends", current().definition->name));
       stack_.pop_back();
     }
+    check_machine();
     for (const auto& definition : result_.all) leave_out_placeholders(*definition);
     return std::move(result_);
   }
@@ -66,6 +67,7 @@ class Reader {
     Definition* definition = nullptr;
     std::unordered_map<std::string, SourceSpan> element_spans;
     std::unordered_map<std::string, SourceSpan> subcircuit_spans;
+    bool in_machine = false;  ///< the definition's last one is open
   };
 
   Open& current() { return stack_.back(); }
@@ -77,7 +79,7 @@ class Reader {
     definition->name = std::move(name);
     definition->span = span;
     definition->parent = stack_.empty() ? nullptr : current().definition;
-    stack_.push_back({definition.get(), {}, {}});
+    stack_.push_back({definition.get(), {}, {}, false});
     result_.all.push_back(std::move(definition));
   }
 
@@ -163,14 +165,10 @@ class Reader {
         return read_analysis(card, result_.fourier_analyses);
       case CardRole::sweep:
         return read_analysis(card, result_.sweeps);
-      case CardRole::state_machine:
-        if (reporter_.first_time("state machine"))
-          reporter_.error(
-              "E-not-supported", card.name_span,
-              fmt::format("{}: LTspice's state machines are not supported; try SRFLOP and DFLOP devices, one for each bit of the "
-                          "state, gates for the rules between them, and a source B for the output",
-                          card.name));
-        return;
+      case CardRole::machine:
+      case CardRole::machine_part:
+      case CardRole::end_of_machine:
+        return read_machine(card, kind);
       case CardRole::raw_system:
         return read_analysis(card, result_.raw_systems);
       case CardRole::ignored:
@@ -260,6 +258,7 @@ class Reader {
     if (!card.items.empty() && !same_name(card.items[0].text, here().name)) {
       reporter_.error("E-ends-name", card.items[0].span, fmt::format(".ends {} ends .subckt {}", card.items[0].text, here().name));
     }
+    check_machine();
     stack_.pop_back();
   }
 
@@ -320,6 +319,28 @@ class Reader {
     const Card& other = kept == &second ? first : second;
     reporter_.warning("W-second-model", other.items[0].span,
                       fmt::format("this model {} is not used: the one at {} takes precedence", name, reporter_.where(kept->items[0].span)));
+  }
+
+  void read_machine(const Card& card, const CardKind& kind) {
+    const bool begins = kind.role == CardRole::machine;
+    if (begins == current().in_machine) {
+      reporter_.error("E-misplaced", card.name_span, fmt::format("{} {} a state machine", card.name, begins ? "within" : "outside of"));
+      return;
+    }
+    current().in_machine = kind.role != CardRole::end_of_machine;
+    if (begins) {
+      here().machines.push_back({&card, {}, {}, {}});
+    } else if (kind.role == CardRole::machine_part) {
+      StateMachineText& machine = here().machines.back();
+      (kind.name == ".state" ? machine.states : kind.name == ".rule" ? machine.rules : machine.outputs).push_back(&card);
+    }
+  }
+
+  /// At the end of a definition.
+  void check_machine() {
+    if (current().in_machine)
+      reporter_.error("E-missing-ends", here().machines.back().begin->name_span,
+                      fmt::format("{} has no .endmachine", here().machines.back().begin->name));
   }
 
   void read_global(const Card& card) {

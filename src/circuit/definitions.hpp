@@ -35,6 +35,12 @@ struct FunctionText {
   const netlist::Item* body = nullptr;
 };
 
+/// From .machine to .endmachine.
+struct StateMachineText {
+  const netlist::Card* begin = nullptr;
+  std::vector<const netlist::Card*> states, rules, outputs;
+};
+
 struct Definition {
   std::string name;  ///< as written; "" for the deck itself
   SourceSpan span;
@@ -48,6 +54,8 @@ struct Definition {
   std::unordered_map<std::string, const Definition*> subcircuits;
   std::vector<const netlist::Card*> elements;  ///< X cards too, in order
   std::vector<const netlist::Card*> conditions;
+  std::vector<StateMachineText> machines;
+  std::vector<std::string> hidden;  ///< parts of names that were made: `part.x` is not saved by default
 };
 
 /// Keeps pointers into the deck.

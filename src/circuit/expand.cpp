@@ -28,6 +28,7 @@ constexpr std::string_view condition_usage = ".ic v(node)=value i(inductor)=valu
 
 void Expander::expand(Place& place) {
   const std::vector<const Card*>& elements = place.scope.definition().elements;
+  for (const std::string& part : place.scope.definition().hidden) circuit_.hidden.names.insert(without_case(place.prefix + part));
   const bool has_guards = std::any_of(elements.begin(), elements.end(), [](const Card* card) { return !card->guards.empty(); });
   std::unordered_map<std::string, const Card*> counted;
   for (const Card* card : elements) {

@@ -1,5 +1,7 @@
 #include "circuit/flatten.hpp"
 
+#include <algorithm>
+
 #include "circuit/census.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/control_switches.hpp"
@@ -8,9 +10,11 @@
 #include "circuit/evaluation.hpp"
 #include "circuit/expand.hpp"
 #include "circuit/logic_device.hpp"
+#include "circuit/measured_powers.hpp"
 #include "circuit/raw_system_reader.hpp"
 #include "circuit/sections.hpp"
 #include "circuit/shipped.hpp"
+#include "circuit/state_machine.hpp"
 #include "circuit/unused_subcircuits.hpp"
 #include "circuit/xspice_logic.hpp"
 
@@ -26,9 +30,13 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   circuit.stands_for_ground = ground;
   const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
+  make_state_machines(definitions, reporter);
+  circuit.has_machines =
+      std::any_of(definitions.all.begin(), definitions.all.end(), [](const auto& each) { return !each->machines.empty(); });
   circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
   circuit.written_by_ltspice = definitions.written_by_ltspice;
   circuit.prints = definitions.prints;
+  measure_powers(definitions);
   replace_control_switches(definitions);
   replace_xspice_logic(definitions, reporter);
   replace_logic_devices(definitions, reporter);

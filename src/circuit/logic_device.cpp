@@ -22,7 +22,8 @@ using ItemKind = Item::Kind;
 /// Places of the terminals, from 0.
 constexpr std::size_t input_places = 5, common = 7, device_nodes = 8;
 constexpr std::string_view gate_parameters[] = {"vhigh", "vlow", "ref", "td"},
-                           trip_parameters[] = {"vhigh", "vlow", "ref", "td", "vt", "vh"}, sample_parameters[] = {"vhigh", "vlow", "ref"},
+                           trip_parameters[] = {"vhigh", "vlow", "ref", "td", "vt", "vh"},
+                           sample_parameters[] = {"vhigh", "vlow", "ref", "td"},
                            amplifier_parameters[] = {"vhigh", "vlow", "ref", "g", "iout", "isource", "isink", "rout", "cout"};
 constexpr std::string_view ignored_parameters[] = {"trise", "tfall", "tau",    "cout",   "rout", "rhigh",
                                                    "rlow",  "ic",    "tripdt", "tripdv", "temp"};
@@ -36,7 +37,7 @@ struct DeviceUsage {
 
 DeviceUsage usage_of(Logic logic) {
   if (logic == Logic::schmitt) return {trip_parameters, "Vhigh= Vlow= Ref= Td= Vt= Vh="};
-  if (logic == Logic::sample_hold) return {sample_parameters, "Vhigh= Vlow= Ref="};
+  if (logic == Logic::sample_hold) return {sample_parameters, "Vhigh= Vlow= Ref= Td="};
   if (logic == Logic::transconductance) return {amplifier_parameters, "G= Vhigh= Vlow= Ref= Iout= Isource= Isink= Rout= Cout= linear"};
   return {gate_parameters, "Vhigh= Vlow= Ref= Td="};
 }
@@ -183,6 +184,9 @@ class Replacement {
         return false;
       }
     }
+    if (device_.type->logic == Logic::sample_hold && device_.is_late && device_.uses('4'))
+      return fail(
+          "delays by Td= what S/H, the fourth node, lets through: a delay of a signal that moves has no piecewise-linear form; try Td=0");
     return !is_amplifier || amplifier(is_linear);
   }
 
@@ -200,6 +204,10 @@ class Replacement {
                       fmt::format("{} needs G=, Vhigh=, Vlow= (1e308 and -1e308 for no clamp), and Iout= or the word linear", card_.name));
       return false;
     }
+    if (given("ref") != nullptr && (device_.uses('3') || device_.uses('4')))
+      return fail(
+          "has Ref= beside a second pair of inputs: to which of the two LTspice adds it is not documented; try a source in series with an "
+          "input");
     if (given("rout") != nullptr) device_.parts += 'r';
     if (given("cout") != nullptr) device_.parts += 'c';
     if (is_bound(*given("vhigh"))) device_.parts += 'h';

@@ -13,10 +13,10 @@ namespace {
 constexpr std::string_view name_begin = "ltspice.", with_delay = "td", no_outputs = "none";
 
 constexpr LogicType types[] = {
-    {"buf", Logic::buffer, "12345", 1, 1}, {"inv", Logic::inverter, "12345", 1, 1}, {"and", Logic::conjunction, "12345"},
-    {"or", Logic::disjunction, "12345"},   {"xor", Logic::exactly_one, "12345"},    {"schmitt", Logic::schmitt, "12"},
-    {"diffschmitt", Logic::schmitt, "12"}, {"srflop", Logic::set_reset, "12"},      {"dflop", Logic::d_flip_flop, "1345"},
-    {"samplehold", Logic::sample_hold, "1234"}, {"ota", Logic::transconductance, "12"},
+    {"buf", Logic::buffer, "12345", 1, 1},      {"inv", Logic::inverter, "12345", 1, 1},  {"and", Logic::conjunction, "12345"},
+    {"or", Logic::disjunction, "12345"},        {"xor", Logic::exactly_one, "12345"},     {"schmitt", Logic::schmitt, "12"},
+    {"diffschmitt", Logic::schmitt, "12"},      {"srflop", Logic::set_reset, "12"},       {"dflop", Logic::d_flip_flop, "1345"},
+    {"samplehold", Logic::sample_hold, "1234"}, {"ota", Logic::transconductance, "1234"},
 };
 
 /// Of that name; without a type where the name is none that Device::name writes.
@@ -190,28 +190,46 @@ class Writer {
   }
 
   /// A master that follows the input while the clock is low, and a slave that follows the master while the clock is high; both follow while S/H is high.
+  /// With a delay a second such pair samples the slave at the late edge of the clock.
   std::string sample_hold() {
-    card(".subckt {}{} com params: vhigh=10 vlow=-10 ref=0.5", device_.name(), ports());
+    card(".subckt {}{} com params: vhigh=10 vlow=-10 ref=0.5 td=0", device_.name(), ports());
     card("Vone _one com 1");
     card(".model high SW(Vt={{ref}})");
     card(".model sum SW(Vt=0)");
     bits(device_.used.substr(device_.used.find_first_of("34")));
     const std::string bits_sum = sum({{"3", 1}, {"4", 1}});
-    card("Bin _in com V={}", difference('1', '2'));
+    card("Bx _x com V={}", difference('1', '2'));
     card("Bt _t com V=0.5{}", sum({{"3", -1}, {"4", 1}}));
-    card("Sm _in _m _t com sum");
+    card("Sm _x _m _t com sum");
     card("Cm _m com 1u");
     card("Bm _held com V=v(_m,com)");
     card("Bh _h com V={}-0.5", bits_sum);
     card("Ss _held _s _h com sum");
     card("Cs _s com 1u");
-    card("Bo7 o7 com V=limit(v(_s,com),{{vlow}},{{vhigh}})");
+    if (device_.is_late) late_sample();
+    card("Bo7 o7 com V=limit({},{{vlow}},{{vhigh}})", device_.is_late ? "late*v(_w,com)+(1-late)*v(_s,com)" : "v(_s,com)");
     return text_ + ".ends\n";
   }
 
+  void late_sample() {
+    card("By _y com V=v(_b3,com)");
+    card(".model latch SW(Vt=0 Vh=0.5)");
+    late();
+    card("Bc _c com V=v(_s,com)");
+    card("Bl _l com V=0.5-v(_e,com)");
+    card("Su _c _u _l com sum");
+    card("Cu _u com 1u");
+    card("Bu _late com V=v(_u,com)");
+    card("Bk _k com V=v(_e,com)-0.5");
+    card("Sw _late _w _k com sum");
+    card("Cw _w com 1u");
+  }
+
+  /// The second pair of inputs, where it is used, is a factor.
   std::string transconductance() {
     card(".subckt {}{} com params: g=1 ref=0 vhigh=0 vlow=0 rout=1 cout=0 iout=0 isource={{iout}} isink={{iout}}", device_.name(), ports());
-    const std::string current = fmt::format("{{g}}*({}+{{ref}})", difference('2', '1'));
+    std::string current = fmt::format("{{g}}*({}+{{ref}})", difference('2', '1'));
+    if (device_.uses('3') || device_.uses('4')) current += fmt::format("*({})", difference('4', '3'));
     if (device_.has_part('i'))
       card("Bo com o7 I=limit({},{{-abs(isink)}},{{isource}})", current);
     else

@@ -64,6 +64,14 @@ const ModelText& typed_text(const std::vector<ChainLink>& chain) {
   return typed == chain.end() ? chain.back().text : typed->text;
 }
 
+/// "NMOS or PMOS or VDMOS"
+std::string types_of(const elements::Kind& kind) {
+  std::vector<std::string_view> types;
+  for (const elements::ModelKind* model : kind.models)
+    if (types.size() < 3 && model->type != "LPNP") types.push_back(model->type);
+  return fmt::format("{}", fmt::join(types, " or "));
+}
+
 std::vector<std::string> model_types() {
   std::vector<std::string> types;
   for (const elements::Kind& kind : elements::catalogue()) {
@@ -267,7 +275,9 @@ void Models::report_unknown(Scope& scope, const Item& name, const elements::Kind
     for (const auto& entry : at->definition().models) names.push_back(entry.second->items[0].text);
   }
   std::string cure = suggestion(name.text, names);
-  if (cure.empty()) cure = fmt::format("; try a card .model {} {}", name.text, kind.models[0]->type);
+  const bool has_polarity = std::string_view("MQJ").find(kind.letter) != std::string_view::npos;
+  if (cure.empty())
+    cure = fmt::format("; try a card .model {} {}", name.text, has_polarity ? types_of(kind) : std::string(kind.models[0]->type));
   reporter_.error("E-unknown-model", name.span, fmt::format("unknown model '{}'{}", name.text, cure));
 }
 

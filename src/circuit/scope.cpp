@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/guarded_cards.hpp"
 #include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
@@ -46,10 +47,13 @@ void Scope::define_failed(const std::string& name, SourceSpan span) {
 void Scope::evaluate_all() {
   // A chain of definitions longer than the depth of evaluation is resolved from its other end; what is left then is an error.
   depth_is_error_ = false;
-  for (auto key = order_.begin(); key != order_.end() && !session_.too_deep; ++key) (void)parameter(entries_.at(*key), 0);
+  const auto evaluate = [this](Entry& entry) {
+    if (entry.is_given || entry.text.value == nullptr || !may_be_undecided(*entry.text.value)) (void)parameter(entry, 0);
+  };
+  for (auto key = order_.begin(); key != order_.end() && !session_.too_deep; ++key) evaluate(entries_.at(*key));
   depth_is_error_ = true;
   session_.too_deep = false;
-  for (auto key = order_.rbegin(); key != order_.rend(); ++key) (void)parameter(entries_.at(*key), 0);
+  for (auto key = order_.rbegin(); key != order_.rend(); ++key) evaluate(entries_.at(*key));
 }
 
 Scope& Scope::enclosing(const Definition& where) {

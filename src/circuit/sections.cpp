@@ -12,6 +12,7 @@
 #include "circuit/definitions.hpp"
 #include "circuit/evaluation.hpp"
 #include "circuit/evaluator.hpp"
+#include "circuit/guarded_cards.hpp"
 #include "circuit/scope.hpp"
 
 namespace pwlsim::circuit {
@@ -54,6 +55,7 @@ class Chooser {
       }
     }
     for (const Open& open : open_) reporter_.error("E-missing-ends", open.begin->name_span, ".if has no .endif");
+    result_.cards = with_decided_definitions(std::move(result_.cards));
     return std::move(result_);
   }
 
@@ -138,11 +140,13 @@ class Chooser {
     if (subcircuits_ == 0 && !open_.empty() && is_read_by_conditions(card)) known_.cards.push_back(card);
     for (const Open& open : open_) {
       if (!open.is_guarded) continue;
-      if (std::isalpha(static_cast<unsigned char>(card.name.front())) == 0)
-        return reporter_.error("E-not-supported", card.name_span,
-                               fmt::format("{} in a section of .if within a subcircuit: such sections hold elements only; try "
-                                           "if(condition,a,b) for a value",
-                                           card.name));
+      const bool is_element = std::isalpha(static_cast<unsigned char>(card.name.front())) != 0;
+      if (!is_element && !is_card(card, CardRole::parameter) && !is_card(card, CardRole::model))
+        return reporter_.error(
+            "E-not-supported", card.name_span,
+            fmt::format("{} in a section of .if within a subcircuit: such sections hold elements, .param and .model; try "
+                        "a section around the subcircuit",
+                        card.name));
       std::vector<netlist::Guard>& guards = result_.cards.back().guards;
       guards.insert(guards.end(), open.guards.begin(), open.guards.end());
     }

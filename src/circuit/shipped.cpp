@@ -1,6 +1,7 @@
 #include "circuit/shipped.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <span>
 
@@ -96,8 +97,26 @@ std::string timer_of_pspice(std::string_view name) {
   return text;
 }
 
+/// Of an amplifier whose output another one drives, too.
+constexpr std::string_view shared_end = "~shared";
+
+/// Such an amplifier: the output stage of the other, with a resistance and a limit to its current, which LTspice's have. "" for other names.
+std::string with_shared_output(const std::string& text, std::string_view name, std::string_view amplifier) {
+  constexpr std::string_view ideal = "E1 out 0 z 0 1\n", no_limit = "ilimit=inf";
+  const std::size_t at = text.find(ideal);
+  if (at == std::string::npos) return "";
+  std::string shared = text;
+  shared.replace(at, ideal.size(), "B1 0 out I={limit((V(z)-V(out))/10, -ilimit, ilimit)}\n");
+  if (const std::size_t limit = shared.find(no_limit); limit != std::string::npos) shared.replace(limit, no_limit.size(), "ilimit=25m");
+  return shared.replace(shared.find(amplifier), amplifier.size(), name);
+}
+
 /// "" where there is none.
 std::string text_of(std::string_view name) {
+  if (name.ends_with(shared_end)) {
+    const std::string_view amplifier = name.substr(0, name.size() - shared_end.size());
+    return with_shared_output(text_of(amplifier), name, amplifier);
+  }
   const std::string_view level = amplifier_level(name);
   if (const ShippedSubcircuit* found = find_shipped(level.empty() ? name : level)) return renamed(*found, name);
   std::string text = packaged(name);
@@ -114,13 +133,46 @@ void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
         fmt::format(
             "{} is the shipped one: Avol, GBW, Vos and Rin are used, at level 2 Slew and Rail too; Ilimit, phimargin and noise are not",
             name.text));
-  const std::optional<Device> device = find_device(name.text);
+  const std::string_view written =
+      name.text.ends_with(shared_end) ? std::string_view(name.text).substr(0, name.text.size() - shared_end.size()) : name.text;
+  const std::optional<Device> device = find_device(written);
   const Part* part = find_type<Part>(parts, device);
   if (part == nullptr && find_type<Packaged>(packaged_types, device) == nullptr) return;
-  reporter.note(
-      "N-model-at-hand", name.span,
-      fmt::format("{} is not defined, and is taken from the models at hand: {} ({}){}; try a .subckt for other numbers", name.text,
-                  device->parameters, device->source, part != nullptr ? fmt::format(", with the nodes {}", part->words) : ""));
+  reporter.note("N-model-at-hand", name.span,
+                fmt::format("{} is not defined, and is taken from the models at hand: {} ({}){}; try a .subckt for other numbers", written,
+                            device->parameters, device->source, part != nullptr ? fmt::format(", with the nodes {}", part->words) : ""));
+}
+
+/// An amplifier of the library: in+ in- v+ v- out.
+bool is_amplifier(std::string_view name) {
+  const std::optional<Device> device = find_device(name);
+  const Packaged* type = find_type<Packaged>(packaged_types, device);
+  return !amplifier_level(name).empty() || (type != nullptr && type->subcircuit == "universalopamp2");
+}
+
+/// Two amplifiers whose outputs are one node (a window comparator) contradict each other if both are ideal sources.
+void share_outputs(Definitions& definitions, Reporter& reporter) {
+  constexpr std::size_t output = 4;
+  for (const auto& definition : definitions.all) {
+    std::map<std::string, std::vector<const netlist::Card**>> drivers;
+    for (const netlist::Card*& card : definition->elements) {
+      const netlist::Item* name = is_call(*card) && card->items.size() > output ? called_subcircuit(*card) : nullptr;
+      if (name == nullptr || !is_amplifier(name->text) || find_subcircuit(*definition, name->text) != nullptr) continue;
+      drivers[without_case(card->items[output].text)].push_back(&card);
+    }
+    for (auto& [node, cards] : drivers) {
+      if (cards.size() < 2) continue;
+      reporter.note("N-universal-opamp", (*cards[1])->name_span,
+                    fmt::format("{} and {} drive one node: their outputs have 10 ohm and give Ilimit at most (25 mA if it is not given)",
+                                (*cards[0])->name, (*cards[1])->name));
+      for (const netlist::Card** card : cards) {
+        netlist::Card shared = **card;
+        for (netlist::Item& item : shared.items)
+          if (item.span.begin == called_subcircuit(**card)->span.begin) item.text += shared_end;
+        *card = &definitions.made.emplace_back(std::move(shared));
+      }
+    }
+  }
 }
 
 struct Called {
@@ -152,6 +204,7 @@ bool is_shipped(std::string_view file) { return file.starts_with(file_begin) && 
 std::vector<netlist::Deck> add_shipped_subcircuits(Definitions& definitions, SourceStore& sources, Reporter& reporter) {
   std::vector<netlist::Deck> decks;
   Definition& top = *definitions.all.front();
+  share_outputs(definitions, reporter);
   for (const Called& called : called_from(definitions, reporter)) {
     Diagnostics scratch;
     const std::string name = fmt::format("{}{}{}", file_begin, called.name, file_end);

@@ -21,7 +21,7 @@ double RunContext::seconds() const { return std::chrono::duration<double>(std::c
 
 /// A remark on signals that nobody named, measured or draws: with --verbose it is said.
 bool RunContext::concerns_nobody(const engine::Remark& remark) const {
-  if (remark.signals.empty() || options.verbose || compiled->names_signals || has_pictures()) return false;
+  if (remark.signals.empty() || options.verbose || compiled->names_signals || compiled->has_machines || has_pictures()) return false;
   const auto& probes = compiled->measurements.probe_signals;
   return std::none_of(probes.begin(), probes.end(), [&](int probe) {
     const std::string& name = compiled->network.signals[static_cast<std::size_t>(probe)].name;

@@ -26,7 +26,8 @@
 ///     .meas tran p AVG v(a)*i(b) FROM=1m     words tran, p, AVG; expression; words FROM, 1m
 ///     .meas t FIND v(a) WHEN v(b)=2*v(c)     words t, FIND; expression; word WHEN; two expressions
 ///
-/// `.if (a == b)` and `.elseif` hold one expression, with or without parentheses.
+/// `.if (a == b)` and `.elseif` hold one expression, with or without parentheses; `.rule from to v(a)>0.5` two words and an expression,
+/// `.output (n) state` a bare group and an expression.
 /// On .subckt and X cards `params:p=1` reads as the word `params:` and the assignment.
 ///
 /// Guarantees: the text of a word, group or card name is never altered; an expression item has an expression; a card with

@@ -376,6 +376,23 @@ void parse_measurement(const char*& first, const char* last, State& state, std::
   }
 }
 
+/// `.rule from to V(a) > 0.5`
+void parse_rule(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  constexpr std::size_t states = 2;
+  x3::parse(first, last, *blank);
+  while (items.size() < states && take_word(first, last, state, items)) x3::parse(first, last, *blank);
+  if (items.size() == states) parse_condition(first, last, state, items);
+}
+
+/// `.output (node) state > 0.5`
+void parse_machine_output(const char*& first, const char* last, State& state, std::vector<Item>& items) {
+  x3::parse(first, last, *blank);
+  Item node;
+  if (!x3::parse(first, last, x3::with<state_tag>(state)[plain_value], node)) return;
+  items.push_back(std::move(node));
+  parse_condition(first, last, state, items);
+}
+
 }  // namespace
 
 std::string_view card_name(std::string_view line) {
@@ -403,7 +420,6 @@ bool parse_card(const ParseContext& context, Card& card) {
   constexpr std::size_t usual_items = 4;
   card.items.reserve(usual_items);
   State state{context, CardStyle(name_text), {}, {}, false, false};
-  if (state.style.is_unread()) return true;
   const char* first = name_text.data() + name_text.size();
   if (state.style.is_function()) {
     parse_function(first, line.end(), state, card.items);
@@ -416,6 +432,12 @@ bool parse_card(const ParseContext& context, Card& card) {
   }
   if (state.style.is_measurement()) {
     parse_measurement(first, line.end(), state, card.items);
+  }
+  if (state.style.is_rule()) {
+    parse_rule(first, line.end(), state, card.items);
+  }
+  if (state.style.is_machine_output()) {
+    parse_machine_output(first, line.end(), state, card.items);
   }
   x3::parse(first, line.end(), x3::with<state_tag>(state)[list], card.items);
   assert(first == line.end() || state.stopped);

@@ -10,8 +10,8 @@ CardStyle::CardStyle(std::string_view name) {
   const char letter = lower_letter(name.front());
   dot_ = letter == '.';
   function_ = same_name(name, ".func");
-  static constexpr std::array<std::string_view, 5> unread{".machine", ".state", ".rule", ".output", ".endmachine"};
-  unread_ = is_one_of(unread, name);
+  rule_ = same_name(name, ".rule");
+  machine_output_ = same_name(name, ".output");
   condition_ = same_name(name, ".if") || same_name(name, ".elseif");
   model_ = same_name(name, ".model");
   measurement_ = same_name(name, ".meas") || same_name(name, ".measure");

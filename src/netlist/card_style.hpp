@@ -11,8 +11,10 @@ class CardStyle {
 
   /// The card defines a function, whose body needs no braces.
   [[nodiscard]] bool is_function() const { return function_; }
-  /// The card belongs to a state machine of LTspice, which is not read.
-  [[nodiscard]] bool is_unread() const { return unread_; }
+  /// The card is a rule of LTspice's state machines: two states, and a condition without braces.
+  [[nodiscard]] bool is_rule() const { return rule_; }
+  /// The card is an output of such a machine: a node in parentheses, and an expression without braces.
+  [[nodiscard]] bool is_machine_output() const { return machine_output_; }
   /// The card holds one expression: .if, .elseif.
   [[nodiscard]] bool is_condition() const { return condition_; }
   /// The card defines parameters; the equals signs may be left out.
@@ -31,7 +33,8 @@ class CardStyle {
  private:
   bool dot_ = false;
   bool function_ = false;
-  bool unread_ = false;
+  bool rule_ = false;
+  bool machine_output_ = false;
   bool condition_ = false;
   bool model_ = false;
   bool measurement_ = false;

@@ -45,6 +45,25 @@ TEST_CASE(".if within a subcircuit is decided by each call, and by each run of .
   CHECK_THAT(finished.out, Contains("-3") && Contains("-6") && Contains("1.5"));
 }
 
+TEST_CASE("parameters and models in sections of a subcircuit are those of each call", "[unit]") {
+  const Scratch scratch;
+  const Finished finished = run_deck(
+      scratch,
+      "sections\nV1 a 0 12\nX1 a s1 part\nX2 a s2 part kind=2\nX3 a s3 part kind=3 r=7\nX4 a s4 part kind=4\n.model sw SW(Ron=9 Vt=-1)\n"
+      ".subckt part p o params: kind=1 r=1\n.if (kind==1)\n.param ro=10\n.model sw SW(Ron=1 Vt=-1)\n.elseif (kind==2)\n.param ro={20*r} "
+      "r=2\n"
+      ".model sw SW(Ron=2 Vt=-1)\n.elseif (kind==3)\n.model sw SW(Ron=3 Vt=-1)\n.endif\n.if (kind<3)\nR1 o 0 {ro}\n.else\nR1 o 0 "
+      "{r}\n.endif\nS1 p o 0 0 sw\n.ends\n"
+      ".tran 1m 2m\n.meas v1 FIND v(s1) AT=1m\n.meas v2 FIND v(s2) AT=1m\n.meas v3 FIND v(s3) AT=1m\n.meas v4 FIND v(s4) AT=1m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  // 12 V over Ron and the load: 1 and 10 ohm; 2 and 20·2; 3 and the call's 7; the deck's own model, 9, and the default 1.
+  CHECK(value_of(finished.out, "v1") == Approx(12.0 * 10.0 / 11.0));
+  CHECK(value_of(finished.out, "v2") == Approx(12.0 * 40.0 / 42.0));
+  CHECK(value_of(finished.out, "v3") == Approx(12.0 * 7.0 / 10.0));
+  CHECK(value_of(finished.out, "v4") == Approx(12.0 * 1.0 / 10.0));
+}
+
 TEST_CASE("slips with .if are named", "[unit]") {
   const Scratch scratch;
   const auto said = [&](const std::string& cards) { return run_deck(scratch, "slips\nR1 a 0 1\nV1 a 0 1\n.tran 1m 1m\n" + cards).err; };
@@ -54,7 +73,9 @@ TEST_CASE("slips with .if are named", "[unit]") {
   CHECK_THAT(said(".if (1)\n.else\n.elseif (2)\n.endif\n"), Contains(".elseif after .else"));
   CHECK_THAT(said(".param mode=1\n.if (mod == 1)\n.endif\n"), Contains("unknown") && Contains("try 'mode'"));
   CHECK_THAT(said(".if\n.endif\n"), Contains("error[E-missing-value]"));
-  CHECK_THAT(said(".subckt s p\n.if (1)\n.model m R(R=1)\n.endif\nR1 p 0 1\n.ends\nX1 a s\n"), Contains("hold elements only"));
+  CHECK_THAT(said(".subckt s p\n.if (1)\n.func f(x) {x}\n.endif\nR1 p 0 1\n.ends\nX1 a s\n"), Contains("hold elements, .param and .model"));
+  CHECK_THAT(said(".subckt s p k=1\n.if (k==2)\n.param r=1\n.endif\nR1 p 0 {r}\n.ends\nX1 a s\n"),
+             Contains("unknown parameter 'r of no section of .if that holds'"));
 }
 
 TEST_CASE("XSPICE's bridges and gates switch at their levels, after their delays", "[unit]") {

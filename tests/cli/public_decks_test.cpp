@@ -350,3 +350,47 @@ TEST_CASE("a load carries nothing against a negative voltage", "[unit]") {
   CHECK(value_of(rest.out, "lo") == Approx(0.0).margin(1e-6));
   CHECK(value_of(rest.out, "i") == Approx(0.1).epsilon(1e-9));
 }
+
+TEST_CASE("a measurement of a node that shows a power measures the product", "[unit]") {
+  const Scratch scratch;
+  // (10 V sin)²/10 Ω: 5 W in the mean, 10 W at the peak; half of both at b.
+  const Finished finished =
+      run_deck(scratch,
+               "power\nV1 a 0 SIN(0 10 50)\nR1 a 0 10\nB1 p 0 V=V(a)*I(R1)\nB2 q 0 V={0.5*V(a)**2/10+0*V(a)}\n.tran 0 40m\n"
+               ".meas pavg AVG V(p)\n.meas pk MAX V(p) FROM 10m TO 30m\n.meas q AVG V(q)-V(p)\n.backanno\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-unread-part"));
+  CHECK(value_of(finished.out, "pavg") == Approx(5.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "pk") == Approx(10.0).epsilon(1e-9));
+  CHECK(value_of(finished.out, "q") == Approx(-2.5).epsilon(1e-9));
+}
+
+TEST_CASE("two amplifiers may drive one node", "[unit]") {
+  const Scratch scratch;
+  // A window comparator. Within the window both are low, 10 ohm each below 2 V over 100 kohm; outside one sinks its 25 mA, which the other gives through its 10 ohm.
+  const Finished finished =
+      run_deck(scratch,
+               "window\nV1 p 0 2\nV2 in 0 PWL(0 0.1 1m 0.3)\nV3 hi 0 0.25\nV4 lo 0 0.15\nR1 p out 100k\n"
+               "X1 in hi p 0 out level.2 Ilimit=25m\nX2 lo in p 0 out LM358\n.tran 1u 1m\n.meas below FIND v(out) AT=0.1m\n"
+               ".meas within FIND v(out) AT=0.5m\n.meas above FIND v(out) AT=0.9m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("N-universal-opamp") && Contains("drive one node"));
+  CHECK(value_of(finished.out, "within") == Approx(2.0 / (1.0 + 100e3 / 5.0)).epsilon(1e-3));
+  const double outside = 2.0 - 25e-3 / (1.0 / 10.0 + 1.0 / 100e3);
+  CHECK(value_of(finished.out, "above") == Approx(outside).epsilon(1e-3));
+}
+
+TEST_CASE("an amplifier wakes up with its supply", "[unit]") {
+  const Scratch scratch;
+  // Its output stops 1.5 V from either supply; below 3 V there is nothing between, and it is halfway. A follower of 4 V.
+  const Finished finished = run_deck(scratch,
+                                     "ramp\nV1 vcc 0 PWL(0 0 1m 12)\nV2 in 0 4\nR1 out 0 10k\nX1 in out vcc 0 out LM741\n.tran 1u 2m\n"
+                                     ".meas early FIND v(out) AT=0.1m\n.meas rail FIND v(out) AT=0.4m\n.meas late FIND v(out) AT=1.5m\n");
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  CHECK(value_of(finished.out, "early") == Approx(0.6).epsilon(1e-6));
+  CHECK(value_of(finished.out, "rail") == Approx(4.8 - 1.5).epsilon(1e-6));
+  CHECK(value_of(finished.out, "late") == Approx(4.0).epsilon(1e-4));
+}

@@ -84,7 +84,7 @@ TEST_CASE("a product that something reads stays an error", "[unit]") {
   const std::string power = "B1 p 0 V=V(a)*I(V1)\nR2 p 0 1k\n";
   const auto is_error = Contains("error[E-not-piecewise-linear]: B1: a product of signals");
   CHECK_THAT(said(power + ".save v(p)\n"), is_error);
-  CHECK_THAT(said(power + ".meas m AVG v(p)\n"), is_error);
+  CHECK_THAT(said(power + "R3 p pf 1k\nC3 pf 0 1u\n.meas m AVG v(pf)\n"), is_error);
   CHECK_THAT(said(power + ".ic v(p)=1\n"), is_error);
   CHECK_THAT(said(power + "E1 q 0 p 0 2\nR3 q 0 1k\n"), is_error);
   CHECK_THAT(said("B1 p 0 V=V(a)*I(V1)\nL2 p 0 1m\n"), is_error);        // a power stage

@@ -51,3 +51,37 @@ TEST_CASE("an OTA is a current G times its input, within its limits", "[regressi
     CHECK(row[4] == Approx(std::clamp(x, -0.6, 0.3)).margin(1e-10));
   }
 }
+
+TEST_CASE("a sample-and-hold with Td= puts its sample out that much later, after pulses shorter and longer than Td", "[regression]") {
+  // The input rises by 0.1 V a millisecond; edges of both clocks at 2 ms + k·4 ms.
+  const DeckRun run = run_text(
+      "late samples\nV1 in 0 PWL(0 0 20m 2)\nV2 clk 0 PULSE(0 1 2m 0 0 1m 4m)\nV3 long 0 PULSE(0 1 2m 0 0 3m 4m)\n"
+      "A1 in 0 clk 0 0 0 a 0 SAMPLEHOLD Td=1.5m\nA2 in 0 long 0 0 0 b 0 SAMPLEHOLD Td=1.5m\nA3 in 0 clk 0 0 0 c 0 SAMPLEHOLD Td=0\n"
+      ".save v(a) v(b) v(c)\n.tran 0.2m 19.9m 0.1m uic\n.end\n");
+  REQUIRE(run.messages.empty());
+  REQUIRE(run.rows.size() == 100);
+  for (const auto& row : run.rows) {
+    const double t = row[0];
+    const auto sampled = [](double at) { return at < 2e-3 ? 0.0 : 0.2 + 0.4 * std::floor((at - 2e-3) / 4e-3); };
+    INFO(t);
+    CHECK(row[1] == Approx(sampled(t - 1.5e-3)).margin(1e-10));
+    CHECK(row[2] == Approx(sampled(t - 1.5e-3)).margin(1e-10));
+    CHECK(row[3] == Approx(sampled(t)).margin(1e-10));
+  }
+}
+
+TEST_CASE("the second pair of inputs of an OTA is a factor where constant sources or gates hold it", "[regression]") {
+  // Pins A- A+ B- B+ (LTspice's symbol of the multiplying OTA).
+  const DeckRun run = run_text(
+      "multiplying ota\nV1 in 0 SIN(0 1 50)\nVk k 0 3\nVm m 0 0.5\nVg g 0 PULSE(0 2 10m 0 0 1)\n"
+      "A1 0 in m k 0 0 a 0 OTA G=1m Iout=2m Vhigh=1e308 Vlow=-1e308\nR1 a 0 1k\n"
+      "A2 in 0 0 g 0 0 b 0 OTA G=1m linear Rout=1k Vhigh=1e308 Vlow=-1e308\n"
+      ".save v(a) v(b)\n.tran 0.3m 20m uic\n.end\n");
+  REQUIRE(run.messages.empty());
+  for (const auto& row : run.rows) {
+    const double t = row[0], x = std::sin(2.0 * std::numbers::pi * 50.0 * t);
+    INFO(t);
+    CHECK(row[1] == Approx(std::clamp(2.5 * x, -2.0, 2.0)).margin(1e-10));
+    CHECK(row[2] == Approx(t < 10e-3 ? 0.0 : -2.0 * x).margin(1e-10));
+  }
+}
