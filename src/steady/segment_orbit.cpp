@@ -316,7 +316,7 @@ class SegmentSearch {
     Vector start(residual_.size());
     for (Eigen::Index i = 0; i < start.size(); ++i) start[i] = scattered(static_cast<std::uint64_t>(i));
     if (map_.energies(start).size() == 0) return;
-    if (!map_.derivative(start)) {
+    if (!map_.smooth(start) || !map_.derivative(start)) {
       orbit_.kink = map_.failure();
       return;
     }

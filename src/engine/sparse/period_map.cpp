@@ -84,23 +84,36 @@ Vector PeriodMap::energies(const Vector& unknowns) const {
   return x;
 }
 
-bool PeriodMap::derivative(Vector& deviation) {
+template <class Follow>
+bool PeriodMap::each_part(Vector& deviation, const Follow& follow) {
   Eigen::Index first = 0;
-  beside_.clear();
   for (std::size_t i = 0; i < deviations_.size(); ++i) {
     const auto count = static_cast<Eigen::Index>(model_->parts[i]->descriptor.size());
     std::vector<double> z(deviation.data() + first, deviation.data() + first + count);
-    SegmentDeviation& own = *deviations_[i];
-    if (!own.follow(records_[i], z)) {
-      failure_ = own.failure();
+    if (!follow(*deviations_[i], records_[i], z)) {
+      failure_ = deviations_[i]->failure();
       return false;
     }
-    worst_ = std::max(worst_, own.worst_error());
-    beside_.insert(beside_.end(), own.beside().begin(), own.beside().end());
     deviation.segment(first, count) = Eigen::Map<const Vector>(z.data(), count);
     first += count;
   }
   return true;
+}
+
+bool PeriodMap::derivative(Vector& deviation) {
+  beside_.clear();
+  return each_part(deviation, [this](SegmentDeviation& own, const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+    const bool is_followed = own.follow(records, z);
+    worst_ = std::max(worst_, own.worst_error());
+    beside_.insert(beside_.end(), own.beside().begin(), own.beside().end());
+    return is_followed;
+  });
+}
+
+bool PeriodMap::smooth(Vector& deviation) {
+  return each_part(deviation, [](SegmentDeviation& own, const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+    return own.smooth(records, z);
+  });
 }
 
 bool PeriodMap::keeps_switches(const State& from, const State& to) const {

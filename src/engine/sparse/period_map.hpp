@@ -26,7 +26,10 @@ class PeriodMap {
   /// From `state` for `length` s with sources as from t = 0 on, without what happens at the end; `state` is the start and then the end. `records`: its segments, for `keep`.
   Answer advance(State& state, double length, bool records);
   /// From now on `derivative`, and what else is said of the run kept, is of the last run that was recorded.
-  void keep() { records_ = std::move(last_); }
+  void keep() {
+    records_ = std::move(last_);
+    worst_ = 0.0;
+  }
   /// An ordinary run with rows from such a state.
   [[nodiscard]] Answer run(const State& from, const Request& request, RowSink& sink) const;
 
@@ -37,8 +40,10 @@ class PeriodMap {
   [[nodiscard]] linalg::Vector energies(const linalg::Vector& unknowns) const;
   /// What a deviation of the start makes of the end of the run kept. False: `failure`.
   [[nodiscard]] bool derivative(linalg::Vector& deviation);
+  /// Takes what is fast out of a deviation of the start.
+  [[nodiscard]] bool smooth(linalg::Vector& deviation);
   [[nodiscard]] const std::string& failure() const { return failure_; }
-  /// The largest estimated error of `derivative` in a segment, of the largest deviation so far.
+  /// The largest estimated error of `derivative` along the run kept in a segment, of the largest deviation so far.
   [[nodiscard]] double worst_error() const { return worst_; }
   /// Guards of the run kept, and of the last deviations.
   [[nodiscard]] const std::vector<SegmentDeviation::Beside>& beside() const { return beside_; }
@@ -68,6 +73,8 @@ class PeriodMap {
   [[nodiscard]] const SparseModel& model() const { return *model_; }
 
  private:
+  template <class Follow>
+  [[nodiscard]] bool each_part(linalg::Vector& deviation, const Follow& follow);
   [[nodiscard]] static std::vector<Position> positions(const std::vector<std::vector<SegmentRecord>>& run);
   std::shared_ptr<const SparseModel> model_;
   const std::atomic<int>* interrupt_;

@@ -14,8 +14,9 @@ namespace {
 
 /// Vectors at which the error is looked at.
 constexpr std::array<int, 13> dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
-constexpr double tolerance = 1e-12;          ///< of the largest deviation so far
-constexpr double most_error = 1e-8;          ///< the same: where vectors are nothing but rounding
+constexpr double tolerance = 1e-12;  ///< of the largest deviation so far
+constexpr double most_error = 1e-8;  ///< the same: where vectors are nothing but rounding
+constexpr int smoothing_steps = 6;
 constexpr double gone = 1e-20;               ///< the same: it has decayed
 constexpr double least_share = 1e-4;         ///< of a segment: a shorter part is none
 constexpr double same_shift_of_time = 1e-6;  ///< of the largest: guards that fall to zero together in nearby runs, too
@@ -52,6 +53,20 @@ bool SegmentDeviation::follow(const std::vector<SegmentRecord>& records, std::ve
     }
   }
   z = z_;
+  return true;
+}
+
+bool SegmentDeviation::smooth(const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+  if (records.empty()) return true;
+  const SegmentRecord& first = records.front();
+  scale_ = 0.0;
+  more_.clear();
+  for (int step = 0; step < smoothing_steps; ++step) {
+    z_ = z;
+    if (!open(first, first.on, 1.0)) return false;
+    if (is_gone()) return true;
+    z = space_.first_unknowns();
+  }
   return true;
 }
 

@@ -26,6 +26,8 @@ class SegmentDeviation {
 
   /// The deviation at the end, in place of that at the start. False: it cannot be followed (`failure`).
   [[nodiscard]] bool follow(const std::vector<SegmentRecord>& records, std::vector<double>& z);
+  /// Takes what is fast out of a deviation: the ends of implicit Euler steps in the position that the run begins in.
+  [[nodiscard]] bool smooth(const std::vector<SegmentRecord>& records, std::vector<double>& z);
   [[nodiscard]] const std::string& failure() const { return failure_; }
   /// The largest estimated error of a segment, of the largest deviation so far.
   [[nodiscard]] double worst_error() const { return worst_; }
