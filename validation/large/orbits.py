@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Periodic orbits of large circuits: dense modes beside Krylov segments, and one more period by the sparse engine.
 
-    orbits.py PWLSIM [SECONDS]      table of docs/validation/large.md; a run that takes longer than SECONDS (60) is none
+    orbits.py PWLSIM [SECONDS]      a table of docs/validation/steady-state.md; a run that takes longer than SECONDS (60) is none
 
 "next period": the orbit's stores become ic= of a run over one period by implicit steps (--engine sparse, reltol 1e-8), which shares no segment, event or product
 with the search; the largest change of a saved signal from the begin of the period to its end, of its largest value.
