@@ -102,6 +102,10 @@ bool PeriodMap::each_part(Vector& deviation, const Follow& follow) {
 
 bool PeriodMap::derivative(Vector& deviation) {
   beside_.clear();
+  if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0) {
+    failure_ = "interrupted";
+    return false;
+  }
   return each_part(deviation, [this](SegmentDeviation& own, const std::vector<SegmentRecord>& records, std::vector<double>& z) {
     const bool is_followed = own.follow(records, z);
     worst_ = std::max(worst_, own.worst_error());
