@@ -19,19 +19,15 @@ std::string shares_json(const std::vector<std::pair<std::string, double>>& share
 
 std::string multiplier_json(const SteadyState& state, const steady::Multiplier& m) {
   constexpr double two_pi = 2.0 * std::numbers::pi;
+  const std::string residual = state.orbit.has_leading_only ? json_number(m.residual) : "null";
   return json_line({{"re", json_number(m.value.real())},
                     {"im", json_number(m.value.imag())},
                     {"abs", json_number(std::abs(m.value))},
                     {"arg", json_number(std::arg(m.value))},
                     {"trivial", json_truth(m.trivial)},
                     {"frequency", json_number(std::arg(m.value) / (two_pi * state.orbit.period))},
-                    {"states", shares_json(shares_of(*state.model, m.direction), "share")}});
-}
-
-std::string stability(const steady::Orbit& orbit) {
-  if (!orbit.kink.empty()) return "null";
-  const double radius = steady::spectral_radius(orbit);
-  return json_string(radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal");
+                    {"residual", residual},
+                    {"states", shares_json(shares_of(state, m.direction), "share")}});
 }
 
 }  // namespace
@@ -42,13 +38,13 @@ void write_orbit(JsonWriter& json, const SteadyState* state) {
   const bool is_driven = !state->common.sources.empty();
   std::vector<std::string> sources, multipliers, states, free, modes;
   for (const steady::PeriodicSource& source : state->common.sources)
-    sources.push_back(json_line(
-        {{"name", json_string(source.name)}, {"period", json_number(source.period)}, {"cycles", std::to_string(source.cycles)}}));
+    sources.push_back(
+        json_line({{"name", json_string(source.name)}, {"period", json_number(source.period)}, {"cycles", std::to_string(source.cycles)}}));
   for (const steady::Multiplier& m : orbit.multipliers) multipliers.push_back(multiplier_json(*state, m));
   for (const NamedState& s : state->states)
     states.push_back(json_line({{"name", json_string(s.name)}, {"value", json_number(s.value)}, {"unit", json_string(s.unit)}}));
   for (const steady::Vector& direction : orbit.free_directions)
-    free.push_back(json_line({{"states", shares_json(shares_of(*state->model, direction.cast<std::complex<double>>()), "weight")}}));
+    free.push_back(json_line({{"states", shares_json(shares_of(*state, direction.cast<std::complex<double>>()), "weight")}}));
   for (const OrbitMode& mode : state->modes)
     modes.push_back(json_line({{"time", json_number(mode.time)},
                                {"closed", names_json(mode.closed)},
@@ -70,9 +66,11 @@ void write_orbit(JsonWriter& json, const SteadyState* state) {
   json.member("residual", json_number(orbit.residual));
   json.member("iterations", std::to_string(orbit.iterations));
   json.member("periods_simulated", std::to_string(orbit.periods_simulated));
-  json.member("condition", json_number(1.0 / orbit.least_singular));
-  json.member("stability", stability(orbit));
+  json.member("condition", orbit.has_leading_only ? "null" : json_number(1.0 / orbit.least_singular));
+  const std::string stability = stability_of(orbit);
+  json.member("stability", stability.empty() ? "null" : json_string(stability));
   json.member("unique", json_truth(orbit.free_directions.empty()));
+  json.member("all_multipliers", json_truth(!orbit.has_leading_only));
   member_list("multipliers", multipliers);
   member_list("states", states);
   member_list("free", free);

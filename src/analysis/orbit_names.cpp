@@ -157,12 +157,16 @@ NamedState largest_change(const ExactModel& model, const steady::Vector& directi
 }
 
 std::vector<std::pair<std::string, double>> shares_of(const ExactModel& model, const Eigen::VectorXcd& direction) {
+  return shares_by_name(direction, [&](std::size_t coordinate) { return coordinate_name(model, coordinate); });
+}
+
+std::vector<std::pair<std::string, double>> shares_by_name(const Eigen::VectorXcd& direction,
+                                                           const std::function<std::string(std::size_t)>& name_of) {
   constexpr double least = 1e-6;
   std::map<std::string, double> share;
   const double whole = direction.squaredNorm();
   for (Eigen::Index k = 0; k < direction.size(); ++k)
-    if (const double part = std::norm(direction[k]) / whole; part > least)
-      share[coordinate_name(model, static_cast<std::size_t>(k))] += part;
+    if (const double part = std::norm(direction[k]) / whole; part > least) share[name_of(static_cast<std::size_t>(k))] += part;
   std::vector<std::pair<std::string, double>> list(share.begin(), share.end());
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return list;

@@ -1,6 +1,7 @@
 #pragma once
 /// States and modes of an orbit by the names of the deck.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct OrbitMode {
 [[nodiscard]] std::string guard_name(const engine::ExactModel& model, std::size_t island, int row);
 /// The charge in C or flux in Vs that a change of the stacked state adds to the store that it changes most; named after the element.
 [[nodiscard]] NamedState largest_change(const engine::ExactModel& model, const steady::Vector& direction);
+/// Shares of energy by names, those of coordinates given.
+[[nodiscard]] std::vector<std::pair<std::string, double>> shares_by_name(const Eigen::VectorXcd& direction,
+                                                                         const std::function<std::string(std::size_t)>& name_of);
 /// The stores that a direction of the stacked state changes, with their shares of its energy, the largest first.
 [[nodiscard]] std::vector<std::pair<std::string, double>> shares_of(const engine::ExactModel& model, const Eigen::VectorXcd& direction);
 

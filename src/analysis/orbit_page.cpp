@@ -57,7 +57,7 @@ std::string multipliers_html(const SteadyState& state) {
     const steady::Multiplier& m = orbit.multipliers[k];
     plane.dot(m.value, m.trivial ? "#666666" : std::abs(m.value) > 1.0 + marginal_multiplier ? "#b3261e" : "#1f5fbf");
     if (k >= most_listed) continue;
-    const auto shares = shares_of(*state.model, m.direction);
+    const auto shares = shares_of(state, m.direction);
     rows += fmt::format("<tr><td>{:.6g}{}</td><td>{:.6g}</td><td>{}</td></tr>\n", m.value.real(),
                         m.value.imag() == 0.0 ? "" : fmt::format(" {} {:.6g}j", m.value.imag() < 0.0 ? "−" : "+", std::abs(m.value.imag())), std::abs(m.value),
                         m.trivial ? "along the orbit" : shares.empty() ? "" : escaped(shares.front().first));

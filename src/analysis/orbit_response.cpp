@@ -86,6 +86,7 @@ DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
     response.result = linear.result();
     return response;
   }
+  if (state->map) return {{}, "E-pss-engine", response_needs_modes};
   if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
   if (!state->orbit.kink.empty()) return {{}, "E-ac-no-derivative", "the orbit has no derivative: " + state->orbit.kink};
   response.result = small_signals(compiled, *state);

@@ -32,13 +32,48 @@ std::optional<engine::RunState> state_in(const engine::ExactModel& model, const 
   return there;
 }
 
+namespace {
+
+constexpr const char* parts_differ =
+    "the parts of the circuit differ between the run and the orbit; try .pss and .tran in decks of their own";
+
+/// The start of the deck's own run on Krylov segments, with parts matched by name. Empty if one has no match.
+std::optional<engine::sparse::PeriodMap::State> state_in(const engine::sparse::SparseModel& model, const SteadyState& state) {
+  const auto& known = state.map->model().parts;
+  engine::sparse::PeriodMap::State there;
+  for (const auto& part : model.parts) {
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& other) {
+      return other->island.name == part->island.name && other->descriptor.size() == part->descriptor.size() &&
+             other->descriptor.ports().size() == part->descriptor.ports().size();
+    });
+    if (same == known.end()) return std::nullopt;
+    there.push_back(state.begin[static_cast<std::size_t>(same - known.begin())]);
+    if ((*same)->island.signal_number != part->island.signal_number) return std::nullopt;
+  }
+  return there;
+}
+
+Simulate from_segment_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
+  const auto model = engine::sparse::prepare(compiled.network, diagnostics);
+  if (!model) return {};
+  const auto from = state_in(*model, state);
+  if (!from) {
+    diagnostics.error("E-pss-not-converged", {}, parts_differ);
+    return {};
+  }
+  const auto map = std::make_shared<const engine::sparse::PeriodMap>(model);
+  return [map, from = *from](const engine::Request& request, engine::RowSink& sink) { return map->run(from, request, sink); };
+}
+
+}  // namespace
+
 Simulate from_orbit(const Compiled& compiled, const SteadyState& state, Diagnostics& diagnostics) {
+  if (state.map) return from_segment_orbit(compiled, state, diagnostics);
   std::shared_ptr<const engine::ExactModel> model = engine::prepare(compiled.network, diagnostics);
   if (!model) return {};
   std::optional<engine::RunState> from = state_in(*model, state);
   if (!from) {
-    diagnostics.error("E-pss-not-converged", {},
-                      "the parts of the circuit differ between the run and the orbit; try .pss and .tran in decks of their own");
+    diagnostics.error("E-pss-not-converged", {}, parts_differ);
     return {};
   }
   return [model, from = std::move(*from)](const engine::Request& request, engine::RowSink& sink) {

@@ -363,7 +363,7 @@ DerivativeTable exact_derivatives(const Compiled& compiled, const SteadyState* s
 /// Of a deck that is another one than that of `state`.
 DerivativeTable moved_derivatives(const Compiled& compiled, bool has_orbit, const std::atomic<int>& interrupt) {
   if (!has_orbit) return exact_derivatives(compiled, nullptr, interrupt, {});
-  const SteadyState state = find_steady_state(compiled, interrupt);
+  const SteadyState state = find_steady_state(compiled, EngineChoice::modes, interrupt);
   return state.is_found ? exact_derivatives(compiled, &state, interrupt, {}) : DerivativeTable();
 }
 

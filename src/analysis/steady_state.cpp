@@ -10,13 +10,16 @@
 #include "analysis/orbit_names.hpp"
 #include "analysis/quantity.hpp"
 #include "analysis/repeated_pieces.hpp"
+#include "analysis/segment_names.hpp"
 #include "analysis/sensitivity_inputs.hpp"
 #include "base/names.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/start.hpp"
 #include "engine/left_out.hpp"
+#include "engine/remarks.hpp"
 #include "model/islands.hpp"
 #include "steady/carried_trace.hpp"
+#include "steady/segment_orbit.hpp"
 #include "steady/self_timed.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/touches.hpp"
@@ -29,7 +32,8 @@ using Trigger = circuit::SteadyState::Trigger;
 using steady::Orbit;
 using steady::Verdict;
 
-constexpr const char* watch_part = "when";  // no part of the circuit, and not told of
+constexpr int most_steps_on_segments = 2000;  ///< of Newton's method, each of which costs some periods; those on dense modes cost far more
+constexpr const char* watch_part = "when";    // no part of the circuit, and not told of
 constexpr const char* watch_name = "when.level";
 
 /// A switch that closes where the signal rises above the level, across a resistor of its own; nothing else reads it.
@@ -74,10 +78,23 @@ std::vector<model::Source> needed_sources(const model::Network& network) {
   return sources;
 }
 
+/// Krylov segments, where they were asked for, or fit a driven circuit without other analyses around its orbit.
+bool finds_orbit_by_segments(const Compiled& compiled, EngineChoice choice) {
+  if (choice == EngineChoice::krylov) return true;
+  if (!runs_by_segments(compiled.network, choice)) return false;
+  const bool has_others = compiled.analyses.small_signal || compiled.analyses.sensitivities;
+  if (has_others && has_modes(compiled.network, choice)) return false;
+  return !steady::common_period(needed_sources(compiled.network)).sources.empty();
+}
+
 class Finder {
  public:
-  Finder(const Compiled& compiled, const std::atomic<int>& interrupt)
-      : compiled_(compiled), card_(*compiled.analyses.steady_state), interrupt_(interrupt) {}
+  Finder(const Compiled& compiled, EngineChoice choice, const std::atomic<int>& interrupt)
+      : compiled_(compiled),
+        card_(*compiled.analyses.steady_state),
+        interrupt_(interrupt),
+        choice_(choice),
+        has_segments_(finds_orbit_by_segments(compiled, choice)) {}
 
   SteadyState run() {
     if (!choose_period()) return std::move(state_);
@@ -85,6 +102,7 @@ class Finder {
       find_self_timed();
     else
       find_driven();
+    if (is_left_to_modes()) return run_with_modes();
     judge();
     if (state_.is_found && has_inputs_apart() && !carry_to_inputs()) return run_with_inputs();
     if (state_.is_found || state_.has_best_attempt) describe();
@@ -103,13 +121,18 @@ class Finder {
       add_watch(state_.compiled.network, compiled_.network.signals[probe].form, card_.level_is_mean ? mean_of(probe) : card_.level);
       ++state_.compiled.measured_signals;
     }
+    if (has_segments_) {
+      const auto model = engine::sparse::prepare(state_.compiled.network, diagnostics);
+      if (model) state_.map = std::make_shared<engine::sparse::PeriodMap>(model, &interrupt_);
+      return model != nullptr;
+    }
     if (has_inputs_apart()) {
       network_with_inputs_ = state_.compiled.network;
       (void)add_all_inputs(network_with_inputs_);
     } else {
       state_.compiled.measured_signals += add_all_inputs(state_.compiled.network);
     }
-    model_ = engine::prepare(state_.compiled.network, diagnostics);
+    state_.model = model_ = engine::prepare(state_.compiled.network, diagnostics);
     if (!model_) return false;
     engine::March::Options options;
     options.interrupt = &interrupt_;
@@ -120,7 +143,7 @@ class Finder {
 
  private:
   /// Those of derivatives are many: the search runs without them.
-  [[nodiscard]] bool has_inputs_apart() const { return compiled_.analyses.sensitivities && !searches_with_inputs_; }
+  [[nodiscard]] bool has_inputs_apart() const { return compiled_.analyses.sensitivities && !searches_with_inputs_ && !has_segments_; }
 
   /// The number of signals that they bring along.
   std::size_t add_all_inputs(model::Network& network) {
@@ -152,6 +175,26 @@ class Finder {
     if (prepare(diagnostics)) return run();
     fail("E-pss-not-converged", "the circuit with the inputs of its derivatives has no model");
     return std::move(state_);
+  }
+
+  /// Where Krylov segments find no solution on the way, and dense modes are in reach.
+  [[nodiscard]] bool is_left_to_modes() const {
+    return has_segments_ && state_.orbit.verdict == Verdict::run_failed && has_modes(compiled_.network, choice_);
+  }
+
+  SteadyState run_with_modes() {
+    const engine::Answer failed = state_.orbit.answer;
+    has_segments_ = false;
+    state_ = {};
+    task_ = {};
+    Diagnostics diagnostics;
+    if (!prepare(diagnostics)) {
+      fail(failed.id, "on the way to the orbit, " + failed.message);
+      return std::move(state_);
+    }
+    say(Severity::note, "N-other-engine",
+        fmt::format("Krylov segments found no solution at t = {}; the orbit was sought with dense modes", quantity(failed.time, "s")));
+    return run();
   }
 
   bool fail(std::string id, std::string message, bool is_wrong_input = false) {
@@ -208,6 +251,7 @@ class Finder {
   bool choose_period() {
     task_.multiple = state_.multiple = card_.multiple;
     task_.tolerance = card_.tolerance;
+    if (has_segments_) task_.most_iterations = most_steps_on_segments;
     if (card_.most_iterations) task_.most_iterations = *card_.most_iterations;
     if (card_.most_periods) task_.most_periods = *card_.most_periods;
     const steady::CommonPeriod& common = state_.common;
@@ -259,9 +303,31 @@ class Finder {
     return from;
   }
 
-  void find_driven() { state_.orbit = steady::find_driven_orbit(*march_, start(), task_); }
+  void find_driven() {
+    if (has_segments_)
+      find_driven_by_segments();
+    else
+      state_.orbit = steady::find_driven_orbit(*march_, start(), task_);
+  }
+
+  void find_driven_by_segments() {
+    const engine::sparse::Starts from = state_.map->start(card_.use_initial_conditions);
+    for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
+    if (from.answer.outcome != engine::Outcome::completed) {
+      state_.orbit.verdict = Verdict::run_failed;
+      state_.orbit.answer = from.answer;
+      return;
+    }
+    if (!from.missing.empty()) state_.messages.push_back(message_of(engine::starts_without_operating_point(from.missing.text())));
+    state_.begin = from.parts;
+    state_.orbit = steady::find_segment_orbit(*state_.map, state_.begin, task_);
+  }
 
   void find_self_timed() {
+    if (has_segments_) {
+      fail("E-pss-engine", "without a periodic source the steady state needs dense modes; try --engine modes");
+      return;
+    }
     steady::SelfTimedTask task;
     task.orbit = task_;
     task.hint = card_.period.value_or(card_.longest_period.value_or(0.0));
@@ -327,7 +393,7 @@ class Finder {
         fail("E-interrupted", "interrupted before the orbit was found; nothing was written");
         return;
     }
-    state_.has_best_attempt = !orbit.trace.steps.empty();
+    state_.has_best_attempt = has_segments_ || !orbit.trace.steps.empty();
   }
 
   [[nodiscard]] std::string trigger_text() const {
@@ -342,8 +408,8 @@ class Finder {
     const auto listed = static_cast<std::ptrdiff_t>(std::min(most_residuals, orbit.residuals.size()));
     const std::vector<double> last(orbit.residuals.end() - listed, orbit.residuals.end());
     std::vector<std::string> states;
-    if (!orbit.trace.steps.empty())
-      for (const NamedState& s : states_after_start(*model_, orbit.trace))
+    if (has_segments_ || !orbit.trace.steps.empty())
+      for (const NamedState& s : has_segments_ ? states_after_start(*state_.map) : states_after_start(*model_, orbit.trace))
         if (states.size() < most_states) states.push_back(fmt::format("{} = {}", s.name, quantity(s.value, s.unit)));
     std::string text = fmt::format("no orbit of period {} was found in {} and {}; the last residuals are {:.2g}",
                                    quantity(orbit.period, "s"), counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),
@@ -356,7 +422,7 @@ class Finder {
   }
 
   [[nodiscard]] std::string drift_text() const {
-    const NamedState added = largest_change(*model_, state_.orbit.drift);
+    const NamedState added = has_segments_ ? largest_change(*state_.map, state_.orbit.drift) : largest_change(*model_, state_.orbit.drift);
     return fmt::format("{} to {}", quantity(added.value, added.unit), added.name);
   }
 
@@ -365,19 +431,20 @@ class Finder {
     if (!orbit.kink.empty())
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
+    if (!orbit.unknown_stability.empty())
+      say(Severity::warning, "W-pss-graze", fmt::format("the orbit's stability is not known: {}", orbit.unknown_stability));
+    for (const steady::NamedBeside& beside : orbit.named_beside)
+      say(Severity::warning, "W-pss-graze", beside_text(beside.name, beside.time));
     for (const steady::Touch& touch : steady::touches(orbit.trace))
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit touches, but does not cross, the threshold of {} at t = {}: multipliers are those of one side",
                       guard_name(*model_, touch.island, touch.guard), quantity(touch.time, "s")));
     for (const steady::Beside& beside : orbit.beside)
-      say(Severity::warning, "W-pss-graze",
-          fmt::format(
-              "the orbit reaches the threshold of {} at t = {} exactly when another event happens: multipliers are those of one side",
-              guard_name(*model_, beside.island, beside.guard), quantity(beside.time, "s")));
+      say(Severity::warning, "W-pss-graze", beside_text(guard_name(*model_, beside.island, beside.guard), beside.time));
     if (!orbit.free_directions.empty() && orbit.kink.empty()) {
       std::vector<std::string> names;
       for (const steady::Vector& direction : orbit.free_directions)
-        names.push_back(shares_of(*model_, direction.cast<std::complex<double>>()).front().first);
+        names.push_back(shares_of(state_, direction.cast<std::complex<double>>()).front().first);
       say(Severity::note, "N-pss-not-unique",
           fmt::format("the orbit is one of a family (multiplier 1): the offset of {} is not determined; it is kept from the start",
                       fmt::join(names, ", ")));
@@ -387,6 +454,12 @@ class Finder {
           fmt::format("the orbit found for k={} has the period {}, that of k={}", state_.multiple,
                       quantity(orbit.period * orbit.repeats_after / state_.multiple, "s"), orbit.repeats_after));
     if (spectral_radius(orbit) > 1.0 + marginal_multiplier) say(Severity::warning, "W-pss-unstable", instability_text(orbit));
+  }
+
+  static std::string beside_text(const std::string& name, double time) {
+    return fmt::format(
+        "the orbit reaches the threshold of {} at t = {} exactly when another event happens: multipliers are those of one side", name,
+        quantity(time, "s"));
   }
 
   static std::string instability_text(const Orbit& orbit) {
@@ -406,11 +479,15 @@ class Finder {
 
   void describe() {
     const Orbit& orbit = state_.orbit;
-    state_.model = model_;
     circuit::HiddenParts hidden = compiled_.hidden;
     if (card_.trigger == Trigger::crosses) hidden.names.insert(watch_part);
-    state_.modes = orbit_modes(*model_, hidden, orbit.trace, orbit.period);
-    state_.states = states_after_start(*model_, orbit.trace);
+    if (has_segments_) {
+      state_.modes = orbit_modes(*state_.map, hidden);
+      state_.states = states_after_start(*state_.map);
+    } else {
+      state_.modes = orbit_modes(*model_, hidden, orbit.trace, orbit.period);
+      state_.states = states_after_start(*model_, orbit.trace);
+    }
     Compiled& own = state_.compiled;
     own.measurements = compiled_.orbit_measurements;
     circuit::Transient& run = own.analyses.transient.emplace();
@@ -420,6 +497,16 @@ class Finder {
     run.use_initial_conditions = true;
     run.span = card_.span;
     const bool is_driven = !state_.common.sources.empty();
+    if (has_segments_) {
+      state_.simulate = [map = state_.map, begin = state_.begin, period = orbit.period](engine::Request request, engine::RowSink& sink) {
+        RepeatedPieces repeated(request.probes, period, true);
+        request.probes = repeated.probes();
+        engine::Answer answer = map->run(begin, request, sink);
+        if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
+        return answer;
+      };
+      return;
+    }
     state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
     state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period, is_driven](engine::Request request,
                                                                                                               engine::RowSink& sink) {
@@ -435,6 +522,8 @@ class Finder {
   const Compiled& compiled_;
   const circuit::SteadyState& card_;
   const std::atomic<int>& interrupt_;
+  EngineChoice choice_;
+  bool has_segments_;
   bool searches_with_inputs_ = false;
   model::Network network_with_inputs_;  ///< where it does not
   SteadyState state_;
@@ -445,15 +534,30 @@ class Finder {
 
 }  // namespace
 
-OrbitSearch prepare_orbit(const Compiled& compiled, const std::atomic<int>& interrupt, Diagnostics& diagnostics) {
-  const auto finder = std::make_shared<Finder>(compiled, interrupt);
+bool has_orbit_engine(const Compiled& compiled, EngineChoice choice) {
+  return has_modes(compiled.network, choice) || finds_orbit_by_segments(compiled, choice);
+}
+
+OrbitSearch prepare_orbit(const Compiled& compiled, EngineChoice choice, const std::atomic<int>& interrupt, Diagnostics& diagnostics) {
+  const auto finder = std::make_shared<Finder>(compiled, choice, interrupt);
   if (!finder->prepare(diagnostics)) return {};
   return [finder] { return finder->run(); };
 }
 
-SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& interrupt) {
+std::vector<std::pair<std::string, double>> shares_of(const SteadyState& state, const Eigen::VectorXcd& direction) {
+  if (!state.map) return shares_of(*state.model, direction);
+  return shares_by_name(direction, [&](std::size_t coordinate) { return state.map->stores()[coordinate].name; });
+}
+
+std::string stability_of(const Orbit& orbit) {
+  if (!orbit.kink.empty() || !orbit.unknown_stability.empty()) return "";
+  const double radius = steady::spectral_radius(orbit);
+  return radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal";
+}
+
+SteadyState find_steady_state(const Compiled& compiled, EngineChoice choice, const std::atomic<int>& interrupt) {
   Diagnostics diagnostics;
-  if (const OrbitSearch search = prepare_orbit(compiled, interrupt, diagnostics)) return search();
+  if (const OrbitSearch search = prepare_orbit(compiled, choice, interrupt, diagnostics)) return search();
   SteadyState state;
   const auto errors = diagnostics.all();
   const auto error = std::find_if(errors.begin(), errors.end(), [](const Diagnostic& each) { return each.severity == Severity::error; });
@@ -467,9 +571,10 @@ SteadyState find_steady_state(const Compiled& compiled, const std::atomic<int>& 
 std::string orbit_summary(const SteadyState& state, const std::string& output) {
   const Orbit& orbit = state.orbit;
   const double radius = steady::spectral_radius(orbit);
-  std::string stability = "its stability is not known";
-  if (orbit.kink.empty()) {
-    stability = radius > 1.0 + marginal_multiplier ? "unstable" : radius < 1.0 - marginal_multiplier ? "stable" : "marginal";
+  std::string stability = stability_of(orbit);
+  if (stability.empty()) {
+    stability = "its stability is not known";
+  } else {
     stability += fmt::format(", largest multiplier {:.3g}", radius);
     if (radius < 1.0 - marginal_multiplier && radius > 0.01)
       stability += fmt::format(" (settles in {} to 1 %)",

@@ -9,12 +9,14 @@
 
 #include "analysis/json.hpp"
 #include "analysis/orbit_names.hpp"
+#include "analysis/prepared_engine.hpp"
 #include "analysis/small_signal.hpp"
 #include "analysis/transient.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/exact.hpp"
 #include "engine/exact/march.hpp"
 #include "engine/exact/selectors.hpp"
+#include "engine/sparse/period_map.hpp"
 #include "steady/orbit.hpp"
 #include "steady/parameter_inputs.hpp"
 #include "steady/period.hpp"
@@ -48,7 +50,9 @@ struct SteadyState {
   std::optional<steady::SensitivityInputs> parameters;  ///< of .sens, likewise
   circuit::Compiled compiled;                           ///< of the orbit: settled sources, one period, its own measurements
   Simulate simulate;                                    ///< runs over the period from the orbit
-  std::shared_ptr<const OrbitWithInputs> apart;         ///< where the inputs are not in `model` itself; null: they are
+  std::shared_ptr<engine::sparse::PeriodMap> map;  ///< of an orbit on Krylov segments, which has no `model`; null: it is on dense modes
+  engine::sparse::PeriodMap::State begin;          ///< of that orbit
+  std::shared_ptr<const OrbitWithInputs> apart;    ///< where the inputs are not in `model` itself; null: they are
 
   [[nodiscard]] const model::Network& network_with_inputs() const { return apart ? apart->network : compiled.network; }
   [[nodiscard]] const engine::ExactModel& model_with_inputs() const { return apart ? *apart->model : *model; }
@@ -58,11 +62,15 @@ struct SteadyState {
 /// A search with a prepared model; empty if there is none.
 using OrbitSearch = std::function<SteadyState()>;
 
+/// Whether an engine finds the deck's orbit: dense modes, or Krylov segments. Else E-pss-engine.
+[[nodiscard]] bool has_orbit_engine(const circuit::Compiled& compiled, EngineChoice choice);
+
 /// `diagnostics` receives errors of structure. `compiled` must have `analyses.steady_state` and outlive the search.
-[[nodiscard]] OrbitSearch prepare_orbit(const circuit::Compiled& compiled, const std::atomic<int>& interrupt, Diagnostics& diagnostics);
+[[nodiscard]] OrbitSearch prepare_orbit(const circuit::Compiled& compiled, EngineChoice choice, const std::atomic<int>& interrupt,
+                                        Diagnostics& diagnostics);
 
 /// Both steps. Networks beyond the exact engine's reach end with an error. `compiled` must have `analyses.steady_state`.
-[[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, const std::atomic<int>& interrupt);
+[[nodiscard]] SteadyState find_steady_state(const circuit::Compiled& compiled, EngineChoice choice, const std::atomic<int>& interrupt);
 
 /// The orbit's state in another model of the same circuit, with islands matched by name. Empty if one has no match.
 [[nodiscard]] std::optional<engine::RunState> state_in(const engine::ExactModel& model, const SteadyState& state);
@@ -82,6 +90,15 @@ inline constexpr double most_periods_measured = 1e4;
 /// The message for the sparse engine.
 inline constexpr const char* orbit_needs_exact_engine =
     "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
+
+/// The stores that a direction changes, with their shares of its energy, the largest first.
+[[nodiscard]] std::vector<std::pair<std::string, double>> shares_of(const SteadyState& state, const Eigen::VectorXcd& direction);
+/// "stable", "unstable", "marginal"; "" where it is not known.
+[[nodiscard]] std::string stability_of(const steady::Orbit& orbit);
+
+/// The message for Krylov segments.
+inline constexpr const char* response_needs_modes =
+    "small signals around an orbit need dense modes, and this orbit was found on Krylov segments; try --engine modes, or fewer stores";
 
 /// Small signals around the orbit.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);

@@ -117,8 +117,10 @@ void start_on_orbit(const circuit::Compiled& compiled, analysis::PreparedEngine&
     throw RunError(Result(data));
   };
   static const std::atomic<int> never = 0;
-  if (!engine.has_modes) refuse("E-pss-engine", analysis::orbit_needs_exact_engine);
-  const analysis::SteadyState state = analysis::find_steady_state(compiled, options.interrupt != nullptr ? *options.interrupt : never);
+  const analysis::EngineChoice choice = choice_of(options.engine);
+  if (!analysis::has_orbit_engine(compiled, choice)) refuse("E-pss-engine", analysis::orbit_needs_exact_engine);
+  const analysis::SteadyState state =
+      analysis::find_steady_state(compiled, choice, options.interrupt != nullptr ? *options.interrupt : never);
   for (const Diagnostic& message : state.messages) data->messages.push_back(message_of(message));
   if (!state.is_found) refuse(state.id, state.message);
   Diagnostics diagnostics;

@@ -54,7 +54,7 @@ std::vector<Gradient> Circuit::gradients(const std::vector<std::string>& measure
   analysis::SteadyState state;
   const bool has_orbit = compiled.analyses.steady_state.has_value();
   if (has_orbit) {
-    state = analysis::find_steady_state(compiled, interrupt);
+    state = analysis::find_steady_state(compiled, analysis::EngineChoice::modes, interrupt);
     for (const Diagnostic& message : state.messages) messages.push_back(api::message_of(message));
     if (!state.is_found) {
       messages.push_back(api::message_of({Severity::error, state.id, {}, state.message}));

@@ -70,9 +70,10 @@ FoundOrbit find_orbit(Compilation& compilation, const Options& options) {
   static const std::atomic<int> never = 0;
   const analysis::PreparedEngine engine = compilation.engine(options);
   FoundOrbit found{api::begin_result(compilation, engine), {}, {}, compilation.departures()};
-  if (!engine.has_modes) refuse(found.data, "E-pss-engine", analysis::orbit_needs_exact_engine);
   found.compiled = compilation.take();
-  found.state = analysis::find_steady_state(found.compiled, options.interrupt != nullptr ? *options.interrupt : never);
+  const analysis::EngineChoice choice = api::choice_of(options.engine);
+  if (!analysis::has_orbit_engine(found.compiled, choice)) refuse(found.data, "E-pss-engine", analysis::orbit_needs_exact_engine);
+  found.state = analysis::find_steady_state(found.compiled, choice, options.interrupt != nullptr ? *options.interrupt : never);
   for (const Diagnostic& message : found.state.messages) found.data->messages.push_back(api::message_of(message));
   if (!found.state.is_found) refuse(found.data, found.state.id, found.state.message);
   return found;
@@ -101,14 +102,10 @@ SteadyState Circuit::steady_state(const SteadyStateOptions& what, const Options&
   Compilation compilation = with_cards(*this, what, options, "");
   FoundOrbit found = find_orbit(compilation, options);
   const steady::Orbit& orbit = found.state.orbit;
-  const double radius = steady::spectral_radius(orbit);
   SteadyState result{orbit.period,
                      found.state.multiple,
                      !found.state.common.sources.empty(),
-                     !orbit.kink.empty()                            ? ""
-                     : radius > 1.0 + analysis::marginal_multiplier ? "unstable"
-                     : radius < 1.0 - analysis::marginal_multiplier ? "stable"
-                                                                    : "marginal",
+                     analysis::stability_of(orbit),
                      orbit.residual,
                      orbit.iterations,
                      orbit.periods_simulated,
@@ -140,6 +137,7 @@ Response Circuit::small_signals(const std::vector<double>& frequencies, const Sm
   }
   Compilation compilation = with_cards(*this, around, options, card);
   FoundOrbit found = find_orbit(compilation, options);
+  if (found.state.map) throw api::error("E-pss-engine", analysis::response_needs_modes);
   if (!found.state.inputs->id.empty()) throw api::error(found.state.inputs->id, found.state.inputs->message);
   if (!found.state.orbit.kink.empty()) throw api::error("E-ac-no-derivative", "the orbit has no derivative: " + found.state.orbit.kink);
   return response_of(analysis::small_signals(found.compiled, found.state), found.data->messages);

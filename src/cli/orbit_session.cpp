@@ -28,9 +28,11 @@ class OrbitSession : public AnalysisSession {
   }
 
   [[nodiscard]] int run(RunContext& run) override {
-    if (!run.engine.has_modes) return run.fail(Status::run_failed, "E-pss-engine", analysis::orbit_needs_exact_engine);
+    if (!analysis::has_orbit_engine(*run.compiled, run.options.engine))
+      return run.fail(Status::run_failed, "E-pss-engine", analysis::orbit_needs_exact_engine);
     const double before = run.seconds();
-    run.outcome.steady_state = run.orbit_search ? run.orbit_search() : analysis::find_steady_state(*run.compiled, caught_signal());
+    run.outcome.steady_state =
+        run.orbit_search ? run.orbit_search() : analysis::find_steady_state(*run.compiled, run.options.engine, caught_signal());
     run.seconds_search = run.seconds() - before;
     const analysis::SteadyState& state = *run.outcome.steady_state;
     for (const Diagnostic& message : state.messages) run.messages.report(message);

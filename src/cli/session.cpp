@@ -109,7 +109,7 @@ int Session::prepare() {
   analyses_ = analysis_sessions(run_.analyses());
   if (is_orbit_alone()) {
     run_.engine = analysis::exact_engine_when_needed(run_.compiled->network);
-    run_.orbit_search = analysis::prepare_orbit(*run_.compiled, caught_signal(), diagnostics);
+    run_.orbit_search = analysis::prepare_orbit(*run_.compiled, run_.options.engine, caught_signal(), diagnostics);
   } else {
     run_.engine = analysis::prepare_engine(run_.compiled->network, run_.options.engine, run_.reltol, diagnostics, caught_signal());
   }
@@ -137,7 +137,8 @@ bool Session::is_orbit_alone() const {
 /// A run alone, of transistors with gates: what other analyses take from it would not be of its network. Others pass their rows on at once.
 bool Session::may_repeat_with_gates() const {
   const circuit::Analyses& deck = run_.analyses();
-  return run_.compiled->has_mosfets && deck.transient && !deck.steady_state && !deck.small_signal && !deck.sensitivities && !run_.is_stepped() && !run_.options.check;
+  return run_.compiled->has_mosfets && deck.transient && !deck.steady_state && !deck.small_signal && !deck.sensitivities &&
+         !run_.is_stepped() && !run_.options.check;
 }
 
 std::optional<circuit::Compiled> Session::compiled_with_gates() const {

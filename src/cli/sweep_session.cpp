@@ -261,13 +261,14 @@ class Sweep {
   }
 
   /// The run is one period of the orbit, or starts on it where the deck has .tran, too. False where there is none.
-  static bool take_orbit(circuit::Compiled& compiled, analysis::PreparedEngine& engine, SweptRun& record) {
-    if (!engine.has_modes) {
+  bool take_orbit(circuit::Compiled& compiled, analysis::PreparedEngine& engine, SweptRun& record) const {
+    if (!analysis::has_orbit_engine(compiled, task_.options.engine)) {
       record.id = "E-pss-engine";
       record.message = analysis::orbit_needs_exact_engine;
       return false;
     }
-    const auto state = std::make_shared<analysis::SteadyState>(analysis::find_steady_state(compiled, caught_signal()));
+    const auto state =
+        std::make_shared<analysis::SteadyState>(analysis::find_steady_state(compiled, task_.options.engine, caught_signal()));
     if (!state->is_found) {
       record.id = state->id;
       record.message = state->message;

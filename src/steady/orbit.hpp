@@ -40,6 +40,13 @@ struct Multiplier {
   std::complex<double> value;
   bool trivial = false;
   Eigen::VectorXcd direction;  ///< its eigenvector, of the stacked state
+  double residual = 0.0;       ///< ‖Φ v − λ v‖ for |v| = 1, where it is one of Arnoldi's method
+};
+
+/// As Beside, by name.
+struct NamedBeside {
+  double time = 0.0;  ///< s
+  std::string name;
 };
 
 struct Orbit {
@@ -58,11 +65,14 @@ struct Orbit {
   std::vector<Vector> free_directions;  ///< of a family of orbits
   Vector drift;                         ///< of ξ per period, if it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
-  std::vector<double> residuals;        ///< of the iterations
-  std::string section;                  ///< self-timed: the event that begins the period
-  int repeats_after = 0;                ///< k > 1: the orbit found repeats after this many of its k periods; 0: after all of them
-  bool drift_turns = false;             ///< the drifting state oscillates within the period: a resonance
-  bool repeats_modes = false;           ///< not converged: the best attempt goes through the same modes in the next period
+  bool has_leading_only = false;        ///< of the multipliers: found by Krylov segments
+  std::string unknown_stability;        ///< then why the largest is not known; "" if it is
+  std::vector<NamedBeside> named_beside;
+  std::vector<double> residuals;  ///< of the iterations
+  std::string section;            ///< self-timed: the event that begins the period
+  int repeats_after = 0;          ///< k > 1: the orbit found repeats after this many of its k periods; 0: after all of them
+  bool drift_turns = false;       ///< the drifting state oscillates within the period: a resonance
+  bool repeats_modes = false;     ///< not converged: the best attempt goes through the same modes in the next period
 };
 
 [[nodiscard]] Orbit find_orbit(engine::March& march, const engine::RunState& start, const OrbitTask& task);

@@ -125,13 +125,18 @@ double Block::signal_size(int number) const {
   const Form& form = signals_[static_cast<std::size_t>(number)];
   if (!segment_) return form.size(point_.z.data(), point_.w.data());
   double size = std::abs(form.constant) + Form::size_of(form.w, point_.w.data());
-  for (const Form::Part& part : form.z) size += std::abs(part.coefficient) * (part.index < descriptor_.nodes() ? largest_voltage_ : largest_current_);
+  for (const Form::Part& part : form.z)
+    size += std::abs(part.coefficient) * (part.index < descriptor_.nodes() ? largest_voltage_ : largest_current_);
   return size;
 }
 
 bool Block::advance() {
   instant_.reset();
   impulses_.clear();
+  if (stops_before_end_ && point_.time >= request_.stop - tolerance_) {
+    finished_ = true;
+    return true;
+  }
   const bool starts_anew = restart_due_ || next_break() <= point_.time + break_tolerance_;
   if (starts_anew) return segment_ ? begin_segment() : restart() && look_back();
   if (point_.time >= request_.stop - tolerance_) {

@@ -19,6 +19,7 @@
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/part.hpp"
+#include "engine/sparse/segment_record.hpp"
 #include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
 #include "engine/sparse/stretch.hpp"
@@ -34,6 +35,11 @@ class Block {
   Block(const Part& part, const Request& request, double reltol, Method method);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
+  /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither.
+  void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end) {
+    records_ = records;
+    stops_before_end_ = stops_before_end;
+  }
   /// Begins at t = 0. False: failed.
   bool begin(const Start& start);
   /// Rows before this time are available.
@@ -62,6 +68,8 @@ class Block {
   /// ∫ dt of each saved signal over the jump of the last `advance` or `begin`, where there are probes; empty where nothing jumped.
   [[nodiscard]] const std::vector<double>& impulses() const { return impulses_; }
 
+  /// The unknowns at time().
+  [[nodiscard]] const std::vector<double>& unknowns() const { return point_.z; }
   /// The ports' position at time().
   [[nodiscard]] const Position& position() const { return point_.on; }
 
@@ -160,6 +168,7 @@ class Block {
 
   // block_segments.cpp: in place of steps
   void note_least_voltage();
+  [[nodiscard]] bool begin_on_the_way(const Start& start);
   [[nodiscard]] bool begin_segment();
   [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
   [[nodiscard]] bool follows_directly(const Position& candidate);
@@ -192,6 +201,9 @@ class Block {
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
   void note_segment_impulses();
   void finish_instant(const Instant& instant);
+  void record_begin(const Point& first);
+  void record_end(const Point& last, double tau, const ExactSegment::Passage& passage);
+  [[nodiscard]] FallingGuard falling(int guard, double rate) const;
 
   const Part& part_;
   const Request& request_;
@@ -217,7 +229,10 @@ class Block {
   StallWatch stall_;
   Stretch stretch_;
   std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
-  std::vector<Position> refused_jumps_;    ///< of steps of several lengths: positions whose jump asks for impulses backwards
+  std::vector<SegmentRecord>* records_ = nullptr;
+  std::vector<Position> jumps_taken_;  ///< at the instant at hand
+  bool stops_before_end_ = false;
+  std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
   Position position_ahead_;            ///< where the passage at hand leads
   double segment_tau_ = 0.0;           ///< so far

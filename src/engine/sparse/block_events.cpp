@@ -484,6 +484,7 @@ bool Block::begin(const Start& start) {
   Instant none;
   flip(point_, true, 0.0, none, point_.on);
   sources_.evaluate(0.0, point_.w);
+  if (!start.unknowns.empty()) return begin_on_the_way(start);
   if (!descriptor_.unknowns_of_states(start.states, point_.w, point_.on, point_.z, start_memory_)) start_memory_.clear();
   point_.k.assign(point_.z.size(), 0.0);
   for (std::size_t i = 0; i < start.states.size(); ++i) {
@@ -494,6 +495,18 @@ bool Block::begin(const Start& start) {
   scale_.note_values(start.states);
   starting_ = true;
   if (!segment_) return restart();
+  note_least_voltage();
+  return begin_segment();
+}
+
+/// As a segment that goes on from another.
+bool Block::begin_on_the_way(const Start& start) {
+  point_.z = start.unknowns;
+  point_.k.assign(point_.z.size(), 0.0);
+  descriptor_.measure_states(point_.z.data(), states_);
+  ports_.note_voltage(ports_.largest_voltage(point_.z));
+  scale_.note(point_.z);
+  ports_.note_scale(point_.z, point_.w);
   note_least_voltage();
   return begin_segment();
 }

@@ -155,7 +155,9 @@ Block::Sought Block::take_step_of_jump(const Point& step, double h) {
     trial_.solved = stepper_.euler(first_, h, second_);
     jump_steps_ = {first_, second_};
   }
-  return trial_.solved == Solved::yes ? Sought::jumped : Sought::not_found;
+  if (trial_.solved != Solved::yes) return Sought::not_found;
+  jumps_taken_.push_back(step.on);
+  return Sought::jumped;
 }
 
 /// Ports of which a jump in that position asks what they do not do: conduct an impulse backwards, or block one forwards, by so much of the largest in a current, or
@@ -292,6 +294,7 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
     jump_steps_ = {};
     jump_impulses_.clear();
     jump_terms_.clear();
+    jumps_taken_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
     found = follows_directly(candidate) || follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
     if (found || !failure_.id.empty()) break;
@@ -390,6 +393,7 @@ bool Block::begin_segment() {
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
   certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
   certificate_.add_estimate(segment_->worst_estimate());
+  if (records_) record_begin(next);
   settle_in(next);
   finish_instant(instant);
   const bool goes_on = watch_crowd(time);
@@ -442,10 +446,50 @@ bool Block::follow_segment() {
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
   certificate_.add_point(next, ports_, 1.0 / segment_->length());
+  if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
   if (tau >= passage.tau) pass(passage);
   return true;
+}
+
+void Block::record_begin(const Point& first) {
+  SegmentRecord& record = records_->emplace_back();
+  record.jumps = jumps_taken_;
+  record.on = point_.on;
+  record.shift = 1.0 / segment_->step_length();
+  record.begin = segment_->start();
+  record.rates_at_begin = first.k;
+  record.size = segment_->size();
+  if (records_->size() == 1) record.unknowns_at_begin = first.z;
+}
+
+void Block::record_end(const Point& last, double tau, const ExactSegment::Passage& passage) {
+  SegmentRecord& record = records_->back();
+  record.length = tau;
+  record.rates_at_end = last.k;
+  const bool is_known = is_same_instant(last.time, std::min(next_break(), request_.stop));
+  record.ends_unknown = !is_known && (!passage.found || passage.guard < 0);
+  if (!passage.found || passage.guard < 0) return;
+  const std::vector<double> y = segment_->at(tau);
+  record.guards.push_back(falling(passage.guard, segment_->guard_rate(passage.guard, y)));
+  for (const int guard : segment_->falling_guards(y))
+    if (guard != passage.guard) record.guards.push_back(falling(guard, segment_->guard_rate(guard, y)));
+}
+
+/// The guard of a port in its position, or of a control.
+FallingGuard Block::falling(int guard, double rate) const {
+  const auto number = static_cast<std::size_t>(guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
+  if (number >= ports) {
+    const Control& control = controls_[number - ports];
+    FallingGuard falling{{control.value.z, {}, 0.0}, rate, control.port};
+    if (!control.holds(point_.on))
+      for (Form::Part& part : falling.form.z) part.coefficient = -part.coefficient;
+    return falling;
+  }
+  const Port& port = descriptor_.ports()[number];
+  if (point_.on[number] != 0) return {{{{port.row, 1.0}}, {}, 0.0}, rate, number};
+  return {{port.slack.z, {}, 0.0}, rate, number};
 }
 
 void Block::pass(const ExactSegment::Passage& passage) {

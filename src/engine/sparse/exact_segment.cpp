@@ -47,6 +47,7 @@ constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: roun
 constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
 constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
 constexpr int most_derivatives = 4;          ///< at the start: what begins with a higher power of time is at rest until it is visible
+constexpr double at_zero = 1e-10;            ///< of the largest value in the segment: a guard that is at zero together with another
 constexpr double muting = 30.0, most_muted = 1e6;
 
 /// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
@@ -460,6 +461,21 @@ const std::vector<double>& ExactSegment::at(double tau) {
   work_.resize(2 * y_.size());
   space_.flow().apply_once(std::max(tau, 0.0), y_.data(), work_.data());
   return y_;
+}
+
+double ExactSegment::guard_rate(int guard, const std::vector<double>& y) const {
+  const Eigen::Map<const linalg::Vector> at(y.data(), static_cast<Eigen::Index>(y.size()));
+  return mode_->guards.row(guard).dot(space_.flow().a() * at);
+}
+
+std::vector<int> ExactSegment::falling_guards(const std::vector<double>& y) const {
+  std::vector<int> guards;
+  for (const int row : segment_.rows) {
+    if (row >= descriptor_.first_switch()) continue;
+    const double value = linalg::row_times(mode_->guards, row, y.data());
+    if (std::abs(value) <= at_zero * mode_->absolute_guards.row(row).dot(space_.reach()) && guard_rate(row, y) < 0.0) guards.push_back(row);
+  }
+  return guards;
 }
 
 void ExactSegment::set_signals(const std::vector<Form>& signals) {

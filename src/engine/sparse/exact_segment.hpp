@@ -83,6 +83,13 @@ class ExactSegment {
   /// The first passage of a guard up to `end` (s from the start), else the end of what can be said.
   [[nodiscard]] const Passage& locate(double end);
 
+  /// The slope of a guard at y, 1/s.
+  [[nodiscard]] double guard_rate(int guard, const std::vector<double>& y) const;
+  /// Guards of ports that are at zero at y, to rounding, and fall.
+  [[nodiscard]] std::vector<int> falling_guards(const std::vector<double>& y) const;
+  /// The largest √energy so far.
+  [[nodiscard]] double size() const { return size_; }
+
   /// y at τ, and what is made of it.
   [[nodiscard]] const std::vector<double>& at(double tau);
   void unknowns(const std::vector<double>& y, std::vector<double>& z) const { space_.unknowns(y.data(), z); }

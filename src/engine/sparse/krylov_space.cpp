@@ -279,7 +279,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   measure(right_, zeta, x.data());
   size_ = x.norm();
   zeta_weight_ = std::max(size, size_) / zeta.norm();
-  if (!(zeta_weight_ > 0.0)) zeta_weight_ = 1.0;
+  if (!(zeta_weight_ > 0.0) || zeta.isZero(0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
   passed_on_.row(0).setZero();

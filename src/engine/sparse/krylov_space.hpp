@@ -35,7 +35,7 @@ class KrylovSpace {
   struct Start {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< may be empty
-    const std::vector<double>& zeta;
+    const std::vector<double>& zeta;  ///< all zero: z is a deviation of two motions
   };
   enum class Begun { yes, contradicted };
   /// The factor must last until the last `grow`. `size`: √energy that counts, at least.

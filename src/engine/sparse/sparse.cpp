@@ -6,6 +6,7 @@
 
 #include "engine/from_start.hpp"
 #include "engine/left_out.hpp"
+#include "engine/sparse/sparse_model.hpp"
 #include "engine/sparse/transient.hpp"
 #include "model/coupling.hpp"
 #include "model/islands.hpp"
@@ -25,21 +26,6 @@ std::size_t unknowns(const model::Network& n) {
 
 }  // namespace
 
-class SparseModel {
- public:
-  std::vector<std::unique_ptr<const Part>> parts;
-  std::size_t signals = 0;
-  std::vector<Remark> remarks;
-};
-
-namespace {
-
-struct Starts {
-  Answer answer;  ///< of the first part that cannot start
-  MissingRest missing;
-  std::vector<Start> parts;
-};
-
 Starts starts_of(const SparseModel& model, bool uic) {
   Starts starts;
   for (const auto& part : model.parts) {
@@ -53,8 +39,6 @@ Starts starts_of(const SparseModel& model, bool uic) {
   }
   return starts;
 }
-
-}  // namespace
 
 std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagnostics& diagnostics) {
   auto result = std::make_shared<SparseModel>();

@@ -14,7 +14,9 @@ struct Start {
   Answer answer;               ///< outcome and remarks
   std::vector<double> states;  ///< in the order of Descriptor::states, in volts
   Position on;
-  std::vector<double> signals;  ///< operating point only
+  std::vector<double>
+      unknowns{};               ///< of segments, in place of the states: the end of a run before, in that position; empty: from the states
+  std::vector<double> signals;  ///< of the operating point, or of the end of a run before
   MissingRest missing;          ///< operating point only: where it has none it starts from `.ic` values, and zero elsewhere
 };
 

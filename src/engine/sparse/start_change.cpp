@@ -32,8 +32,14 @@ void StartChange::take(const std::vector<double>& z, const std::vector<double>& 
   change_ = exosystem_.rows() * after_step(exosystem_, 1.0 / shift, exosystem_.a() * zeta / shift);
   right_.resize(z.size());
   sizes_.resize(z.size());
-  descriptor_.rates(z_, w_.data(), right_.data());
-  descriptor_.rate_sizes(z_, w_.data(), sizes_.data());
+  one_ = zeta[exosystem_.constant()];
+  if (one_ == 0.0) {
+    descriptor_.conduct(z_, right_.data());
+    descriptor_.conduct_sizes(z_, sizes_.data());
+  } else {
+    descriptor_.rates(z_, w_.data(), right_.data());
+    descriptor_.rate_sizes(z_, w_.data(), sizes_.data());
+  }
   for (std::size_t i = 0; i < right_.size(); ++i)
     if (std::abs(right_[i]) <= rounding_of_row * sizes_[i]) right_[i] = 0.0;
   descriptor_.add_sources(change_.data(), right_.data());
@@ -41,8 +47,10 @@ void StartChange::take(const std::vector<double>& z, const std::vector<double>& 
 }
 
 double StartChange::closing(const Port& port, double of_slack, double of_input) const {
-  double slack = port.slack.value(z_, w_.data());
-  if (std::abs(slack) <= rounding_of_slack * port.slack_size(z_, w_.data())) slack = 0.0;
+  const bool has_sources = one_ != 0.0;
+  double slack = has_sources ? port.slack.value(z_, w_.data()) : Form::sum(port.slack.z, z_);
+  const double size = has_sources ? port.slack_size(z_, w_.data()) : Form::size_of(port.slack.z, z_);
+  if (std::abs(slack) <= rounding_of_slack * size) slack = 0.0;
   slack += Form::sum(port.slack.w, change_.data());
   return -of_slack * slack - of_input * z_[port.row];
 }

@@ -20,7 +20,7 @@ class StartChange {
  public:
   StartChange(const Descriptor& descriptor, const model::Exosystem& exosystem) : descriptor_(descriptor), exosystem_(exosystem) {}
 
-  /// `more`: charges and fluxes beside E z0, or empty. `zeta`: the sources' states at the start.
+  /// `more`: charges and fluxes beside E z0, or empty. `zeta`: the sources' states at the start; all zero, of a deviation of two motions.
   void take(const std::vector<double>& z, const std::vector<double>& more, const linalg::Vector& zeta, double shift);
   /// r, its closing rows without meaning.
   [[nodiscard]] const std::vector<double>& right() const { return right_; }
@@ -31,6 +31,7 @@ class StartChange {
   const Descriptor& descriptor_;
   const model::Exosystem& exosystem_;
   const double* z_ = nullptr;
+  double one_ = 1.0;           ///< the constant of ζ: 0 of a deviation, which constants do not move
   linalg::Vector w_, change_;  ///< sources at the start, and their change
   std::vector<double> right_, sizes_;
 };

@@ -69,8 +69,10 @@ std::string Transient::mode_text() const {
 
 bool Transient::begin(const std::vector<Start>& starts) {
   bool projected = false;
-  const bool has_before = request_.probes.sink != nullptr && !request_.use_initial_conditions &&
-                          std::all_of(starts.begin(), starts.end(), [](const Start& start) { return start.missing.empty(); });
+  const auto has_signals = [&](const Start& start) {
+    return start.missing.empty() && (!request_.use_initial_conditions || !start.unknowns.empty());
+  };
+  const bool has_before = request_.probes.sink != nullptr && std::all_of(starts.begin(), starts.end(), has_signals);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
     const Start& start = starts[i];
@@ -106,6 +108,22 @@ bool Transient::advance_least() {
   else
     std::push_heap(order_.begin(), order_.end(), is_later());
   return true;
+}
+
+void Transient::begin_lap(std::vector<std::vector<SegmentRecord>>* records) {
+  if (records) records->assign(tracks_.size(), {});
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i]->block.begin_lap(records ? &(*records)[i] : nullptr, true);
+}
+
+std::vector<Start> Transient::ends() {
+  std::vector<Start> ends(tracks_.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    ends[i].unknowns = tracks_[i]->block.unknowns();
+    ends[i].on = tracks_[i]->block.position();
+    ends[i].signals.resize(tracks_[i]->part.island.signal_number.size());
+    tracks_[i]->block.signals(request_.stop, ends[i].signals.data());
+  }
+  return ends;
 }
 
 Answer Transient::run(const std::vector<Start>& starts) {

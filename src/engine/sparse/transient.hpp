@@ -16,8 +16,12 @@ class Transient : private RowSource {
   /// `signals`: of the whole network. Parts and request must outlive it.
   Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
             Block::Method method, RowSink& sink);
+  /// Before `run`, of segments: it stops before what happens at its end, and each part records its segments, where `records` is not null.
+  void begin_lap(std::vector<std::vector<SegmentRecord>>* records);
   /// One start per part.
   Answer run(const std::vector<Start>& starts);
+  /// After `run`, the start of another that goes on from there.
+  [[nodiscard]] std::vector<Start> ends();
 
  private:
   struct Track {

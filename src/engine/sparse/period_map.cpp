@@ -1,0 +1,173 @@
+#include "engine/sparse/period_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/sparse/transient.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+using linalg::Vector;
+
+class NoRows : public RowSink {
+ public:
+  bool write(std::span<const double>, std::size_t) override { return true; }
+};
+
+}  // namespace
+
+PeriodMap::PeriodMap(std::shared_ptr<const SparseModel> model, const std::atomic<int>* interrupt)
+    : model_(std::move(model)), interrupt_(interrupt) {
+  for (const auto& part : model_->parts) {
+    deviations_.push_back(std::make_unique<SegmentDeviation>(*part));
+    size_ += part->descriptor.size();
+    const model::Network& network = part->island.network;
+    for (const auto& c : network.capacitors) stores_.push_back({fmt::format("v({})", c.label.name), "V", c.label.name, "C", 0.0});
+    for (const auto& l : network.inductors) stores_.push_back({fmt::format("i({})", l.label.name), "A", l.label.name, "Vs", 0.0});
+    const auto& states = part->descriptor.states();
+    for (std::size_t i = 0; i < states.size(); ++i) stores_[stores_.size() - states.size() + i].storage = std::abs(states[i].storage);
+  }
+}
+
+Answer PeriodMap::advance(State& state, double length, bool records) {
+  Request request;
+  request.stop = length;
+  request.use_initial_conditions = true;
+  request.interrupt = interrupt_;
+  NoRows none;
+  Transient transient(model_->parts, model_->signals, request, segment_tolerance, Block::Method::segments, none);
+  transient.begin_lap(records ? &last_ : nullptr);
+  Answer answer = transient.run(state);
+  if (answer.outcome == Outcome::completed) state = transient.ends();
+  return answer;
+}
+
+Answer PeriodMap::run(const State& from, const Request& request, RowSink& sink) const {
+  return Transient(model_->parts, model_->signals, request, segment_tolerance, Block::Method::segments, sink).run(from);
+}
+
+Vector PeriodMap::unknowns(const State& state) const {
+  Vector z(size_);
+  Eigen::Index first = 0;
+  for (const Start& part : state) {
+    const auto count = static_cast<Eigen::Index>(part.unknowns.size());
+    z.segment(first, count) = Eigen::Map<const Vector>(part.unknowns.data(), count);
+    first += count;
+  }
+  return z;
+}
+
+void PeriodMap::move_to(State& state, const Vector& unknowns) const {
+  Eigen::Index first = 0;
+  for (Start& part : state) {
+    const auto count = static_cast<Eigen::Index>(part.unknowns.size());
+    Eigen::Map<Vector>(part.unknowns.data(), count) = unknowns.segment(first, count);
+    first += count;
+  }
+}
+
+Vector PeriodMap::energies(const Vector& unknowns) const {
+  Vector x(static_cast<Eigen::Index>(stores_.size()));
+  const double* z = unknowns.data();
+  Eigen::Index at = 0;
+  for (const auto& part : model_->parts) {
+    const double r0 = part->descriptor.r0();
+    for (const sparse::State& state : part->descriptor.states())
+      x[at++] = std::sqrt(std::abs(state.storage)) / (state.is_current ? r0 : 1.0) * state.value(z);
+    z += part->descriptor.size();
+  }
+  return x;
+}
+
+template <class Follow>
+bool PeriodMap::each_part(Vector& deviation, const Follow& follow) {
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < deviations_.size(); ++i) {
+    const auto count = static_cast<Eigen::Index>(model_->parts[i]->descriptor.size());
+    std::vector<double> z(deviation.data() + first, deviation.data() + first + count);
+    if (!follow(*deviations_[i], records_[i], z)) {
+      failure_ = deviations_[i]->failure();
+      return false;
+    }
+    deviation.segment(first, count) = Eigen::Map<const Vector>(z.data(), count);
+    first += count;
+  }
+  return true;
+}
+
+bool PeriodMap::derivative(Vector& deviation) {
+  beside_.clear();
+  if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0) {
+    failure_ = "interrupted";
+    return false;
+  }
+  return each_part(deviation, [this](SegmentDeviation& own, const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+    const bool is_followed = own.follow(records, z);
+    worst_ = std::max(worst_, own.worst_error());
+    beside_.insert(beside_.end(), own.beside().begin(), own.beside().end());
+    return is_followed;
+  });
+}
+
+bool PeriodMap::smooth(Vector& deviation) {
+  return each_part(deviation, [](SegmentDeviation& own, const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+    return own.smooth(records, z);
+  });
+}
+
+bool PeriodMap::keeps_switches(const State& from, const State& to) const {
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto first = static_cast<std::ptrdiff_t>(model_->parts[i]->descriptor.first_switch());
+    if (!std::equal(from[i].on.begin() + first, from[i].on.end(), to[i].on.begin() + first, to[i].on.end())) return false;
+  }
+  return true;
+}
+
+std::vector<Position> PeriodMap::positions(const std::vector<std::vector<SegmentRecord>>& run) {
+  std::vector<Position> positions;
+  for (const auto& records : run)
+    for (const SegmentRecord& record : records) positions.push_back(record.on);
+  return positions;
+}
+
+double PeriodMap::largest() const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    double most = 0.0;
+    for (const SegmentRecord& record : records_[i]) most = std::max(most, record.size);
+    square += most * most / model_->parts[i]->descriptor.r0();  // a part's own norm is that of energy times R0
+  }
+  return std::sqrt(square);
+}
+
+std::size_t PeriodMap::segments() const {
+  std::size_t count = 0;
+  for (const auto& records : records_) count += records.size();
+  return count;
+}
+
+Vector PeriodMap::values(const Vector& energies) const {
+  Vector values = energies;
+  for (std::size_t i = 0; i < stores_.size(); ++i)
+    if (stores_[i].storage > 0.0) values[static_cast<Eigen::Index>(i)] /= std::sqrt(stores_[i].storage);
+  return values;
+}
+
+Vector PeriodMap::after_start() const {
+  Vector z(size_);
+  Eigen::Index first = 0;
+  for (const auto& records : records_) {
+    const std::vector<double>& part = records.front().unknowns_at_begin;
+    z.segment(first, static_cast<Eigen::Index>(part.size())) =
+        Eigen::Map<const Vector>(part.data(), static_cast<Eigen::Index>(part.size()));
+    first += static_cast<Eigen::Index>(part.size());
+  }
+  return z;
+}
+
+}  // namespace pwlsim::engine::sparse

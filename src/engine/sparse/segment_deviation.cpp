@@ -1,0 +1,184 @@
+#include "engine/sparse/segment_deviation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/largest.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+/// Vectors at which the error is looked at.
+constexpr std::array<int, 13> dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
+constexpr double tolerance = 1e-12;  ///< of the largest deviation so far
+constexpr double most_error = 1e-8;  ///< the same: where vectors are nothing but rounding
+constexpr int smoothing_steps = 6;
+constexpr double gone = 1e-20;               ///< the same: it has decayed
+constexpr double least_share = 1e-4;         ///< of a segment: a shorter part is none
+constexpr double same_shift_of_time = 1e-6;  ///< of the largest: guards that fall to zero together in nearby runs, too
+
+}  // namespace
+
+SegmentDeviation::SegmentDeviation(const Part& part)
+    : part_(part),
+      factors_(part.island.network, part.descriptor),
+      sources_(part.island.network),
+      space_(part.descriptor, sources_.exosystem()),
+      zeta_(static_cast<std::size_t>(sources_.exosystem().size()), 0.0) {
+  factors_.factor_each();
+}
+
+bool SegmentDeviation::follow(const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+  z_ = z;
+  more_.clear();
+  worst_ = scale_ = 0.0;
+  failure_.clear();
+  beside_.clear();
+  has_decayed_ = false;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (i == 0) {
+      for (const Position& on : records[i].jumps)
+        if (!project(records[i], on)) return false;
+    } else if (!pass(records[i - 1], records[i])) {
+      return false;
+    }
+    if (!propagate(records[i])) return false;
+    if (has_decayed_) {
+      std::fill(z.begin(), z.end(), 0.0);
+      return true;
+    }
+  }
+  z = z_;
+  return true;
+}
+
+bool SegmentDeviation::smooth(const std::vector<SegmentRecord>& records, std::vector<double>& z) {
+  if (records.empty()) return true;
+  const SegmentRecord& first = records.front();
+  scale_ = 0.0;
+  more_.clear();
+  for (int step = 0; step < smoothing_steps; ++step) {
+    z_ = z;
+    if (!open(first, first.on, 1.0)) return false;
+    if (is_gone()) return true;
+    z = space_.first_unknowns();
+  }
+  return true;
+}
+
+/// The space of z_ and more_ in a position.
+bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, double length) {
+  const Factor* factor = factors_.at(record.shift, on);
+  double unused = 0.0;
+  const bool is_open = factor && space_.begin(*factor, record.shift, on, {z_, more_, zeta_}, scale_) == KrylovSpace::Begun::yes;
+  if (!is_open) failure_ = fmt::format("a deviation does not fit the position at t = {} s", record.begin);
+  more_.clear();
+  if (is_open) scale_ = std::max(scale_, space_.start_size());
+  return is_open && (length > 0.0 || resolve(1.0 / record.shift, unused));
+}
+
+/// Grows the space until its error is within the tolerance over the length, or over a part of it.
+bool SegmentDeviation::resolve(double length, double& reached) {
+  reached = length;
+  if (is_gone()) return true;
+  double error = INFINITY;
+  for (const int m : dimensions) {
+    space_.grow(m);
+    if (!space_.is_sound()) break;
+    const auto& points = space_.estimate(length);
+    error = 0.0;
+    for (const auto& point : points) error = std::max(error, point.error);
+    if (error <= tolerance * scale_) break;
+    if (!space_.is_full() && m < dimensions.back()) continue;
+    reached = 0.0;
+    double part = 0.0;
+    for (const auto& point : points) {
+      if (!(point.error <= tolerance * scale_)) break;
+      reached = point.tau;
+      part = std::max(part, point.error);
+    }
+    if (reached < least_share * length && error <= most_error * scale_) reached = length;
+    if (reached < length) error = part;
+    break;
+  }
+  worst_ = std::max(worst_, error / scale_);
+  return space_.is_sound() && error <= most_error * scale_ && reached >= least_share * length;
+}
+
+bool SegmentDeviation::propagate(const SegmentRecord& record) {
+  for (double done = 0.0;;) {
+    const double left = record.length - done;
+    double reached = 0.0;
+    if (!open(record, record.on, std::max(left, 0.0) + 1.0)) return false;
+    has_decayed_ = is_gone();
+    if (has_decayed_) return true;
+    if (!resolve(left > 0.0 ? left : 1.0 / record.shift, reached)) {
+      failure_ = fmt::format("a deviation cannot be followed from t = {} s on", record.begin + done);
+      return false;
+    }
+    y_.assign(space_.first().begin(), space_.first().end());
+    work_.resize(2 * y_.size());
+    const double step = std::min(reached, std::max(left, 0.0));
+    space_.flow().apply_once(step, y_.data(), work_.data());
+    space_.unknowns(y_.data(), z_);
+    done += step;
+    if (step >= left) return true;
+  }
+}
+
+bool SegmentDeviation::is_gone() const { return !(space_.start_size() > gone * scale_); }
+
+/// A jump in a position, of the deviation.
+bool SegmentDeviation::project(const SegmentRecord& record, const Position& on) {
+  if (!open(record, on, 0.0)) return false;
+  if (is_gone()) return true;
+  y_.assign(space_.first().begin(), space_.first().end());
+  space_.unknowns(y_.data(), z_);
+  return true;
+}
+
+bool SegmentDeviation::pass(const SegmentRecord& before, const SegmentRecord& after) {
+  if (before.ends_unknown && before.on != after.on) {
+    failure_ = fmt::format("the search for events could not decide at t = {} s", after.begin);
+    return false;
+  }
+  double shift = 0.0;
+  if (!before.guards.empty() && (before.on != after.on || !after.jumps.empty())) {
+    const FallingGuard& guard = before.guards.front();
+    const double change = Form::sum(guard.form.z, z_.data());
+    if (!(std::abs(guard.rate) > 0.0) && change != 0.0) {
+      failure_ = fmt::format("{} touches its threshold at t = {} s", part_.descriptor.ports()[guard.port].name, after.begin);
+      return false;
+    }
+    if (change != 0.0) shift = -change / guard.rate;
+    note_beside(before, after, shift);
+  }
+  const auto add = [&](double factor, const std::vector<double>& rates) {
+    if (factor == 0.0) return;
+    more_.resize(rates.size(), 0.0);
+    for (std::size_t i = 0; i < rates.size(); ++i) more_[i] += factor * rates[i];
+  };
+  add(shift, before.rates_at_end);
+  for (const Position& on : after.jumps)
+    if (!project(after, on)) return false;
+  add(-shift, after.rates_at_begin);
+  return true;
+}
+
+/// Others that change sides there, which another change of the start would take to zero at another time.
+void SegmentDeviation::note_beside(const SegmentRecord& before, const SegmentRecord& after, double shift) {
+  for (std::size_t i = 1; i < before.guards.size(); ++i) {
+    const FallingGuard& guard = before.guards[i];
+    if (before.on[guard.port] == after.on[guard.port]) continue;
+    const double own = -Form::sum(guard.form.z, z_.data()) / guard.rate;
+    const double terms = Form::size_of(guard.form.z, z_.data()) / std::abs(guard.rate);
+    if (std::abs(own - shift) > same_shift_of_time * std::max(terms, std::abs(shift)))
+      beside_.push_back({after.begin, part_.descriptor.ports()[guard.port].name});
+  }
+}
+
+}  // namespace pwlsim::engine::sparse

@@ -1,0 +1,212 @@
+// .pss on Krylov segments: orbits and multipliers against independent references, closed forms and charge balances.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "cli/run_in.hpp"
+#include "support/json.hpp"
+
+using namespace pwlsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Json result_of(const Scratch& scratch, const std::string& deck, const std::vector<std::string>& more = {}) {
+  scratch.write("deck.net", deck);
+  std::vector<std::string> arguments{"deck.net", "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Finished finished = run_in(scratch, arguments);
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  return read_json(finished.out);
+}
+
+double measured(const Json& result, const std::string& name) {
+  for (const Json& m : result["measurements"].array)
+    if (m["name"].string == name) return m["value"].number;
+  FAIL("no measurement " << name);
+  return 0.0;
+}
+
+/// As validation/large/circuits.py has it, with ideal diodes.
+std::string cockcroft_walton(int stages) {
+  std::ostringstream deck;
+  deck.precision(12);
+  deck << "Cockcroft-Walton multiplier\nV1 s 0 SIN(0 100 50)\n";
+  const double capacitance = 1e-6 * stages * stages / 9.0 * 20.0;
+  for (int n = 1; n <= stages; ++n) {
+    const std::string k = std::to_string(n), before = std::to_string(n - 1);
+    deck << "CA" << k << " a" << k << (n == 1 ? " s " : " a" + before + " ") << capacitance << " ic=" << (n == 1 ? 90 : 180) << '\n'
+         << "CB" << k << " b" << k << (n == 1 ? " 0 " : " b" + before + " ") << capacitance << " ic=180\n"
+         << "DA" << k << (n == 1 ? " 0" : " b" + before) << " a" << k << " DI\nDB" << k << " a" << k << " b" << k << " DI\n";
+  }
+  deck << "RL b" << stages << " 0 " << stages * 1e5 << "\n.model DI D\n.pss uic\n";
+  for (int n = 1; n <= stages; ++n) deck << ".meas pss qa" << n << " AVG i(DA" << n << ")\n.meas pss qb" << n << " AVG i(DB" << n << ")\n";
+  deck << ".meas pss load AVG i(RL)\n.save v(b" << stages << ")\n.end\n";
+  return deck.str();
+}
+
+/// kind, name → re, im of the references of 20 digits.
+struct Reference {
+  std::map<std::string, double> states;
+  std::vector<std::complex<double>> multipliers;
+};
+
+Reference reference_of(const std::filesystem::path& deck) {
+  Reference reference;
+  std::ifstream file(deck.parent_path() / "references" / (deck.stem().string() + ".csv"));
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream fields(line);
+    std::string kind, name, re, im;
+    std::getline(fields, kind, ',');
+    std::getline(fields, name, ',');
+    std::getline(fields, re, ',');
+    std::getline(fields, im, ',');
+    if (kind == "state") reference.states[name] = std::stod(re);
+    if (kind == "multiplier") reference.multipliers.emplace_back(std::stod(re), im.empty() ? 0.0 : std::stod(im));
+  }
+  return reference;
+}
+
+double nearest(const std::vector<std::complex<double>>& list, std::complex<double> value) {
+  double least = INFINITY;
+  for (const auto& each : list) least = std::min(least, std::abs(each - value));
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("orbits by Krylov segments have the states and multipliers of the references", "[regression]") {
+  // References: validation/steady_state/references.py, 20 digits, without this program.
+  const std::filesystem::path folder = std::filesystem::path(PWLSIM_SOURCE_DIR) / "validation/steady_state";
+  const std::string name =
+      GENERATE("boost", "boost_discontinuous", "buck", "buck_boost", "buck_discontinuous", "buck_guess_continuous", "charge_pump",
+               "cockcroft_walton", "cuk", "flyback_clamp", "freewheel", "half_wave", "input_filter", "inverter", "llc", "modulator",
+               "rc_square", "resonant_rectifier", "rl_rectifier", "series_resonant", "six_pulse");
+  INFO(name);
+  const Reference reference = reference_of(folder / (name + ".net"));
+  REQUIRE_FALSE(reference.states.empty());
+  const Scratch scratch;
+  std::filesystem::copy_file(folder / (name + ".net"), scratch.path() / "deck.net");
+  const Finished finished = run_in(scratch, {"deck.net", "--json", "--engine", "krylov"});
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  const Json pss = read_json(finished.out)["pss"];
+  CHECK(pss["all_multipliers"].truth == false);
+  CHECK(pss["stability"].string == "stable");
+  // At rest a state is as small as rounding makes it: they are compared with the largest, a current with 1/50 Ω of the largest voltage at least.
+  double largest = 0.0;
+  for (const auto& [state, value] : reference.states) largest = std::max(largest, std::abs(value));
+  for (const Json& state : pss["states"].array) {
+    const auto known = reference.states.find(state["name"].string);
+    if (known == reference.states.end()) continue;
+    INFO(known->first);
+    CHECK(std::abs(state["value"].number - known->second) <= 1e-9 * std::max(largest, 1e-3));
+  }
+  std::vector<std::complex<double>> found;
+  for (const Json& m : pss["multipliers"].array) {
+    found.emplace_back(m["re"].number, m["im"].number);
+    if (std::abs(found.back()) > 1e-7) CHECK(nearest(reference.multipliers, found.back()) <= 1e-8);
+  }
+  for (const auto& each : reference.multipliers)
+    if (std::abs(each) > 1e-3 && (found.size() < 6 || std::abs(each) > std::abs(found.back()) + 1e-7)) CHECK(nearest(found, each) <= 1e-8);
+}
+
+TEST_CASE("an RC ladder of 120 sections: multipliers are those of its eigenvalues, in closed form", "[unit]") {
+  // n sections of R and C, fed at one end: λ_k = −(4/RC) sin²((2k − 1)π/(4n + 2)); multipliers e^{λ_k T}. The mean at the end is that of the source.
+  constexpr int n = 120;
+  constexpr double rc = 1e-6, period = 1e-3;
+  std::ostringstream deck;
+  deck << "ladder\nV1 n0 0 PULSE(0 1 0 0 0 0.25m 1m)\n";
+  for (int k = 1; k <= n; ++k) deck << "R" << k << " n" << k - 1 << " n" << k << " 1\nC" << k << " n" << k << " 0 1u\n";
+  deck << ".pss\n.meas pss mean AVG v(n" << n << ")\n.save v(n" << n << ")\n.end\n";
+  const Scratch scratch;
+  const Json result = result_of(scratch, deck.str());
+  const Json& pss = result["pss"];
+  CHECK(pss["all_multipliers"].truth == false);
+  CHECK(measured(result, "mean") == Approx(0.25).epsilon(1e-9));
+  const auto& multipliers = pss["multipliers"].array;
+  REQUIRE(multipliers.size() >= 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double sine = std::sin((2.0 * static_cast<double>(k) + 1.0) * std::numbers::pi / (4.0 * n + 2.0));
+    CHECK(std::abs(multipliers[k]["re"].number - std::exp(-4.0 / rc * sine * sine * period)) <= 1e-9);
+    CHECK(multipliers[k]["im"].number == 0.0);
+  }
+}
+
+TEST_CASE("a Cockcroft-Walton of 26 stages on its orbit: every diode carries the mean of the load current", "[unit]") {
+  // No capacitor gains charge over a period, so that the columns pass on, from stage to stage, what the load takes.
+  constexpr int stages = 26;
+  const Scratch scratch;
+  const Json result = result_of(scratch, cockcroft_walton(stages));
+  const Json& pss = result["pss"];
+  CHECK(pss["all_multipliers"].truth == false);
+  CHECK(pss["residual"].number <= 1e-12);
+  CHECK(pss["stability"].string == "stable");
+  const double load = measured(result, "load");
+  CHECK(load > 1e-4);
+  for (int n = 1; n <= stages; ++n) {
+    INFO(n);
+    CHECK(measured(result, "qa" + std::to_string(n)) == Approx(load).epsilon(1e-7));
+    CHECK(measured(result, "qb" + std::to_string(n)) == Approx(load).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("a run by Krylov segments begins on the orbit and stays there", "[unit]") {
+  std::string deck = cockcroft_walton(6);
+  deck.replace(deck.find(".pss uic"), 8, ".pss uic\n.tran 1m 60m");
+  const Scratch scratch;
+  scratch.write("deck.net", deck);
+  const Finished finished = run_in(scratch, {"deck.net", "--engine", "krylov"});
+  INFO(finished.err);
+  REQUIRE(finished.status == 0);
+  std::istringstream rows(read_file(scratch / "deck.csv"));
+  std::string line;
+  std::getline(rows, line);
+  std::vector<double> values;
+  while (std::getline(rows, line)) values.push_back(std::stod(line.substr(line.find(',') + 1)));
+  REQUIRE(values.size() == 61);
+  for (std::size_t k = 0; k + 20 < values.size(); ++k) CHECK(values[k + 20] == Approx(values[k]).epsilon(1e-9));
+}
+
+TEST_CASE("what Krylov segments do not have around an orbit is refused by name", "[unit]") {
+  const Scratch scratch;
+  const std::string rectifier = "rectifier\nV1 a 0 SIN(0 10 50) AC 1\nD1 a b DX\nC1 b 0 1m\nR1 b 0 50\n.model DX D\n";
+  scratch.write("ac.net", rectifier + ".pss\n.ac lin 3 10 30\n.end\n");
+  const Finished response = run_in(scratch, {"ac.net", "--engine", "krylov"});
+  CHECK(response.status == 2);
+  CHECK_THAT(response.err, Contains("error[E-pss-engine]: small signals around an orbit need dense modes"));
+  scratch.write("sens.net", rectifier + ".pss\n.meas pss mean AVG v(b)\n.sens param=R1\n.end\n");
+  const Finished derivative = run_in(scratch, {"sens.net", "--engine", "krylov"});
+  CHECK(derivative.status == 0);
+  CHECK_THAT(derivative.err, Contains("W-sens-failed"));
+  scratch.write("timer.net",
+                "relaxation\nV1 p 0 10\nR1 p c 1k\nC1 c 0 1u\nS1 c 0 c 0 SX\n.model SX SW(Vt=4 Vh=2 Ron=10)\n.pss on=S1 uic\n.end\n");
+  const Finished timer = run_in(scratch, {"timer.net", "--engine", "krylov"});
+  CHECK(timer.status == 1);
+  CHECK_THAT(timer.err, Contains("error[E-pss-engine]: without a periodic source"));
+}
+
+TEST_CASE("a charge that nothing takes away is told by Krylov segments, too", "[unit]") {
+  // A half wave of 1 A adds 2·1 A/(2π·50 Hz) = 6.366 mC to C1, whose diode lets none back.
+  const Scratch scratch;
+  scratch.write("deck.net", "pump\nI1 0 a SIN(0 1 50)\nD1 a b DX\nD2 0 a DX\nC1 b 0 1\n.model DX D\n.pss\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--engine", "krylov"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-pss-not-converged]: no orbit was found: each period still adds 6.36"));
+  CHECK_THAT(finished.err, Contains("mC to C1"));
+}
+
+TEST_CASE("k=2 of an orbit that repeats sooner is told by Krylov segments, too", "[unit]") {
+  const Scratch scratch;
+  scratch.write("deck.net", "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.pss k=2\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net", "--engine", "krylov"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("note[N-pss-shorter-period]"));
+}
