@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "steady/sensitivity.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -27,7 +28,7 @@ std::string Sensitivity::instant_text(std::size_t instant) const {
   for (const engine::Change& change : step.changes) add_changes(orbit_.stacking().system(change.island), change, events);
   if (events.empty())
     for (const Wave& wave : jumping_)
-      if (edge_shift(wave, time, same_instant * (length_ + time), is_settled_)) events.push_back(wave.name + " has an edge");
+      if (edge_shift(wave, time, tolerance::same_instant * (length_ + time), is_settled_)) events.push_back(wave.name + " has an edge");
   return fmt::format("{} at t = {} s", events.empty() ? "an event lies" : fmt::format("{}", fmt::join(events, ", ")), time);
 }
 

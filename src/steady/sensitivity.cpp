@@ -1,4 +1,5 @@
 #include "steady/sensitivity.hpp"
+#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +89,7 @@ void Sensitivity::add(const TraceSegment& segment) {
 void Sensitivity::add_static_parts() {
   static_first_ = segments_.size();
   length_ = std::max(length_, orbit_.period());
-  const double near = same_time * length_;
+  const double near = tolerance::same_instant * length_;
   for (std::size_t island = 0; island < of_island_.size(); ++island) {
     const System& system = orbit_.stacking().system(island);
     if (!is_static(system) || trace_.steps.empty()) continue;

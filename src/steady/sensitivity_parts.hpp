@@ -8,9 +8,6 @@
 
 namespace pwlsim::steady {
 
-/// Of the run and of a time: edges this near are one.
-inline constexpr double same_time = 1e-12;
-
 inline linalg::Vector vector_of(const std::vector<double>& y) {
   return Eigen::Map<const linalg::Vector>(y.data(), static_cast<Eigen::Index>(y.size()));
 }

@@ -48,8 +48,6 @@ class Block {
   /// What the rounding of a saved signal is relative to: the sum of its terms' magnitudes at time(); with segments each unknown counts as the largest voltage, or current,
   /// so far.
   [[nodiscard]] double signal_size(int number) const;
-  /// Of it: rounding of the solutions of a step, and of segments. Smaller values may be nothing else.
-  static constexpr double rounding_of_signals = 1e-12;
 
   struct Instant {
     double time = 0.0;

@@ -7,16 +7,15 @@
 #include "base/largest.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
 /// A margin that is below zero only inside the step must be so by this part of the tolerance: the parabola is not better.
 constexpr double dip_share = 0.1;
 constexpr int most_locations = 60;
-constexpr double together = 1e-6;      ///< of a step: what passes at one instant
 constexpr int most_idle_located = 20;  ///< passages in a row that changed nothing: the next need not be met to rounding
 constexpr int most_rounds = 200;       ///< of switches answering switches at one instant: logic has long chains
 constexpr double room_share = 1.0 / 16.0;
@@ -24,7 +23,6 @@ constexpr double room_share = 1.0 / 16.0;
 /// are so much shorter, and shorter than any time constant.
 constexpr int deeper = 6;
 constexpr double small_motion = 0.01;
-constexpr double least_of_time = 1e-13;  ///< an Euler step: time has no more digits
 /// Levels by which the Euler steps may shrink for the sake of a motion, or where they end in two positions, or in none.
 constexpr int most_refinement = 16, refinement = 4;
 
@@ -32,8 +30,6 @@ constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between tw
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
-constexpr double crowd_fraction = 1e-9;
-constexpr double share_of_node = 1e-6;  ///< a capacitor's voltage is no smaller beside those of nodes
 
 /// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of the others is of the third order.
 int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::log2(std::pow(reltol, 1.0 / 6.0)))); }
@@ -84,7 +80,7 @@ std::vector<Block::Crossing> Block::crossings(double h, double reach) {
   const auto examine = [&](std::size_t i, bool is_control) {
     const bool is_input = !is_control && point_.on[i] != 0;
     const double size = is_input ? input : margin_size(i, is_control);
-    double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
+    double tolerance = (is_control || !passive_ ? tolerance::guard_sign : tolerance::passive_guard_sign) * size;
     if (is_control) tolerance = std::max(tolerance, controls_[i].rounding(unknown));
     const double start = margin(i, is_control, point_), stage = margin(i, is_control, trial_.stage),
                  end = margin(i, is_control, trial_.end);
@@ -116,7 +112,7 @@ bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
     accept(trial_, std::min(first.at, reach));
   }
   for (const Crossing& crossing : list)  // where the Euler steps begin to look
-    if (!crossing.is_control && crossing.at <= first.at + together) point_.on[crossing.index] ^= 1;
+    if (!crossing.is_control && crossing.at <= first.at + tolerance::same_passage) point_.on[crossing.index] ^= 1;
   restart_due_ = true;
   return true;
 }
@@ -125,7 +121,7 @@ bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
 bool Block::locate(double h, Crossing crossing) {
   double low = 0.0, high = 1.0, low_value = margin(crossing.index, crossing.is_control, point_);
   double high_value = margin(crossing.index, crossing.is_control, trial_.end);
-  const double tolerance = sign_tolerance * margin_size(crossing.index, crossing.is_control);
+  const double tolerance = tolerance::guard_sign * margin_size(crossing.index, crossing.is_control);
   double next = crossing.at;
   for (int round = 0; round < most_locations; ++round) {
     stepper_.tr_bdf2(point_, next * h, scale_, trial_);
@@ -149,7 +145,7 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(on, value) >= -std::max(sign_tolerance * size, control.rounding(unknown))) continue;
+    if (control.margin(on, value) >= -std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
     on[control.port] ^= 1;
     flipped = true;
     instant.mode_change = true;
@@ -166,7 +162,7 @@ bool Block::flip_at_rest(const Point& at, Instant& instant) {
     if (control.has_rested || !control.passes_at_rest(point_.on)) continue;
     const double value = control.value.value(at.z.data(), at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(point_.on, value) > std::max(sign_tolerance * size, control.rounding(unknown))) continue;
+    if (control.margin(point_.on, value) > std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
     point_.on[control.port] ^= 1;
     control.has_rested = flipped = instant.mode_change = true;
   }
@@ -207,7 +203,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
 /// max over the states of their distance from those before the instant, relative to their size. Segments have no tolerance in which the rounding of what nodes
 /// have at the moment disappears.
 double Block::difference(const std::vector<double>& states, const std::vector<double>& z) const {
-  const double rounding = segment_ ? share_of_node * ports_.largest_voltage(z) : 0.0;
+  const double rounding = segment_ ? tolerance::node_share * ports_.largest_voltage(z) : 0.0;
   double worst = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const State& state = descriptor_.states()[i];
@@ -355,7 +351,7 @@ bool Block::restart() {
 bool Block::find_position(const Beginning& beginning, Instant& instant, int& level) {
   const int usual = level;
   int deepest = std::min(std::max(level + most_refinement, shortest_level()), last_level);
-  while (deepest > level && diagonal * ladder(deepest) < least_of_time * instant.time) --deepest;
+  while (deepest > level && diagonal * ladder(deepest) < tolerance::shortest_euler_step * instant.time) --deepest;
   double before = 0.0;
   bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
   int found = -1;          // the deepest level with a position, if one that moves what it should not
@@ -436,7 +432,7 @@ int Block::levels_too_long(double h) const {
   double soonest = 3.0 * h;
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const double first = margin(i, true, first_), fall = first - margin(i, true, second_);
-    if (fall > 0.0 && first > sign_tolerance * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
+    if (fall > 0.0 && first > tolerance::guard_sign * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
   }
   return static_cast<int>(std::ceil(std::log2(3.0 * h / soonest)));
 }
@@ -464,7 +460,7 @@ std::vector<std::string> Block::changed_ports() const {
 }
 
 bool Block::watch_crowd(double time) {
-  if (!crowd_.note(time, crowd_fraction * request_.stop)) return true;
+  if (!crowd_.note(time, tolerance::crowd * request_.stop)) return true;
   fail(accumulation(time, crowd_, changed_ports(), {}));
   return false;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/largest.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "linalg/balance.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -29,23 +30,12 @@ constexpr double longer_than_last = 1.3;    ///< a segment is made for this much
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
-constexpr double shortest_share = 1e-15;             ///< of the run
-/// Of the terms of a guard: what LU leaves in constraints of index 2, and the tolerance.
-constexpr double least_noise = 1e-11, noise_of_tolerance = 10.0;
-constexpr double rounding_of_inputs = 1e-12, share_of_norm = 0.1;
-constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
-constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
-constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
-constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
-constexpr double least_digits = 1e-10;       ///< of the largest voltage, and of the largest current: what may be rounding of vectors
+constexpr double noise_of_tolerance = 10.0;          ///< terms of a guard, against the tolerance
+constexpr double share_of_norm = 0.1;
 constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond are impulses
-constexpr double most_rounding = 1e-11;      ///< of the largest √energy, over a segment that is longer than it was made for
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
-constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
-constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
-constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
 constexpr int most_derivatives = 4;          ///< at the start: what begins with a higher power of time is at rest until it is visible
 constexpr double muting = 30.0, most_muted = 1e6;
 
@@ -134,9 +124,9 @@ bool ExactSegment::resolve() {
     if (!space_.is_sound()) break;
     const auto& points = space_.estimate(length_);
     estimate_ = largest_error(points);
-    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= rounding_tolerance * size_)) return true;
+    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
     if (space_.is_full()) break;
-    if (!(estimate_ < before) && before <= rounding_tolerance * size_) break;
+    if (!(estimate_ < before) && before <= tolerance::converged_rounding * size_) break;
     const int next = next_dimension(last, before, m, estimate_, tolerance_ * size_);
     before = estimate_;
     last = m;
@@ -146,7 +136,7 @@ bool ExactSegment::resolve() {
     }
     m = next;
   }
-  if (last == 0 || !(before <= rounding_tolerance * size_)) return false;
+  if (last == 0 || !(before <= tolerance::converged_rounding * size_)) return false;
   space_.shrink(last);
   estimate_ = before;
   if (space_.is_sound()) (void)space_.estimate(length_);
@@ -183,7 +173,7 @@ void ExactSegment::stretch(double longest) {
 bool ExactSegment::reaches(double longer) {
   const auto& points = space_.estimate(longer);
   const double most = largest_error(points);
-  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= most_rounding * size_) || !has_digits()) return false;
+  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits()) return false;
   estimate_ = most;
   length_ = longer;
   return true;
@@ -194,7 +184,7 @@ bool ExactSegment::reaches(double longer) {
 bool ExactSegment::has_digits() {
   const auto is_known = [&](double terms, double before, double after) {  // after a jump: with its impulses
     const double size = std::max(before, least_voltage_);
-    return rounding_of_rows * terms <= least_digits * std::clamp(after, size, most_rise * size);
+    return tolerance::row_rounding * terms <= tolerance::known_digits * std::clamp(after, size, most_rise * size);
   };
   const KrylovSpace::Sizes terms = space_.largest_terms(), first = space_.largest_first();
   return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
@@ -203,7 +193,7 @@ bool ExactSegment::has_digits() {
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
-  for (int cut = 0; cut < most_cuts && length > shortest_share * stop_; ++cut) {
+  for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
@@ -211,7 +201,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
-    if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
+    if (space_.start_rounding() <= tolerance::start_rounding * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
         habits_[key_].turning = turning;
@@ -231,14 +221,14 @@ double ExactSegment::step(Factors& factors, const Start& start, std::vector<doub
   const double shift = shift_for(usual_length(start.on, start.longest));
   const Factor* factor = factors.at(shift, start.on);
   if (!factor || space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return 0.0;
-  if (!(space_.start_rounding() <= start_tolerance * std::max(peak_, space_.start_size()))) return 0.0;
+  if (!(space_.start_rounding() <= tolerance::start_rounding * std::max(peak_, space_.start_size()))) return 0.0;
   z = space_.first_unknowns();
   return 1.0 / shift;
 }
 
 bool ExactSegment::take_back(double h, std::vector<double>& z) {
   const linalg::Matrix& a = space_.flow().a();
-  if (!(estimate_ * (1.0 + h * a.norm()) <= rounding_tolerance * size_)) return false;
+  if (!(estimate_ * (1.0 + h * a.norm()) <= tolerance::converged_rounding * size_)) return false;
   const linalg::Vector y = space_.first() - h * (a * space_.first());
   space_.unknowns(y.data(), z);
   return true;
@@ -258,7 +248,7 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   }
   const Opened opened = build(factors, start);
   if (opened != Opened::yes) return opened;
-  if (!(space_.rounding_at_start() <= start_tolerance * size_)) return Opened::unresolved;
+  if (!(space_.rounding_at_start() <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
   located_ = false;
@@ -319,7 +309,7 @@ void ExactSegment::drop_empty_guards() {
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
     const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
-    const bool is_empty = is_short || reach(row) <= std::min(empty_row * terms_of(row), most_empty * size);
+    const bool is_empty = is_short || reach(row) <= std::min(tolerance::empty_row * terms_of(row), tolerance::largest_empty_row * size);
     if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
     if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
     return is_empty;
@@ -342,7 +332,7 @@ void ExactSegment::bound_guards() {
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
   }
-  m.noise = std::max(least_noise, noise_of_tolerance * tolerance_);
+  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * tolerance_);
   m.absolute_guards = m.guards.cwiseAbs();
   m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
   m.guard_block_norm.resize(m.guards.rows(), 0);
@@ -369,11 +359,12 @@ void ExactSegment::note_rounding() {
     const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
     const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
     size = std::max(size, least_voltage_);
-    const double rounding = is_input ? relaxation_ * rounding_of_inputs : rounding_of_voltages;
+    const double rounding = is_input ? relaxation_ * tolerance::input_rounding : tolerance::voltage_rounding;
     if (is_input) m.guard_noise[i] *= relaxation_;
     if (m.guard_norm[i] > 0.0)
-      m.guard_noise[i] = std::max(m.guard_noise[i], rounding_of_rows / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
-    if (least > 0.0) m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, rounding_of_jump * jump_voltage_ / least});
+      m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
+    if (least > 0.0)
+      m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, tolerance::jump_rounding * jump_voltage_ / least});
   }
 }
 
@@ -416,7 +407,8 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + passed_share * std::min(length_, expected_) * slope >= 0.0;
+    const bool is_soon_positive =
+        value < 0.0 && slope > 0.0 && value + tolerance::just_passed * std::min(length_, expected_) * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
     if (departure.value > 0.0) continue;
     const double bend = linalg::row_times(mode_->guards, row, second.data());
@@ -484,7 +476,7 @@ void ExactSegment::accept() {
   worst_ = std::max(worst_, relative_error());
 }
 
-void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, shortest_share * stop_); }
+void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, tolerance::shortest_segment * stop_); }
 
 void ExactSegment::note_end(double tau) { habits_[key_].length = longer_than_end * tau; }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/largest.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -15,16 +16,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
-constexpr double least_change = 1e-15;          ///< of z itself: the same
-constexpr double little_change = 1e-13;         ///< of z: rounding of T z that is not looked at more closely
-constexpr double refined = 1e-15;               ///< of the √energy that counts: a correction so small is the last
-constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
-constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
-constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
-constexpr double little_rounding = 1e-9;        ///< the same: what the solution that begins a segment may be wrong by
-constexpr double worst_condition = 1e12;
-constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
+constexpr double residual_factor = 4.0;  ///< of what a solution's residual makes of the states, their rounding
 constexpr int corrections = 3, most_refinements = 8;
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
@@ -135,7 +127,7 @@ bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) 
     const Port& port = descriptor_.ports()[i];
     const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
                                     : z[static_cast<std::size_t>(port.row)];
-    if (!(std::abs(rest) <= held * size)) return true;
+    if (!(std::abs(rest) <= tolerance::held_row * size)) return true;
   }
   return false;
 }
@@ -172,7 +164,7 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
     descriptor_.conduct_sizes(z.data(), sizes_.data());
     rounding += largest(std::span(sizes_).first(nodes)) * weight_of_currents_;
   }
-  return rounding_of_solution * rounding;
+  return tolerance::solution_rounding * rounding;
 }
 
 /// product_ := what `given_` and a solution d differ by.
@@ -200,7 +192,7 @@ void KrylovSpace::refine(std::vector<double>& d, double counts) {
   sizes_.resize(d.size());
   descriptor_.memory_sizes(d.data(), sizes_.data());
   const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
-  if (!(rounding_of_solution * charging * weight_of_currents_ > counts)) return;
+  if (!(tolerance::solution_rounding * charging * weight_of_currents_ > counts)) return;
   descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   double before = INFINITY;
   for (int round = 0; round < most_refinements; ++round) {
@@ -225,7 +217,7 @@ double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
   linalg::multiply_absolute(descriptor_.pattern(), values_, d.data(), sizes_.data());
   for (std::size_t i = 0; i < d.size(); ++i) {
     const double residual = product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
-    product_[i] = std::copysign(std::max(std::abs(residual), rounding_of_sum * sizes_[i]), sign);
+    product_[i] = std::copysign(std::max(std::abs(residual), tolerance::term_rounding * sizes_[i]), sign);
   }
   factor_->solve(product_);
   return std::min(bound, residual_factor * size_of_states(product_));
@@ -235,7 +227,7 @@ double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
 double KrylovSpace::rounding_of_sums(const std::vector<double>& z) const {
   double square = 0.0;
   for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].size(z.data()), 2);
-  return rounding_of_solution * std::sqrt(square);
+  return tolerance::solution_rounding * std::sqrt(square);
 }
 
 /// Room for so many columns.
@@ -267,8 +259,8 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
-  refine(right_, refined * size);
-  rounding_ = rounding_of(right_, little_rounding * size);
+  refine(right_, tolerance::refined_solution * size);
+  rounding_ = rounding_of(right_, tolerance::first_solution * size);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
@@ -337,9 +329,9 @@ void KrylovSpace::add_vector() {
   h_matrix_.col(j).head(j + 1) = c;
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
-  const double nothing = std::max(rounding_of_change * size, least_change);
+  const double nothing = std::max(tolerance::new_direction * size, tolerance::least_direction);
   const bool adds_nothing = !(h > nothing);
-  delta_[j] = rounding_of(right_, adds_nothing ? little_change : std::min(h, little_change));
+  delta_[j] = rounding_of(right_, adds_nothing ? tolerance::little_direction : std::min(h, tolerance::little_direction));
   full_ = adds_nothing || !(h > delta_[j]);
   if (full_) return;
   note_lost(c, size, h);
@@ -374,7 +366,7 @@ void KrylovSpace::reduce() {
   const int m = dimension_;
   const Matrix h = h_matrix_.topLeftCorner(m, m), one = Matrix::Identity(m, m) + h;
   k_ = Eigen::PartialPivLU<Matrix>(one).inverse();
-  sound_ = k_.allFinite() && k_.norm() * one.norm() < worst_condition;
+  sound_ = k_.allFinite() && k_.norm() * one.norm() < tolerance::largest_condition;
   if (!sound_) return;
   const Matrix a = shift_ * (h * k_);
   h_ = h_matrix_(m, m - 1);
