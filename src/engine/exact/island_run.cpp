@@ -394,7 +394,7 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   if (is_coarse_) [[unlikely]]
     note_coarse(time);
   choose_guards(on);
-  selector_.mark_visited(*mode);
+  selector_.modes().mark_visited(*mode);
   row_valid_ = false;
 }
 
