@@ -107,7 +107,7 @@ class Block {
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 
-  // block_events.cpp
+  // block_crossings.cpp
   /// A port, or the control of a switch, that crosses zero in a step.
   struct Crossing {
     std::size_t index = 0;
@@ -120,6 +120,8 @@ class Block {
   [[nodiscard]] double largest_input(const Point& at) const;
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
+
+  // block_events.cpp
   Instant begin_instant();
   bool restart();
   void note_jump(double time, double h);
