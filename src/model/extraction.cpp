@@ -14,7 +14,7 @@
 #include "model/causality.hpp"
 #include "model/certificate.hpp"
 #include "model/clock.hpp"
-#include "model/coupling.hpp"
+#include "model/structure_errors.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -94,7 +94,6 @@ class Extractor {
   [[nodiscard]] LeftNull left_null() const;
   bool take_constraints(const LeftNull& null);
   void report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw);
-  void report_improper(const WideMatrix& na);
   void solve_constraints();
   void choose_causality();
   void take_causality();
@@ -178,7 +177,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     return false;
   }
   if (na.size() > 0 && na.cwiseAbs().maxCoeff() > 0.0) {
-    report_improper(na);
+    report_improper(assembly_.unknowns, na, diagnostics_);
     return false;
   }
   const auto old = h_.rows();
@@ -202,65 +201,16 @@ bool Extractor::take_constraints(const LeftNull& null) {
   return true;
 }
 
-void Extractor::report_improper(const WideMatrix& na) {
-  std::string names, last;
-  SourceSpan span;
-  for (Eigen::Index j = 0; j < na.cols(); ++j) {
-    if (na.col(j).cwiseAbs().maxCoeff() == 0.0) continue;
-    const Label& label = assembly_.unknowns.port_label(static_cast<int>(j));
-    if (!span.known()) span = label.span;
-    if (!last.empty() && last == label.name) continue;  // of an element with several ports
-    last = label.name;
-    names += (names.empty() ? "" : ", ") + label.name;
-  }
-  diagnostics_.error("E-improper", span,
-                     fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
-                                 "try a resistor or capacitor beside it",
-                                 names));
-}
-
 void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
+  OpenEquations open;
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
-  const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
-  const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
+  open.kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
   // The combination of rows that holds no store: its part in the sources decides between loop and cutset.
   const WideMatrix combination =
       linalg::CarefulElimination(nf.transpose(), {}, tolerance::data_rounding * nf.cwiseAbs().transpose()).kernel();
-  const WideMatrix free_rows = null.vectors * combination;
-  std::string node_names, element_names;
-  SourceSpan node_span, element_span;
-  bool has_source = false;
-  for (Eigen::Index i = 0; i < g_.rows(); ++i) {
-    const Wide weight = largest_of(free_rows.row(i));
-    const Wide freedom = largest_of(kernel.row(i));
-    if (i < nodes && (weight > tolerance::null_vector_entry || freedom > tolerance::null_vector_entry)) {
-      const Label& label = network_.nodes[static_cast<std::size_t>(i)];
-      if (!node_span.known()) node_span = label.span;
-      node_names += (node_names.empty() ? "" : ", ") + label.name;
-    }
-    const auto column = static_cast<int>(i);
-    const Label* const owner = assembly_.unknowns.owner(column);
-    if (owner == nullptr || owner->name.empty() || !(freedom > tolerance::null_vector_entry)) continue;
-    const bool is_source = assembly_.unknowns.is_branch(column);
-    has_source |= is_source;
-    if (!element_span.known() && (is_source || assembly_.unknowns.is_resistor(column))) element_span = owner->span;
-    element_names += (element_names.empty() ? "" : ", ") + owner->name;
-  }
-  const WideMatrix said = combination.transpose() * nw;
-  const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
-  const bool is_loop_of_wires = !has_source && node_names.empty() && !element_names.empty();
-  if (has_source || is_loop_of_wires) {
-    diagnostics_.error("E-source-loop", element_span,
-                       fmt::format("{} {} a loop {}without resistance{}; try a small resistor in series", element_names,
-                                   element_names.find(',') == std::string::npos ? "forms" : "form", has_source ? "of voltage sources " : "",
-                                   contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
-    return;
-  }
-  diagnostics_.error(
-      contradiction ? "E-source-cutset" : "E-floating", node_span,
-      contradiction
-          ? fmt::format("current sources force a current into node {} that has no return path; try a resistor to ground", node_names)
-          : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+  open.rows = null.vectors * combination;
+  open.is_contradicted = largest_of(combination.transpose() * nw) > 0.0;
+  report_open(network_, assembly_.unknowns, open, diagnostics_);
 }
 
 void Extractor::solve_constraints() {

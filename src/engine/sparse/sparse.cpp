@@ -7,8 +7,8 @@
 #include "engine/from_start.hpp"
 #include "engine/left_out.hpp"
 #include "engine/sparse/transient.hpp"
-#include "model/coupling.hpp"
 #include "model/islands.hpp"
+#include "model/structure_errors.hpp"
 
 namespace pwlsim::engine::sparse {
 
