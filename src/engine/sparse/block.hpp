@@ -168,16 +168,7 @@ class Block {
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
-  Sought take_jump_of(const Point& step, double h);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
-  [[nodiscard]] Sought jump_by_step(const Point& step, double h);
-  [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
-  [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
-                                                           const Position& on, double share) const;
-  [[nodiscard]] bool is_jump_of(const Position& on);
-  [[nodiscard]] bool is_continuous();
-  [[nodiscard]] double least_distance() const;
-  [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
@@ -189,9 +180,20 @@ class Block {
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);
+  void finish_instant(const Instant& instant);
+
+  // block_jumps.cpp: their jumps
+  Sought take_jump_of(const Point& step, double h);
+  [[nodiscard]] Sought jump_by_step(const Point& step, double h);
+  [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
+  [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
+                                                           const Position& on, double share) const;
+  [[nodiscard]] bool is_jump_of(const Position& on);
+  [[nodiscard]] bool is_continuous();
+  [[nodiscard]] double least_distance() const;
+  [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
   void note_segment_impulses();
-  void finish_instant(const Instant& instant);
 
   const Part& part_;
   const Request& request_;

@@ -122,6 +122,7 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of(const std::vector<double>& d, double counts);
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
+  void apply(int j);
   void add_vector();
   void note_lost(const linalg::Vector& c, double size, double h);
   void reduce();
