@@ -102,7 +102,7 @@ class Extractor {
   void finish();
   void add_ports();
   void add_matrices();
-  void add_descriptor();
+  void add_equations();
   [[nodiscard]] OutputRow output(const LinearForm& form) const;
 
   const Island& island_;
@@ -368,33 +368,33 @@ void Extractor::add_matrices() {
 }
 
 /// The equations before the reduction, and how they give z, x and the first state.
-void Extractor::add_descriptor() {
+void Extractor::add_equations() {
   System& system = result_.system;
-  Descriptor& descriptor = result_.descriptor;
+  Equations& equations = result_.equations;
   const int k = system.ports, size = system.n + system.n_zeta, first = assembly_.unknowns.port(0);
-  descriptor.g = assembly_.g.cast<double>();
-  descriptor.f = assembly_.f.cast<double>();
-  descriptor.ha = assembly_.ha.cast<double>();
-  descriptor.hw = assembly_.hw.cast<double>();
-  descriptor.sx = assembly_.sx.cast<double>();
-  descriptor.r0 = assembly_.r0;
-  descriptor.tau0 = assembly_.tau0;
-  descriptor.store_ports = assembly_.store_ports();
-  descriptor.store_sign = assembly_.store_sign();
+  equations.g = assembly_.g.cast<double>();
+  equations.f = assembly_.f.cast<double>();
+  equations.ha = assembly_.ha.cast<double>();
+  equations.hw = assembly_.hw.cast<double>();
+  equations.sx = assembly_.sx.cast<double>();
+  equations.r0 = assembly_.r0;
+  equations.tau0 = assembly_.tau0;
+  equations.store_ports = assembly_.store_ports();
+  equations.store_sign = assembly_.store_sign();
   // Where y took a current's place the current is u.
   for (int j = 0; j < k; ++j) {
     if (theta_[j] > 0.0) continue;
     for (WideMatrix* z : {&z_xi_, &z_u_, &z_zeta_, &z_edge_}) z->row(first + j).setZero();
     z_u_(first + j, j) = 1.0;
   }
-  descriptor.z_state.resize(assembly_.unknowns.size(), size);
-  descriptor.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
+  equations.z_state.resize(assembly_.unknowns.size(), size);
+  equations.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
   edge_ = z_edge_.cast<double>();
-  descriptor.z_input = z_u_.cast<double>();
-  descriptor.store_state.resize(assembly_.stores(), size);
-  descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
-  descriptor.reduce = basis_.transpose().cast<double>();
-  system.x0 = descriptor.reduce * assembly_.initial_state();
+  equations.z_input = z_u_.cast<double>();
+  equations.store_state.resize(assembly_.stores(), size);
+  equations.store_state << basis_.cast<double>(), offset_.cast<double>();
+  equations.reduce = basis_.transpose().cast<double>();
+  system.x0 = equations.reduce * assembly_.initial_state();
 }
 
 void Extractor::finish() {
@@ -405,7 +405,7 @@ void Extractor::finish() {
   system.exosystem = assembly_.exosystem;
   add_ports();
   add_matrices();
-  add_descriptor();
+  add_equations();
   for (std::size_t i = 0; i < network_.signals.size(); ++i) {
     system.outputs.push_back(output(network_.signals[i].form));
     system.output_signal.push_back(island_.signal_number[i]);
@@ -422,7 +422,7 @@ void Extractor::finish() {
 
 OutputRow Extractor::output(const LinearForm& form) const {
   const Assembly::FormRow row = assembly_.row_of(form);
-  const Descriptor& d = result_.descriptor;
+  const Equations& d = result_.equations;
   const Vector z_part = row.z_part.cast<double>();
   OutputRow result{d.z_state.transpose() * z_part, d.z_input.transpose() * z_part, edge_.transpose() * z_part};
   const Vector state_bound = d.z_state.cwiseAbs().transpose() * z_part.cwiseAbs();

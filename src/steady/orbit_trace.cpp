@@ -36,7 +36,7 @@ std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model,
     };
     if (!trace.steps.empty()) take(trace.steps.back().segments);  // of a self-timed period, which ends with an instant
     take(trace.tail);
-    if (system.n == 0 && system.ports == 0 && !trace.steps.empty())  // nothing but sources, which runs do not bring along
+    if (system.is_static() && !trace.steps.empty())
       for (const engine::Change& change : trace.steps.front().changes)
         if (change.island == island && change.after != nullptr) {
           mode = change.after;

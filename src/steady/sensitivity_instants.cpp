@@ -1,5 +1,6 @@
 /// What an instant makes of a parameter's derivative: the members of Sensitivity that follow it across events.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +8,6 @@
 #include <variant>
 
 #include "steady/sensitivity.hpp"
-#include "steady/sensitivity_parts.hpp"
 #include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
@@ -31,6 +31,18 @@ struct ValueBefore {
     return not_known;
   }
 };
+
+void add_changes(const model::System& system, const engine::Change& change, std::vector<std::string>& events) {
+  if (change.before == nullptr) return;
+  for (int i = 0; i < system.ports; ++i) {
+    if (change.before->active.contains(i) == change.after->active.contains(i)) continue;
+    const model::Port& port = system.port[static_cast<std::size_t>(i)];
+    const bool is_switch = i >= system.diodes;
+    bool on = change.after->active.contains(i) == port.input_is_current;
+    if (is_switch && system.switch_inverted[static_cast<std::size_t>(i - system.diodes)] != 0) on = !on;
+    events.push_back(fmt::format("{} {}", port.name, is_switch ? (on ? "closes" : "opens") : (on ? "conducts" : "blocks")));
+  }
+}
 
 }  // namespace
 
@@ -165,7 +177,7 @@ std::vector<Vector> Sensitivity::states_by_way(const Change& change) const {
     if (!mode.constrained) continue;
     states[k].resize(mode.ny);
     if (&mode == change.after)
-      states[k] = vector_of(change.y_after);
+      states[k] = Eigen::Map<const Vector>(change.y_after.data(), static_cast<Eigen::Index>(change.y_after.size()));
     else
       model::to_mode(system, mode, x.data(), states[k].data());
   }
@@ -209,6 +221,17 @@ void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector
   check_beside(parameter, number, shift, xi, followed);
   const auto& changes = trace_.steps[number].changes;
   for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
+}
+
+std::string Sensitivity::instant_text(std::size_t instant) const {
+  const double time = orbit_.instants()[instant].time;
+  const TraceStep& step = instant == 0 && is_settled_ ? wrap_ : trace_.steps[instant];
+  std::vector<std::string> events;
+  for (const engine::Change& change : step.changes) add_changes(orbit_.stacking().system(change.island), change, events);
+  if (events.empty())
+    for (const Wave& wave : jumping_)
+      if (edge_shift(wave, time, tolerance::same_instant * (length_ + time), is_settled_)) events.push_back(wave.name + " has an edge");
+  return fmt::format("{} at t = {} s", events.empty() ? "an event lies" : fmt::format("{}", fmt::join(events, ", ")), time);
 }
 
 }  // namespace pwlsim::steady

@@ -5,7 +5,6 @@
 
 #include "linalg/legendre.hpp"
 #include "steady/sensitivity.hpp"
-#include "steady/sensitivity_parts.hpp"
 #include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
@@ -67,7 +66,8 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
     if (segment == nullptr) continue;
     const double since = std::clamp(time - segment->begin, 0.0, segment->length);
     const bool is_end = since > 0.0 && segment->length - since <= tolerance::same_instant * tolerance::same_instant * (length_ + time);
-    Vector y = vector_of(is_end ? *segment->y1 : *segment->y0), work(2 * y.size());
+    const std::vector<double>& from = is_end ? *segment->y1 : *segment->y0;
+    Vector y = Eigen::Map<const Vector>(from.data(), static_cast<Eigen::Index>(from.size())), work(2 * y.size());
     if (since > 0.0 && !is_end) segment->mode->flow.apply(since, y.data(), work.data());
     const Vector rate = segment->mode->flow.a() * y;
     for (const auto& [row, signal] : shares) {
@@ -80,7 +80,7 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
 
 bool Sensitivity::may_jump(std::size_t instant, const std::vector<int>& signals) const {
   for (std::size_t island = 0; island < model_.islands.size(); ++island)
-    if (is_static(orbit_.stacking().system(island)) && !shares_of(island, signals).empty()) return true;  // such parts have no changes
+    if (orbit_.stacking().system(island).is_static() && !shares_of(island, signals).empty()) return true;  // such parts have no changes
   for (const Change& change : trace_.steps[instant].changes) {
     const std::vector<Share> shares = shares_of(change.island, signals);
     if (shares.empty()) continue;

@@ -47,7 +47,7 @@ Vector initial_values(const engine::IslandModel& island, const ParameterInputs& 
   for (const StartMove& start : parameter.starts)
     start.is_capacitor ? add(moved.network.capacitors, start.name, &model::Capacitor::initial_voltage, start.value)
                        : add(moved.network.inductors, start.name, &model::Inductor::initial_current, start.value);
-  return island.extraction.descriptor.reduce * model::initial_state(moved);
+  return island.extraction.equations.reduce * model::initial_state(moved);
 }
 
 /// One island at rest.

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/exact/tolerances.hpp"
 
 namespace pwlsim::engine {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/rounded_sum.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/exact/tolerances.hpp"
 #include "model/clock.hpp"
 #include "model/valves.hpp"
@@ -101,26 +101,32 @@ void IslandRun::open(double time, double late) {
   }
   at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
-  if (has_event_at(time)) {
-    late_ = (event_time_ - time) + event_late_;
-    linalg::copy(event_.y, m.ny, y.data());
-    length_before_ = event_.tau;
-    passed_row = event_.row;
-    if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
-    is_settled_ = event_.row == settled;
-    undecided_ = event_.row < 0 && !is_settled_;
-  } else {
-    const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
-    // The march may have stepped past this instant; then the anchor is the place to start from.
-    const bool from_anchor = tau < segment_.tau;
-    if (from_anchor) linalg::copy(segment_.y0.data(), m.ny, y.data());
-    m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
-  }
+  has_event_at(time) ? go_to_event(time) : go_to(time, late);
   if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late_, y.data() + m.n1);
   guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, time - segment_.anchor);
   guard_watch_.look(m, y.data(), time);
   model::from_mode(system_, m, y.data(), x.data());
   continuity_watch_.begin(x.data());
+}
+
+/// The state at the event that belongs to the instant `time`.
+void IslandRun::go_to_event(double time) {
+  late_ = (event_time_ - time) + event_late_;
+  linalg::copy(event_.y, mode->ny, segment_.y.data());
+  length_before_ = event_.tau;
+  passed_row = event_.row;
+  if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
+  is_settled_ = event_.row == settled;
+  undecided_ = event_.row < 0 && !is_settled_;
+}
+
+/// The state at a time at which the island itself has no event.
+void IslandRun::go_to(double time, double late) {
+  const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
+  // The march may have stepped past this instant; then the anchor is the place to start from.
+  const bool from_anchor = tau < segment_.tau;
+  if (from_anchor) linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
+  mode->flow.apply(from_anchor ? tau : tau - segment_.tau, segment_.y.data(), work_.data());
 }
 
 void IslandRun::look_at_end(double time) {
@@ -198,24 +204,10 @@ const std::vector<int>& IslandRun::passing_controls(const std::vector<char>& on)
 
 /// Guards that can fire in this segment. A constant one cannot, nor one whose row is zero (an indeterminate port).
 void IslandRun::choose_guards(const std::vector<char>& on) {
-  auto& rows = segment_.rows;
-  auto& departures = segment_.departures;
-  rows.clear();
-  departures.clear();
-  const bool diodes_known = selector_.departures_hold_for(*mode);
+  segment_.rows.clear();
+  segment_.departures.clear();
   guard_rows_.clear();
-  for (int i = 0; i < system_.diodes; ++i) {
-    if (mode->guard_constant[static_cast<std::size_t>(i)] != 0 || mode->guard_twin[static_cast<std::size_t>(i)] != i) continue;
-    if (!diodes_known) {
-      guard_rows_.push_back(i);
-      continue;
-    }
-    model::Departure d = selector_.departures()[static_cast<std::size_t>(i)];
-    if (i == rests_ || (all_rest_ && d.order > 0)) d.order = -1;
-    if (d.order < 0 && mode->guard_norm[i] == 0.0) continue;
-    rows.push_back(i);
-    departures.push_back(d);
-  }
+  take_diode_guards();
   for (std::size_t i = 0; i < system_.controls.size(); ++i) {
     const auto row = static_cast<std::size_t>(controls_.row(i, on));
     if (mode->guard_constant[row] != 0) continue;
@@ -223,7 +215,30 @@ void IslandRun::choose_guards(const std::vector<char>& on) {
     const int twin = mode->guard_twin[row];
     if (std::find(guard_rows_.begin(), guard_rows_.end(), twin) == guard_rows_.end()) guard_rows_.push_back(twin);
   }
-  if (guard_rows_.empty()) return;
+  if (!guard_rows_.empty()) take_guard_rows();
+}
+
+/// Those whose departures the selection knows; the others go to guard_rows_.
+void IslandRun::take_diode_guards() {
+  const bool is_known = selector_.departures_hold_for(*mode);
+  for (int i = 0; i < system_.diodes; ++i) {
+    if (mode->guard_constant[static_cast<std::size_t>(i)] != 0 || mode->guard_twin[static_cast<std::size_t>(i)] != i) continue;
+    if (!is_known) {
+      guard_rows_.push_back(i);
+      continue;
+    }
+    model::Departure d = selector_.departures()[static_cast<std::size_t>(i)];
+    if (i == rests_ || (all_rest_ && d.order > 0)) d.order = -1;
+    if (d.order < 0 && mode->guard_norm[i] == 0.0) continue;
+    segment_.rows.push_back(i);
+    segment_.departures.push_back(d);
+  }
+}
+
+/// Those of guard_rows_, with their departures.
+void IslandRun::take_guard_rows() {
+  auto& rows = segment_.rows;
+  auto& departures = segment_.departures;
   if (mode->piecewise_linear) {  // straight lines are solved, not searched
     rows.insert(rows.end(), guard_rows_.begin(), guard_rows_.end());
     departures.resize(rows.size());

@@ -36,7 +36,7 @@ class IslandRun {
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
   [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
-  [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
+  [[nodiscard]] bool is_static() const { return system_.is_static(); }
 
   /// Time of the next source breakpoint that is an instant of the run.
   [[nodiscard]] double next_break() const { return phase_.next; }
@@ -124,6 +124,10 @@ class IslandRun {
   void settle();
   void locate(double length);
   void choose_guards(const std::vector<char>& on);
+  void take_diode_guards();
+  void take_guard_rows();
+  void go_to_event(double time);
+  void go_to(double time, double late);
   void note_coarse(double time);
   void outputs_from(const model::Mode& m, const double* y, double* out);
 

@@ -35,8 +35,7 @@ const double* RowState::at(const Segment& segment, const model::Exosystem::Phase
     late_ = 0.0;
   }
   // Over many rows without an event what each step rounds would add up.
-  const bool is_static = system_.n == 0 && system_.ports == 0;
-  if (system_.exosystem->has_curved() && (is_static || ++rows_ % rows_between_sources == 0))
+  if (system_.exosystem->has_curved() && (system_.is_static() || ++rows_ % rows_between_sources == 0))
     system_.exosystem->evaluate_curved(phase, time, 0.0, y_.data() + mode.n1);
   return y_.data();
 }

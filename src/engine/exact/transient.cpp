@@ -63,7 +63,7 @@ void Transient::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
     for (const model::Control& control : system.clocked) clocks_.emplace_back(system, control, tolerance_);
-    if (system.n == 0 && system.ports == 0 && system.outputs.empty() && system.controls.empty()) continue;
+    if (system.is_static() && system.outputs.empty() && system.controls.empty()) continue;
     running_.push_back(&islands_[i]);
     (system.controls.empty() ? following_ : steering_).push_back(&islands_[i]);
     if (!islands_[i].senses_state()) continue;
@@ -272,11 +272,8 @@ bool Transient::ask_sampler(double time) {
   return true;
 }
 
-bool Transient::handle(double time) {
-  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
-  Instant instant;
-  instant.time = time;
-  for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;
+/// Whether a clock, a breakpoint or an event of an island is due.
+bool Transient::is_due(double time, Instant& instant) const {
   bool any = false;
   for (const model::Clock& clock : clocks_) {
     if (clock.next().time > time + tolerance_) continue;
@@ -289,7 +286,25 @@ bool Transient::handle(double time) {
     any |= crosses || island->next_break() <= time + tolerance_;
     if (crosses && island->event_time() == time && instant.late == 0.0) instant.late = island->event_late();
   }
-  if (!any) return true;
+  return any;
+}
+
+/// The rows before (row_before_) and after an event.
+bool Transient::push_event_rows(double time) {
+  row_before_[0] = rows_.begin_event(time);
+  std::copy(row_before_.begin(), row_before_.end(), rows_.room());
+  if (!accepted(rows_.push())) return false;
+  row(time, rows_.room());
+  rows_.room()[0] = rows_.event_time();
+  return accepted(rows_.push());
+}
+
+bool Transient::handle(double time) {
+  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
+  Instant instant;
+  instant.time = time;
+  for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;
+  if (!is_due(time, instant)) return true;
   const bool has_rows = rows_.has_event_rows(time);
   if (has_rows) row(time, row_before_.data());
   open_event_islands(time, instant);
@@ -303,14 +318,7 @@ bool Transient::handle(double time) {
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
   port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
-  if (has_rows) {
-    row_before_[0] = rows_.begin_event(time);
-    std::copy(row_before_.begin(), row_before_.end(), rows_.room());
-    if (!accepted(rows_.push())) return false;
-    row(time, rows_.room());
-    rows_.room()[0] = rows_.event_time();
-    if (!accepted(rows_.push())) return false;
-  }
+  if (has_rows && !push_event_rows(time)) return false;
   return watch_crowd(instant);
 }
 

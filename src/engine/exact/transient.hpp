@@ -63,6 +63,8 @@ class Transient : private RowSource {
   void stop_short();
   void close_others();
   double next_instant();
+  [[nodiscard]] bool is_due(double time, Instant& instant) const;
+  bool push_event_rows(double time);
   bool handle(double time);
   bool ask_sampler(double time);
   bool settle(Instant& instant, bool at_start);

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/fastest.hpp"
 #include "engine/sparse/tolerances.hpp"
 

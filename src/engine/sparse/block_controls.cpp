@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/tolerances.hpp"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/tolerances.hpp"
 

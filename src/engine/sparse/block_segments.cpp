@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
 #include "engine/sparse/tolerances.hpp"

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "base/log_mean.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "model/certificate.hpp"
 #include "model/forms.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "lcp/condition.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/krylov_space.hpp"
 #include "engine/sparse/tolerances.hpp"
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <string_view>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/interior_point.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "lcp/solve.hpp"

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
-#include "base/log_mean.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
 #include "engine/sparse/tolerances.hpp"
