@@ -28,14 +28,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     : model_(exact_model),
       request_(request),
       watching_(watching),
-      feed_(watching.observer, exact_model.islands.size()),
-      jump_recorder_(exact_model.islands, request.jumps),
-      losses_(exact_model.islands),
-      thresholds_(exact_model.watched, request.stop),
-      control_probe_(thresholds_),
-      port_watch_(islands_, request.watcher),
-      pieces_(exact_model.islands, request.probes, request.interrupt),
-      impulses_(exact_model.islands, request.probes),
+      recorders_(exact_model, request, watching.observer, islands_),
       tolerance_(watching.merge > 0.0 ? watching.merge : tolerance::merge * request.stop),
       rows_(request, sink, exact_model.signal_names.size(), rows_per_block, tolerance_) {
   islands_.reserve(model_.islands.size());
@@ -104,18 +97,19 @@ Answer Transient::run(const RunState& start) {
   if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   take(rows_.flush());
-  pieces_.advance(islands_, now_);
-  if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
+  recorders_.end_pieces(now_);
+  const PieceMaker& pieces = recorders_.pieces();
+  if (pieces.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
   answer_.time = now_;
-  answer_.probed = pieces_.is_cut() ? pieces_.cut_at() : now_;
+  answer_.probed = pieces.is_cut() ? pieces.cut_at() : now_;
   for (auto& island : islands_) {
     if (!island.mode || island.is_open()) continue;
     island.look_at_end(now_);
-    control_probe_.look(island.system(), island.segment(), now_);
+    recorders_.look_at_controls(number_of(island), now_);
     if (answer_.outcome == Outcome::completed) holds(island);
   }
   for (const auto& island : islands_)
-    if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
+    if (island.mode && !island.is_open()) recorders_.last(number_of(island), now_);
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
   finish();
@@ -139,26 +133,25 @@ void Transient::march() {
   if (is_ended_by_observer_) close_others();
 }
 
+/// Takes an island to the present time, which ends the run within its segment. False: its mode does not hold there.
+bool Transient::leave(IslandRun& island) {
+  recorders_.last(number_of(island), now_);
+  island.open(now_, 0.0);
+  recorders_.left(number_of(island), now_);
+  return holds(island);
+}
+
 /// The other parts, where an event of one ends the run, are taken to that time.
 void Transient::close_others() {
-  for (IslandRun* island : running_) {
-    if (island->is_open() || !(island->segment().anchor < now_)) continue;
-    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
-    island->open(now_, 0.0);
-    feed_.ended(number_of(*island), *island, now_);
-    if (!holds(*island)) return;
-  }
+  for (IslandRun* island : running_)
+    if (!island->is_open() && island->segment().anchor < now_ && !leave(*island)) return;
 }
 
 /// The state just before `stop`, where what happens belongs to the next run.
 void Transient::stop_short() {
   now_ = request_.stop;
-  for (IslandRun* island : running_) {
-    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
-    island->open(now_, 0.0);
-    feed_.ended(number_of(*island), *island, now_);
-    if (!holds(*island)) return;
-  }
+  for (IslandRun* island : running_)
+    if (!leave(*island)) return;
 }
 
 RunState Transient::state() const {
@@ -180,14 +173,14 @@ bool Transient::begin(const RunState& start) {
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   is_ready_.assign(islands_.size(), 0);
-  pieces_.before_start(start.signals);
+  recorders_.before_start(start.signals);
   for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
     if (!start.active.empty()) island->wanted = start.active[number_of(*island)];
     island->open_at_start();
-    feed_.started(number_of(*island));
+    recorders_.started(number_of(*island));
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -198,13 +191,12 @@ bool Transient::begin(const RunState& start) {
   instant.time = now_ = begin_;
   for (IslandRun* island : running_) {
     island->evaluate_sources(instant.time);
-    jump_recorder_.before(number_of(*island), island->x);
-    impulses_.before(number_of(*island), island->x);
-    if (island->take_breakpoints(instant.time)) impulses_.sources_jumped(number_of(*island), island->x);
-    recorder_.start(island->model(), island->x.data());
+    recorders_.at_start(number_of(*island));
+    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(number_of(*island));
+    recorders_.after_start(number_of(*island));
   }
   if (!settle(instant, true)) return false;
-  port_watch_.begin();
+  recorders_.run_has_started();
   if (instant.jumps > 0 && is_start_given_) answer_.remarks.push_back(projected_start());
   return true;
 }
@@ -232,20 +224,15 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
-  if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
-  pieces_.advance(islands_, instant.time);
-  const bool breaks = island.next_break() <= instant.time + tolerance_;
-  const bool is_new = !island.is_open() && island.mode != nullptr;
-  if (is_new) control_probe_.look(island.system(), island.segment(), instant.time);
+  recorders_.opens(number_of(island), instant.time, length);
+  const bool breaks = island.next_break() <= instant.time + tolerance_, ends_segment = RunRecorders::is_new(island);
   island.open(instant.time, instant.late);
-  if (is_new) feed_.opened(number_of(island), island, instant.time, opened == Opened::from_outside, breaks);
-  jump_recorder_.before(number_of(island), island.x);
   // What holds nothing but sources has not been brought along.
   if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
-  impulses_.before(number_of(island), island.x);
+  recorders_.opened(number_of(island), instant.time, ends_segment, opened == Opened::from_outside, breaks);
   if (island.take_breakpoints(instant.time)) {
     instant.source_edge = true;
-    impulses_.sources_jumped(number_of(island), island.x);
+    recorders_.sources_jumped(number_of(island));
   }
 }
 
@@ -317,7 +304,7 @@ bool Transient::handle(double time) {
   idle_crowd_ = {};
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
-  port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
+  recorders_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
   if (has_rows && !push_event_rows(time)) return false;
   return watch_crowd(instant);
 }
@@ -333,7 +320,7 @@ void Transient::note_loss(const IslandRun& island, const Instant& instant) {
     if ((on_[static_cast<std::size_t>(i)] != 0) == inverted) opened.push_back(info.name);
   }
   const model::Vector now = Eigen::Map<const model::Vector>(island.x.data(), system.size());
-  losses_.after(number_of(island), instant.time, island.state_before(), now, opened);
+  recorders_.lost(number_of(island), instant.time, now, opened);
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.

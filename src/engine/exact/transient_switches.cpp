@@ -25,15 +25,15 @@ bool Transient::settle(Instant& instant, bool at_start) {
     if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
     if (!select_open(following_, instant)) return false;
     note_mode_changes(instant);
-    impulses_.end(instant.time, !at_start || !is_start_given_);
+    recorders_.settled(instant.time, !at_start || !is_start_given_);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
-      jump_recorder_.after(number_of(*island), instant.time, island->x);
+      recorders_.closes(number_of(*island), instant.time);
       if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
       island->close(instant.time, on_);
-      feed_.closed(number_of(*island), *island);
+      recorders_.closed(number_of(*island));
     }
-    is_ended_by_observer_ = !feed_.end(instant.time, instant.jumps > 0, on_);
+    is_ended_by_observer_ = !recorders_.instant_ended(instant.time, instant.jumps > 0, on_);
     return true;
   }
   std::vector<std::string> names;
@@ -55,11 +55,7 @@ bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& ins
 bool Transient::selects(IslandRun& island, Instant& instant) {
   const model::Selected& selected = island.select();
   instant.jumps += selected.jumps;
-  feed_.selected(number_of(island), island);
-  if (selected.jumps > 0) {
-    jump_recorder_.jumped(number_of(island), selected);
-    impulses_.ports_jumped(number_of(island), selected);
-  }
+  recorders_.selected(number_of(island), selected);
   if (selected.choice == model::Choice::found) return true;
   if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
   note_several(island, selected, instant.time);
@@ -154,7 +150,7 @@ bool Transient::flip(Instant& instant) {
   for (const int s : last_flips_) {
     const auto index = static_cast<std::size_t>(s);
     on_[index] = on_[index] == 0;
-    if (instant.time > begin_) thresholds_.changed(s);
+    if (instant.time > begin_) recorders_.flipped(s);
     const SwitchInfo& info = model_.switches[index];
     if (info.island < 0) continue;
     IslandRun& island = islands_[static_cast<std::size_t>(info.island)];

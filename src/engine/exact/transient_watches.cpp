@@ -302,7 +302,7 @@ void Transient::note_choices() {
 void Transient::certify() {
   const auto clock = std::chrono::steady_clock::now();
   Certificate& certificate = answer_.certificate;
-  if (!watching_.leaves_end_open) certificate = recorder_.check();
+  if (!watching_.leaves_end_open) certificate = recorders_.certificate();
   for (const auto& island : islands_) {
     certificate.complementarity = std::max(certificate.complementarity, island.guards().worst().share());
     // In the time t a rate that is off by δ moves what it drives by δt of itself.
@@ -320,10 +320,7 @@ void Transient::finish() {
   count();
   note_doubtful_events();
   note_open_signals();
-  answer_.jumps = jump_recorder_.take();
-  for (const model::Clock& clock : clocks_) thresholds_.trace(clock, clock.driven());
-  for (Remark& remark : thresholds_.remarks(on_, answer_.outcome == Outcome::completed)) answer_.remarks.push_back(std::move(remark));
-  if (auto remark = losses_.remark()) answer_.remarks.push_back(std::move(*remark));
+  recorders_.hand_over(clocks_, on_, answer_);
   note_choices();
   certify();
   answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());
