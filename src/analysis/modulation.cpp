@@ -3,8 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/small_signal_inputs.hpp"
-
 namespace pwlsim::analysis {
 namespace {
 
@@ -39,13 +37,13 @@ std::string immovable(const model::SourceFunction& function, const SmallSignal& 
                                           : "is neither a PULSE source nor a sinusoid without damping: its frequency cannot be modulated";
 }
 
-Modulation::Modulation(const SmallSignal& card, const model::Network& network, const steady::LinearisedOrbit& orbit)
+Modulation::Modulation(const SmallSignal& card, const std::vector<const model::SourceFunction*>& sources,
+                       const steady::LinearisedOrbit& orbit)
     : card_(card), orbit_(orbit) {
-  for (std::size_t k = 0; k < card.sources.size(); ++k) {
-    const auto& function = network.sources[static_cast<std::size_t>(sources_named(network, card.sources[k]).front())].function;
-    if (const auto* pulse = std::get_if<model::Pulse>(&function))
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    if (const auto* pulse = std::get_if<model::Pulse>(sources[k]))
       waves_.push_back(moved_pulse(*pulse, card.input == SmallSignal::Input::duty, static_cast<int>(k)));
-    if (const auto sine = modulated_sine(function, k, orbit.period())) sines_.push_back(*sine);
+    if (const auto sine = modulated_sine(*sources[k], k, orbit.period())) sines_.push_back(*sine);
   }
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "circuit/analyses.hpp"
-#include "model/network.hpp"
+#include "model/source_function.hpp"
 #include "steady/transfer.hpp"
 #include "steady/wave.hpp"
 
@@ -29,8 +29,9 @@ struct ModulatedSine {
 
 class Modulation {
  public:
-  /// `orbit`: with an input for each source of the card, in their order. It must outlive this.
-  Modulation(const circuit::SmallSignal& card, const model::Network& network, const steady::LinearisedOrbit& orbit);
+  /// `sources`: those of the card, in their order; `orbit` has an input for each. It must outlive this.
+  Modulation(const circuit::SmallSignal& card, const std::vector<const model::SourceFunction*>& sources,
+             const steady::LinearisedOrbit& orbit);
 
   /// The card's harmonic of the response at f, to the modulation and to the inputs' `amplitudes`.
   [[nodiscard]] steady::ComplexVector response(steady::Transfer& transfer, double f, const std::vector<std::complex<double>>& amplitudes,

@@ -84,7 +84,8 @@ SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalI
   SmallSignalResult result;
   const std::size_t saved = compiled.saved_signals();
   for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(compiled.network.signals[k].name);
-  const std::vector<SelectedColumn> selected = select_columns(compiled, result);
+  const std::vector<SelectedColumn> selected = select_columns(compiled, result.signals);
+  for (const SelectedColumn& column : selected) result.columns.push_back({column.name, {}});
   result.frequencies = card.frequencies;
   std::vector<Complex> gains;
   for (const double f : card.frequencies) {
@@ -112,7 +113,12 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
   steady::Transfer transfer(linear, network.signals.size());
   const std::optional<double> sample = card.sample ? std::optional(std::fmod(*card.sample, period)) : std::nullopt;
   std::optional<Modulation> modulation;
-  if (moves_edges(card)) modulation.emplace(card, network, linear);
+  if (moves_edges(card)) {
+    std::vector<const model::SourceFunction*> sources;
+    for (const std::string& name : card.sources)
+      sources.push_back(&network.sources[static_cast<std::size_t>(sources_named(network, name).front())].function);
+    modulation.emplace(card, sources, linear);
+  }
   const auto at = [&](double f, const std::vector<Complex>& amplitudes) {
     return modulation ? modulation->response(transfer, f, amplitudes, sample)
                       : transfer.at(f, card.harmonic, amplitudes, {}, sample).signals;
@@ -178,9 +184,7 @@ SmallSignalResult LinearSmallSignals::result() const {
 
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result) {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  SmallSignalResult names;
-  names.signals = result.signals;
-  const std::vector<SelectedColumn> selected = select_columns(compiled, names);
+  const std::vector<SelectedColumn> selected = select_columns(compiled, result.signals);
   for (const int signal : signals) {
     const auto number = static_cast<std::size_t>(signal);
     const auto is_column = [&](const SelectedColumn& column) { return column.signal == number; };

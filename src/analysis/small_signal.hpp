@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/json.hpp"
 #include "analysis/small_signal_inputs.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/march.hpp"
@@ -73,16 +72,5 @@ class LinearSmallSignals {
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
 /// W-ac-impulse; `where`: " in the run with …".
 [[nodiscard]] std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where = "");
-
-/// Names of the columns, the frequency first.
-[[nodiscard]] std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled);
-/// The rows: frequency, magnitude and phase in degrees of every signal; each after `prefix`.
-[[nodiscard]] std::string small_signal_rows(const SmallSignalResult& result, const std::string& prefix = "");
-/// The same with a head.
-[[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
-/// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
-[[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);
-/// The member `ac`.
-void write_small_signals(JsonWriter& json, const SmallSignalResult* result);
 
 }  // namespace pwlsim::analysis

@@ -58,6 +58,15 @@ bool is_clearly_regular(const WideMatrix& g) {
 
 Wide largest_of(const WideMatrix& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff(); }
 
+/// A product in which entries that are rounding are zero.
+WideMatrix constraint_entries(const WideMatrix& combinations, const WideMatrix& m) {
+  WideMatrix result = sparse_product(combinations, m);
+  const WideMatrix bound = sparse_absolute_product(combinations, m);
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    if (std::abs(result.data()[i]) <= tolerance::constraint_entry * bound.data()[i]) result.data()[i] = 0.0;
+  return result;
+}
+
 class Extractor {
  public:
   Extractor(const Island& island, const Assembly& assembly, Diagnostics& diagnostics)
@@ -158,16 +167,7 @@ LeftNull Extractor::left_null() const {
 
 bool Extractor::take_constraints(const LeftNull& null) {
   const WideMatrix nt = null.vectors.transpose();
-  const auto clean = [&](const WideMatrix& m) {
-    WideMatrix result = sparse_product(nt, m);
-    const WideMatrix bound = sparse_absolute_product(nt, m);
-    for (Eigen::Index i = 0; i < result.size(); ++i)
-      if (std::abs(result.data()[i]) <= tolerance::constraint_entry * bound.data()[i]) result.data()[i] = 0.0;
-    return result;
-  };
-  const WideMatrix nf = clean(f_);
-  const WideMatrix na = clean(ha_);
-  const WideMatrix nw = clean(hw_);
+  const WideMatrix nf = constraint_entries(nt, f_), na = constraint_entries(nt, ha_), nw = constraint_entries(nt, hw_);
   // In units of each store, so that a picofarad weighs as much as a farad.
   WideMatrix scaled = nf;
   for (Eigen::Index j = 0; j < nf.cols(); ++j)

@@ -122,19 +122,20 @@ void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, doub
   for (const double value : zeta) *x++ = zeta_weight_ * value;
 }
 
-double KrylovSpace::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+/// √Σ (weight·value)² over the states.
+template <class Value>
+double KrylovSpace::norm_of_states(const Value& value) const {
   double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) {
-    const State& state = descriptor_.states()[i];
-    square += std::pow(state_weight_[i] * (state.value(a.data()) - state.value(b.data())), 2);
-  }
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * value(descriptor_.states()[i]), 2);
   return std::sqrt(square);
 }
 
+double KrylovSpace::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  return norm_of_states([&](const State& state) { return state.value(a.data()) - state.value(b.data()); });
+}
+
 double KrylovSpace::size_of_states(const std::vector<double>& z) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].value(z.data()), 2);
-  return std::sqrt(square);
+  return norm_of_states([&](const State& state) { return state.value(z.data()); });
 }
 
 /// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
@@ -209,9 +210,7 @@ double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
 
 /// Of the norm of states that are differences of these unknowns.
 double KrylovSpace::rounding_of_sums(const std::vector<double>& z) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].size(z.data()), 2);
-  return tolerance::solution_rounding * std::sqrt(square);
+  return tolerance::solution_rounding * norm_of_states([&](const State& state) { return state.size(z.data()); });
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -115,6 +115,8 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
   [[nodiscard]] double terms_of(const linalg::Vector& of_vectors, const linalg::Vector& of_changes) const;
   void note_largest(const linalg::Matrix& columns, Eigen::Index row, Eigen::Index j);
+  template <class Value>
+  [[nodiscard]] double norm_of_states(const Value& value) const;
   [[nodiscard]] double size_of_states(const std::vector<double>& z) const;
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
