@@ -42,15 +42,15 @@ class ModeMaker {
   }
 
   /// Null where the mode leaves no fast decays.
-  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, double longest) {
-    manifold_ = slow_manifold(s_, whole, rates, inputs_.restricted().b, inputs_.restricted().c, inputs_.restricted().d, longest);
+  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, ShiftedSystems& shifted, double longest) {
+    manifold_ = slow_manifold(s_, whole, rates, inputs_.ports(), shifted, longest);
     if (!manifold_) return nullptr;
     mode_->regular = true;
     inputs_.take(*manifold_, *mode_);
     auto mode = finish();
     if (!mode->regular) return nullptr;
     add_decays(whole, *mode);
-    if (const std::optional<Matrix> guards = guards_at_other_shift(*mode)) measure_guard_noise(s_, *mode, *guards);
+    if (const std::optional<Matrix> guards = guards_at_other_shift(*mode, shifted)) measure_guard_noise(s_, *mode, *guards);
     return mode;
   }
 
@@ -70,7 +70,7 @@ class ModeMaker {
   bool build_flow();
   [[nodiscard]] Matrix mode_rows(const Mode& m);
   [[nodiscard]] Matrix guards_of(const Mode& m, const Matrix& rows) const;
-  [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m);
+  [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m, ShiftedSystems& shifted);
   void build_rows();
   void add_decays(const Mode& whole, Mode& slow) const;
   template <class Input>
@@ -252,9 +252,8 @@ Matrix ModeMaker::guards_of(const Mode& m, const Matrix& rows) const {
 }
 
 /// As rows of x; nothing where there is none.
-std::optional<Matrix> ModeMaker::guards_at_other_shift(const Mode& m) {
-  std::optional<Feedback> other =
-      feedback_at_other_shift(s_, inputs_.restricted().b, inputs_.restricted().c, inputs_.restricted().d, *manifold_);
+std::optional<Matrix> ModeMaker::guards_at_other_shift(const Mode& m, ShiftedSystems& shifted) {
+  std::optional<Feedback> other = feedback_at_other_shift(s_, inputs_.ports(), shifted, *manifold_);
   if (!other) return std::nullopt;
   inputs_.take(*other);
   const WideMatrix& slow = other->slow;
@@ -318,9 +317,10 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
   return ModeMaker(system, held).run();
 }
 
-std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, double longest) {
-  if (!whole.regular || whole.ny == 0 || rates.empty()) return nullptr;
-  return ModeMaker(system, whole.active).run_slow(whole, rates, longest);
+std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, ShiftedSystems& shifted,
+                                      double longest) {
+  if (!whole.regular || whole.ny == 0 || !has_fast_decays(system, rates, longest)) return nullptr;
+  return ModeMaker(system, whole.active).run_slow(whole, rates, shifted, longest);
 }
 
 }  // namespace pwlsim::model

@@ -34,13 +34,13 @@ struct Prover {
 
   /// By the drift.
   [[nodiscard]] double risen_at(const End& end) const {
-    return sum.drift > 0.0 ? sum.drift * slowest * std::min(-std::log(end.s), time_constants_to_rest) : 0.0;
+    return sum.drift != 0.0 ? sum.drift * slowest * std::min(-std::log(end.s), time_constants_to_rest) : 0.0;
   }
 
   /// d/ds of that.
   [[nodiscard]] double slope_of_rise(const End& end) const {
     if (sum.drift == 0.0) return 0.0;
-    return end.s > 0.0 ? -sum.drift * slowest / end.s : -INFINITY;
+    return -sum.drift * slowest / end.s;  // infinite at s = 0
   }
 
   [[nodiscard]] double value(const End& end) const {
@@ -50,7 +50,8 @@ struct Prover {
   }
 
   [[nodiscard]] bool holds(const End& p, const End& q, int halvings) const {
-    double least = sum.rest + risen_at(q), least_slope = slope_of_rise(p), most_slope = slope_of_rise(q);
+    double least = sum.rest + std::min(risen_at(p), risen_at(q));
+    auto [least_slope, most_slope] = std::minmax({slope_of_rise(p), slope_of_rise(q)});
     for (std::size_t k = 0; k < p.values.size(); ++k) {
       least += std::min(p.values[k], q.values[k]);
       least_slope += std::min(p.slopes[k], q.slopes[k]);
@@ -67,19 +68,25 @@ struct Prover {
 
 }  // namespace
 
+double DecayingSum::slowest() const {
+  double longest = 0.0;
+  for (const DecayingTerm& term : terms) longest = std::max(longest, term.time_constant);
+  return longest;
+}
+
+double DecayingSum::drifted() const { return drift * time_constants_to_rest * slowest(); }
+
 bool DecayingSum::stays_above(double level) const {
-  double least = rest, slowest = 0.0;
-  for (const DecayingTerm& term : terms) {
-    least += std::min(term.start, 0.0);
-    slowest = std::max(slowest, term.time_constant);
-  }
-  if (least >= level) return true;
-  const Prover prover{*this, level, slowest};
+  double least = rest;
+  for (const DecayingTerm& term : terms) least += std::min(term.start, 0.0);
+  if (least + std::min(drifted(), 0.0) >= level) return true;
+  const Prover prover{*this, level, slowest()};
   return prover.holds(prover.end_at(0.0), prover.end_at(1.0), most_halvings);
 }
 
 bool DecayingSum::keeps_sign() const {
   double least = rest, most = rest;
+  (drift < 0.0 ? least : most) += drifted();
   for (const DecayingTerm& term : terms) (term.start < 0.0 ? least : most) += term.start;
   return (least < 0.0) == (most < 0.0);
 }

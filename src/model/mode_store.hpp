@@ -9,6 +9,7 @@
 
 #include "model/index_set.hpp"
 #include "model/mode.hpp"
+#include "model/slow_manifold.hpp"
 #include "model/system.hpp"
 #include "model/valves.hpp"
 
@@ -16,7 +17,7 @@ namespace pwlsim::model {
 
 class ModeStore {
  public:
-  explicit ModeStore(const System& system) : system_(system) {}
+  explicit ModeStore(const System& system) : system_(system), shifted_(system) {}
 
   /// `after` followed where x lay in `through`, which did not go on.
   struct Way {
@@ -61,6 +62,7 @@ class ModeStore {
   [[nodiscard]] Matrix open_directions(const Mode& mode) const;
 
   const System& system_;
+  ShiftedSystems shifted_;
   std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
   std::array<Entry*, 4> recent_{};  ///< the ones used last
   std::size_t next_recent_ = 0;

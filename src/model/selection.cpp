@@ -88,7 +88,8 @@ bool Selector::lies_in(const Mode& mode, const double* x) {
 
 bool Selector::has_settled(const Mode& slow) const { return settled_mode_ && settled_mode_->active == slow.active; }
 
-/// Whether what x has beside the slow motion is over at once, and no guard can fall below zero on the way: a term that decays lies between its start and zero.
+/// Whether what x has beside the slow motion is over at once, and no guard can fall below zero on the way: a term that decays lies between its start and zero. What the slow motion does
+/// meanwhile counts: where a current that begins when they do, or ends before they have, is as small as that.
 bool Selector::decays_unseen(const Mode& slow, const double* x) {
   const Decays& decays = *slow.decays;
   if (!(time_constants_to_rest * decays.slowest <= modes_.unseen())) return false;
@@ -100,6 +101,8 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
     if (decays.time_constants[k] == 0.0 && std::abs(start[k]) > rounding[k]) return false;
   coordinates_of_ = nullptr;
   to_mode(system_, slow, projected_.data(), y_.data());
+  rate_.resize(y_.size());
+  linalg::multiply(slow.flow.a(), y_.data(), rate_.data());
   const double norm = linalg::norm(y_.data(), slow.ny);
   const Mode& whole = modes_.mode(slow.active);
   const double size_of_x = linalg::norm(x, system_.size());
@@ -112,21 +115,10 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
       noise += std::abs(decays.guards(i, k)) * rounding[k];
       if (decays.time_constants[k] > 0.0) decaying_.terms.push_back({decays.guards(i, k) * start[k], decays.time_constants[k]});
     }
-    decaying_.drift = 0.0;
-    const bool is_kept =
-        i < system_.diodes ? decaying_.stays_above(-noise) || rises_above(slow, static_cast<int>(i), -noise) : decaying_.keeps_sign();
-    if (!is_kept) return false;
+    decaying_.drift = linalg::row_times(slow.guards, i, rate_.data());
+    if (!(i < system_.diodes ? decaying_.stays_above(-noise) : decaying_.keeps_sign())) return false;
   }
   return true;
-}
-
-/// The same where the slow motion begins below zero, and rises while the decays last: a current that begins when they do.
-bool Selector::rises_above(const Mode& slow, int guard, double level) {
-  if (!(decaying_.rest < level)) return false;
-  rate_.resize(y_.size());
-  linalg::multiply(slow.flow.a(), y_.data(), rate_.data());
-  decaying_.drift = linalg::row_times(slow.guards, guard, rate_.data());
-  return decaying_.drift > 0.0 && decaying_.stays_above(level);
 }
 
 /// The mode of the set in which x lies without a jump: its slow motion where it can be, else the mode itself; null where neither.

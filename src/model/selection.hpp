@@ -94,7 +94,6 @@ class Selector {
   bool lies_in(const Mode& mode, const double* x);
   [[nodiscard]] bool has_settled(const Mode& slow) const;
   bool decays_unseen(const Mode& slow, const double* x);
-  bool rises_above(const Mode& slow, int guard, double level);
   const Mode* holding(const double* x, const IndexSet& set);
   bool accepts(const Mode& mode, const double* x);
   bool is_violated(const Mode& mode, const double* x);

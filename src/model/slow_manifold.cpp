@@ -32,8 +32,10 @@ constexpr double gap = 1e4, least_gap = 1e3;
 constexpr double least_damping = 0.999;
 /// Of the first shift: another one, at which rounding is another.
 constexpr Wide other_shift = 3.0L;
+/// Of every shift, times a power of two: products with it round, so that two shifts differ by all the rounding there is.
+constexpr Wide digits_of_shift = 1.2020569031595942854L;
 /// The shift, against the slow rates and against the fast ones where those are nothing beside them.
-constexpr Wide above_slow = 4.0L, below_fast = 1e-9L;
+constexpr Wide above_slow = 8.0L, below_fast = 2e-9L;
 constexpr int most_iterations = 16;
 constexpr int fewest_iterations =
     3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
@@ -86,25 +88,29 @@ struct Resolvent {
   WideMatrix free;                ///< directions of u_J that nothing decides
 };
 
+/// Rows and columns of the active ports.
+WideMatrix rows_of(const WideMatrix& m, const std::vector<int>& active) {
+  WideMatrix result(static_cast<Index>(active.size()), m.cols());
+  for (Index j = 0; j < m.cols(); ++j)
+    for (std::size_t i = 0; i < active.size(); ++i) result(static_cast<Index>(i), j) = m(active[i], j);
+  return result;
+}
+
+WideMatrix columns_of(const WideMatrix& m, const std::vector<int>& active) {
+  WideMatrix result(m.rows(), static_cast<Index>(active.size()));
+  for (std::size_t j = 0; j < active.size(); ++j) result.col(static_cast<Index>(j)) = m.col(active[j]);
+  return result;
+}
+
 /// False where the mode is not regular.
-bool make_resolvent(const System& system, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d, Resolvent& result) {
-  const Index n = system.n, nz = system.n_zeta;
-  const std::shared_ptr<const Unrounded> unrounded = system.unrounded_matrices();
-  const WideMatrix& a = unrounded->a;
-  const auto shifted = [&](const WideMatrix& m) { return WideMatrix(result.shift * WideMatrix::Identity(m.rows(), m.rows()) - m); };
-  const WideElimination own(shifted(a.topLeftCorner(n, n)), 0), sources(shifted(a.bottomRightCorner(nz, nz)), 0);
-  if (own.rank() < n || sources.rank() < nz) return false;
-  WideMatrix r(n, n + nz);
-  r.leftCols(n) = own.inverse();
-  const WideMatrix of_sources = sources.inverse();
-  r.rightCols(nz) = product(product(r.leftCols(n), a.topRightCorner(n, nz)), of_sources);
-  const WideMatrix rb = product(r.leftCols(n), b.topRows(n));
-  WideMatrix cr = product(c.leftCols(n), r);
-  cr.rightCols(nz) += product(c.rightCols(nz), of_sources);
-  const WideMatrix m = d + product(c.leftCols(n), rb);
+bool make_resolvent(const System& system, const ShiftedSystem& shifted, const std::vector<int>& active, Resolvent& result) {
+  if (!shifted.is_regular) return false;
+  result.shift = shifted.shift;
+  const WideMatrix m = columns_of(rows_of(shifted.impedances, active), active);
+  const WideMatrix rb = columns_of(shifted.of_inputs, active);
   const WideVector scale = equilibration(m);
   const WideElimination ports(scale.asDiagonal() * m * scale.asDiagonal(), tolerance::manifold_pivot);
-  const WideMatrix right = scale.asDiagonal() * cr;
+  const WideMatrix right = scale.asDiagonal() * rows_of(shifted.of_ports, active);
   if (ports.rank() < m.rows()) {
     // Equations that hold of themselves, and inputs that are in none.
     const WideMatrix open = scale.asDiagonal() * ports.kernel();
@@ -118,9 +124,9 @@ bool make_resolvent(const System& system, const WideMatrix& b, const WideMatrix&
     result.free = open;
   }
   result.inputs = -(scale.asDiagonal() * ports.solve(right));
-  const WideMatrix s = r + product(rb, result.inputs);
-  result.states = s.leftCols(n);
-  result.on_sources = s.rightCols(nz);
+  const WideMatrix s = shifted.states + product(rb, result.inputs);
+  result.states = s.leftCols(system.n);
+  result.on_sources = s.rightCols(system.n_zeta);
   return true;
 }
 
@@ -164,13 +170,51 @@ WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
   return basis;
 }
 
-/// Orthonormal basis of what is orthogonal to orthonormal columns.
-WideMatrix complement(const WideMatrix& basis) {
-  const Index n = basis.rows(), k = basis.cols();
-  WideMatrix both(n, n);
-  both.leftCols(k) = basis;
-  both.rightCols(n - k) = leading_columns(WideMatrix::Identity(n, n) - product(basis, basis.transpose()), n - k);
-  return orthonormal(std::move(both)).rightCols(n - k);
+/// Orthonormal basis of what is orthogonal to independent columns, by Householder's reflections (Golub & Van Loan, Matrix Computations, §5.1, 5.2): Q's last columns.
+WideMatrix complement(WideMatrix m) {
+  const Index n = m.rows(), k = m.cols();
+  WideVector twice(k);  // 2/vᵀv of each reflection, whose v stands below the diagonal of m
+  for (Index j = 0; j < k; ++j) {
+    auto v = m.col(j).tail(n - j);
+    const Wide norm = v.norm();
+    v[0] += v[0] < 0 ? -norm : norm;
+    const Wide square = v.squaredNorm();
+    twice[j] = square > 0 ? 2 / square : 0;
+    for (Index i = j + 1; i < k; ++i) m.col(i).tail(n - j) -= twice[j] * v.dot(m.col(i).tail(n - j)) * v;
+  }
+  WideMatrix basis = WideMatrix::Identity(n, n).rightCols(n - k);
+  for (Index j = k; j-- > 0;) {
+    const auto v = m.col(j).tail(n - j);
+    for (Index i = 0; i < n - k; ++i) basis.col(i).tail(n - j) -= twice[j] * v.dot(basis.col(i).tail(n - j)) * v;
+  }
+  return basis;
+}
+
+/// Orthonormal bases: N and W, and what is orthogonal to them.
+struct Bases {
+  WideMatrix slow, of_rows, off_slow, off_rows;
+};
+
+/// By iteration for the smaller of the slow and the fast subspaces. What is fast in S is slow in S⁻¹ = σ − A_J, whose dominant columns and rows have all their digits however
+/// few its others have; where the mode is a jump in part, S has no inverse.
+Bases find_bases(const WideMatrix& s, Index fast, bool jumps) {
+  const Index slow = s.rows() - fast;
+  Bases bases;
+  if (!jumps && fast < slow) {
+    if (const WideElimination elimination(s, 0); elimination.rank() == s.rows()) {
+      const WideMatrix inverse = elimination.inverse();
+      bases.off_rows = dominant_subspace(inverse, fast);
+      bases.off_slow = dominant_subspace(inverse.transpose(), fast);
+      bases.slow = complement(bases.off_slow);
+      bases.of_rows = complement(bases.off_rows);
+      return bases;
+    }
+  }
+  bases.slow = dominant_subspace(s, slow);
+  bases.of_rows = dominant_subspace(s.transpose(), slow);
+  bases.off_slow = complement(bases.slow);
+  bases.off_rows = complement(bases.of_rows);
+  return bases;
 }
 
 /// N, (WᵀN)⁻¹Wᵀ and L of a resolvent, and what they tell.
@@ -192,7 +236,7 @@ class SlowMotion {
   void turn_lift(const WideMatrix& lift) { lift_ = next_lift(lift); }
   void find_motion();
   [[nodiscard]] WideMatrix feedback() const { return product(product(r_.inputs, before_), coordinates_); }
-  [[nodiscard]] WideMatrix rate() const { return product(product(x_, motion_), coordinates_); }
+  [[nodiscard]] WideMatrix rate() const { return product(product(x_.topRows(n_), motion_), coordinates_); }
   [[nodiscard]] WideMatrix projector() const { return product(x_, coordinates_); }
   [[nodiscard]] const WideMatrix& slow() const { return slow_; }
   [[nodiscard]] const WideMatrix& of_rows() const { return of_rows_; }
@@ -217,14 +261,17 @@ class Splitter {
   Splitter(const System& system, const Mode& whole, Cut cut) : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
     // What the mode itself holds at zero is faster still: a jump.
     fast_ = cut.fast + (system.n - whole.n1);
-    resolvent_.shift = std::max(above_slow * static_cast<Wide>(cut.slow_rate), below_fast * static_cast<Wide>(cut.fast_rate));
   }
 
-  std::optional<SlowManifold> run(const WideMatrix& b, const WideMatrix& c, const WideMatrix& d) {
-    if (!make_resolvent(system_, b, c, d, resolvent_)) return std::nullopt;
-    const Index slow = n_ - fast_;
-    if (!motion_.take_subspaces(dominant_subspace(resolvent_.states, slow), dominant_subspace(resolvent_.states.transpose(), slow)))
+  std::optional<SlowManifold> run(const std::vector<int>& active, ShiftedSystems& shifted) {
+    const Wide least = std::max(above_slow * static_cast<Wide>(cut_.slow_rate), below_fast * static_cast<Wide>(cut_.fast_rate));
+    if (!make_resolvent(system_, shifted.at(digits_of_shift * std::exp2(std::ceil(std::log2(least / digits_of_shift)))), active,
+                        resolvent_))
       return std::nullopt;
+    Bases bases = find_bases(resolvent_.states, fast_, whole_.constrained);
+    if (!motion_.take_subspaces(std::move(bases.slow), std::move(bases.of_rows))) return std::nullopt;
+    off_ = bases.off_slow.transpose();
+    f_ = std::move(bases.off_rows);
     motion_.find_lift();
     motion_.find_motion();
     take_motion();
@@ -296,10 +343,8 @@ void SlowMotion::find_motion() {
 
 void Splitter::take_motion() {
   const WideMatrix& slow = motion_.slow();
-  off_ = complement(slow).transpose();
-  f_ = complement(motion_.of_rows());
   result_.feedback = motion_.feedback();
-  result_.rate = motion_.rate().topRows(n_);
+  result_.rate = motion_.rate();
   result_.projector = motion_.projector();
   result_.constraints.resize(fast_, n_ + nz_);
   result_.constraints << off_, -product(off_, motion_.lift());
@@ -340,6 +385,10 @@ bool Splitter::separate_decays() {
   result_.time_constants = Vector::Zero(fast_);
   const Index count = cut_.fast;
   const Matrix lambda = result_.coordinates.bottomLeftCorner(count, n_) * (rate_of_whole() * result_.fast.rightCols(count));
+  if (count == 1 && lambda(0, 0) < 0.0) {
+    result_.slowest = result_.time_constants[fast_ - 1] = -1.0 / lambda(0, 0);
+    return true;
+  }
   const Eigen::EigenSolver<Matrix> solver(lambda);
   if (solver.info() != Eigen::Success) return jumps;
   Vector constants(count);
@@ -370,18 +419,41 @@ Rates rates_by_speed(const Mode& whole, double longest) {
   return rates;
 }
 
-std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates, const WideMatrix& b,
-                                          const WideMatrix& c, const WideMatrix& d, double longest) {
-  const Cut cut = find_cut(system, rates, longest);
-  if (cut.fast == 0) return std::nullopt;
-  return Splitter(system, whole, cut).run(b, c, d);
+const ShiftedSystem& ShiftedSystems::at(Wide shift) {
+  const auto [place, is_new] = known_.try_emplace(shift);
+  ShiftedSystem& result = place->second;
+  if (!is_new) return result;
+  result.shift = shift;
+  const Index n = system_.n, nz = system_.n_zeta;
+  const std::shared_ptr<const Unrounded> unrounded = system_.unrounded_matrices();
+  const auto shifted = [&](const WideMatrix& m) { return WideMatrix(shift * WideMatrix::Identity(m.rows(), m.rows()) - m); };
+  const WideElimination own(shifted(unrounded->a.topLeftCorner(n, n)), 0), sources(shifted(unrounded->a.bottomRightCorner(nz, nz)), 0);
+  if (own.rank() < n || sources.rank() < nz) return result;
+  const WideMatrix& c = unrounded->c;
+  const WideMatrix r = own.inverse(), of_sources = sources.inverse();
+  result.states.resize(n, n + nz);
+  result.states << r, product(product(r, unrounded->a.topRightCorner(n, nz)), of_sources);
+  result.of_inputs = product(r, unrounded->b.topRows(n));
+  result.of_ports = product(c.leftCols(n), result.states);
+  result.of_ports.rightCols(nz) += product(c.rightCols(nz), of_sources);
+  result.impedances = unrounded->d + product(c.leftCols(n), result.of_inputs);
+  result.is_regular = true;
+  return result;
 }
 
-std::optional<Feedback> feedback_at_other_shift(const System& system, const WideMatrix& b, const WideMatrix& c, const WideMatrix& d,
+bool has_fast_decays(const System& system, const Rates& rates, double longest) { return find_cut(system, rates, longest).fast > 0; }
+
+std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates, const std::vector<int>& active,
+                                          ShiftedSystems& shifted, double longest) {
+  const Cut cut = find_cut(system, rates, longest);
+  if (cut.fast == 0) return std::nullopt;
+  return Splitter(system, whole, cut).run(active, shifted);
+}
+
+std::optional<Feedback> feedback_at_other_shift(const System& system, const std::vector<int>& active, ShiftedSystems& shifted,
                                                 const SlowManifold& first) {
   Resolvent resolvent;
-  resolvent.shift = other_shift * first.shift;
-  if (!make_resolvent(system, b, c, d, resolvent)) return std::nullopt;
+  if (!make_resolvent(system, shifted.at(other_shift * first.shift), active, resolvent)) return std::nullopt;
   SlowMotion motion(system, resolvent);
   // The subspaces of every shift are the same: applied once, this resolvent puts its own rounding in the place of the other's.
   const WideMatrix& s = resolvent.states;

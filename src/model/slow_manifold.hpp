@@ -16,6 +16,7 @@
 /// mode, and the decay of φ its jump.
 
 #include <complex>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -47,11 +48,33 @@ using Rates = std::vector<std::complex<double>>;
 /// None where no time constant can be as short as `longest`, s, or where they cannot be computed.
 [[nodiscard]] Rates rates_by_speed(const Mode& whole, double longest);
 
-/// Of `whole`, the mode of the active ports whose rates and whose rows and columns of B, C, D are given. None where no decay is much faster than the rest with a time constant of at
-/// most `longest`, s, or if the fast part is not a plain decay.
+/// R at one shift, and what it makes of all ports, whichever of them a mode has active.
+struct ShiftedSystem {
+  linalg::Wide shift = 0;
+  linalg::WideMatrix states;      ///< ξ of z (n × size)
+  linalg::WideMatrix of_inputs;   ///< R B (n × ports)
+  linalg::WideMatrix of_ports;    ///< C R (ports × size)
+  linalg::WideMatrix impedances;  ///< D + C R B (ports × ports)
+  bool is_regular = false;        ///< σ is no rate of the system without ports
+};
+
+/// The shifted systems that the modes of one system have asked for. Shifts differ by powers of two, or thrice one, so that modes of like rates share them.
+class ShiftedSystems {
+ public:
+  explicit ShiftedSystems(const System& system) : system_(system) {}
+  const ShiftedSystem& at(linalg::Wide shift);
+
+ private:
+  const System& system_;
+  std::map<linalg::Wide, ShiftedSystem> known_;
+};
+
+/// Whether a mode of these rates has decays with a time constant of at most `longest`, s, that are much faster than the rest.
+[[nodiscard]] bool has_fast_decays(const System& system, const Rates& rates, double longest);
+
+/// Of `whole`, the mode of the active ports, whose rates are given. None where it has no such decays, or if the fast part is not a plain decay.
 [[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates,
-                                                        const linalg::WideMatrix& b, const linalg::WideMatrix& c,
-                                                        const linalg::WideMatrix& d, double longest);
+                                                        const std::vector<int>& active, ShiftedSystems& shifted, double longest);
 
 struct Feedback {
   linalg::WideMatrix inputs;       ///< as SlowManifold::feedback
@@ -59,8 +82,7 @@ struct Feedback {
   linalg::WideMatrix slow, lift;   ///< N and L
 };
 /// The same feedback at another shift, from which it differs by rounding. Its own resolvent is applied to the subspaces of the first once.
-[[nodiscard]] std::optional<Feedback> feedback_at_other_shift(const System& system, const linalg::WideMatrix& b,
-                                                              const linalg::WideMatrix& c, const linalg::WideMatrix& d,
+[[nodiscard]] std::optional<Feedback> feedback_at_other_shift(const System& system, const std::vector<int>& active, ShiftedSystems& shifted,
                                                               const SlowManifold& first);
 
 }  // namespace pwlsim::model
