@@ -7,7 +7,7 @@ set(PWLSIM_FILES_TOGETHER 8)
 set(PWLSIM_ROOMS_APART elements measure netlist)
 set(PWLSIM_FILES_APART
   analysis/report
-  circuit/control_switches circuit/evaluator circuit/formula_reader circuit/functions circuit/measured_expression circuit/measurement_card circuit/models circuit/random
+  circuit/control_switches circuit/evaluator circuit/formula_functions circuit/formula_reader circuit/functions circuit/measured_expression circuit/measurement_card circuit/models circuit/random
   circuit/scope circuit/sections circuit/values circuit/sweep_card circuit/transient_card circuit/xspice_logic
   engine/exact/control_probe engine/exact/locator_series engine/exact/modal_search engine/exact/piece_maker engine/exact/probe_impulses engine/exact/static_mode engine/exact/static_ports
   engine/exact/transient engine/sparse/block engine/sparse/block_events engine/sparse/certificate engine/sparse/interior_point

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "analysis/fitted_diodes.hpp"
 #include "analysis/quantity.hpp"
@@ -14,22 +12,13 @@
 namespace pwlsim::analysis {
 namespace {
 
-/// What tells whether gates were left out, and whether the rows of the other run have the same columns.
-struct Shape {
-  std::size_t stores = 0, resistors = 0, saved = 0;
-  std::vector<std::string> signals;
-};
-
-Shape shape_of(const circuit::Compiled& compiled) {
-  const model::Network& network = compiled.network;
-  Shape shape{network.capacitors.size(), network.resistors.size(), compiled.saved_signals(), {}};
-  for (const model::Signal& signal : network.signals) shape.signals.push_back(signal.name);
-  return shape;
-}
-
-bool has_gates_of(const Shape& other, const Shape& first) {
-  const bool has_more = other.stores > first.stores || other.resistors > first.resistors;
-  return has_more && other.saved == first.saved && other.signals == first.signals;
+/// Whether gates were left out of `first`, and the rows of `other` have the same columns.
+bool has_gates_of(const circuit::Compiled& other, const circuit::Compiled& first) {
+  const model::Network &more = other.network, &less = first.network;
+  const bool has_more = more.capacitors.size() > less.capacitors.size() || more.resistors.size() > less.resistors.size();
+  const auto same = [](const model::Signal& a, const model::Signal& b) { return a.name == b.name; };
+  return has_more && other.saved_signals() == first.saved_signals() &&
+         std::equal(more.signals.begin(), more.signals.end(), less.signals.begin(), less.signals.end(), same);
 }
 
 engine::Remark remark(const engine::Answer& failed) {
@@ -43,10 +32,10 @@ engine::Remark remark(const engine::Answer& failed) {
 
 Simulate with_gates_at_need(Simulate first, const circuit::Compiled& compiled, CompileWithGates compile, EngineChoice choice, double reltol,
                             const std::atomic<int>* interrupt) {
-  const auto other = [=, shape = shape_of(compiled), compile = std::move(compile)](const engine::Answer& failed) -> Simulate {
+  const auto other = [=, first_deck = &compiled, compile = std::move(compile)](const engine::Answer& failed) -> Simulate {
     if (failed.id != "E-no-settle") return {};
     std::optional<circuit::Compiled> again = compile();
-    if (!again || !has_gates_of(shape_of(*again), shape)) return {};
+    if (!again || !has_gates_of(*again, *first_deck)) return {};
     (void)fit_diodes(*again, choice, reltol, interrupt);
     Diagnostics ignored;
     PreparedEngine engine = interrupt != nullptr ? prepare_engine(again->network, choice, reltol, ignored, *interrupt)

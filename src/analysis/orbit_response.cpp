@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/modulation.hpp"
 #include "analysis/steady_state.hpp"
 
 namespace pwlsim::analysis {

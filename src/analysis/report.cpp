@@ -83,13 +83,9 @@ void write_certificate(JsonWriter& json, const engine::Certificate& certificate)
   json.end_object();
 }
 
-void write_statistics(JsonWriter& json, const RunReport& report) {
+void write_counts(JsonWriter& json, const RunReport& report) {
   const engine::Statistics& s = report.statistics;
-  const Seconds& t = report.seconds;
   const auto count = [&](std::string_view name, std::uint64_t value) { json.member(name, std::to_string(value)); };
-  const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
-  json.begin_object();
-  json.member("engine", json_string(report.engine));
   if (report.runs > 0) {
     count("runs", report.runs);
     count("failed_runs", report.failed_runs);
@@ -107,20 +103,31 @@ void write_statistics(JsonWriter& json, const RunReport& report) {
   count("klu_solves", s.klu_solves);
   count("steps", s.steps);
   count("rows", s.rows);
+}
+
+void write_seconds(JsonWriter& json, const Seconds& seconds) {
+  const auto number = [&](std::string_view name, double value) { json.member(name, json_number(value)); };
+  json.key("seconds");
+  json.begin_object();
+  number("parse", seconds.parse);
+  number("flatten", seconds.flatten);
+  number("model", seconds.model);
+  number("simulate", seconds.simulate);
+  number("write", seconds.write);
+  number("certificate", seconds.certificate);
+  number("total", seconds.total);
+  json.end_object();
+}
+
+void write_statistics(JsonWriter& json, const RunReport& report) {
+  json.begin_object();
+  json.member("engine", json_string(report.engine));
+  write_counts(json, report);
   json.key("jump_details");
   json.begin_array();
   for (const engine::Jump& jump : report.jumps) json.value(jump_line(jump));
   json.end_array();
-  json.key("seconds");
-  json.begin_object();
-  number("parse", t.parse);
-  number("flatten", t.flatten);
-  number("model", t.model);
-  number("simulate", t.simulate);
-  number("write", t.write);
-  number("certificate", t.certificate);
-  number("total", t.total);
-  json.end_object();
+  write_seconds(json, report.seconds);
   write_certificate(json, report.certificate);
   json.key("notes");
   json.begin_array();

@@ -4,6 +4,7 @@
 
 #include "analysis/json.hpp"
 #include "analysis/quantity.hpp"
+#include "analysis/small_signal_report.hpp"
 
 namespace pwlsim::analysis {
 namespace {

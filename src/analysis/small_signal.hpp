@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/json.hpp"
+#include "analysis/small_signal_inputs.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/march.hpp"
 #include "steady/orbit.hpp"
@@ -45,18 +45,6 @@ struct SmallSignalResult {
   std::vector<std::string> impulsive;  ///< signals without a response: they have impulses on the orbit that the input changes
 };
 
-/// The parts that .ac adds to the network of the steady state.
-struct SmallSignalInputs {
-  std::string id, message;         ///< of an error: E-ac-no-input, …
-  std::vector<std::string> names;  ///< of the inputs in the network
-  std::vector<std::complex<double>> amplitudes;
-  int positive = -1, negative = -1;                               ///< signals: n+ and n− of the source of a loop gain
-  int current = -1;                                               ///< signal: its current, if a current source is the second input
-  double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source injects there
-};
-/// Adds inputs to `network`, and signals after its own.
-[[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
-
 /// Around an orbit of a model with these inputs, in `network`.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
                                               const model::Network& network, const engine::ExactModel& model, const steady::Trace& trace,
@@ -84,22 +72,5 @@ class LinearSmallSignals {
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);
 /// W-ac-impulse; `where`: " in the run with …".
 [[nodiscard]] std::string impulsive_text(const std::vector<std::string>& signals, const std::string& where = "");
-/// Whether the input moves edges of sources.
-[[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
-  return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;
-}
-
-/// Names of the columns, the frequency first.
-[[nodiscard]] std::vector<std::string> small_signal_columns(const circuit::Compiled& compiled);
-/// The rows: frequency, magnitude and phase in degrees of every signal; each after `prefix`.
-[[nodiscard]] std::string small_signal_rows(const SmallSignalResult& result, const std::string& prefix = "");
-/// The same with a head.
-[[nodiscard]] std::string small_signal_csv(const SmallSignalResult& result);
-/// Why there is no response for any orbit; empty if there may be one. `id` is that of the error.
-[[nodiscard]] std::string small_signal_problem_of_orbit(const circuit::Compiled& compiled, std::string& id);
-/// "ac response of buck.ac.csv: 61 frequencies, …; loop V1: crosses over at …".
-[[nodiscard]] std::string small_signal_summary(const SmallSignalResult& result, const std::string& file);
-/// The member `ac`.
-void write_small_signals(JsonWriter& json, const SmallSignalResult* result);
 
 }  // namespace pwlsim::analysis

@@ -2,6 +2,7 @@
 /// Names as the netlist language compares them: ASCII letters without case.
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,11 @@ namespace pwlsim {
 [[nodiscard]] constexpr bool same_name(std::string_view a, std::string_view b) {
   return a.size() == b.size() &&
          std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower_letter(x) == lower_letter(y); });
+}
+
+/// Whether it is one of these, without case.
+[[nodiscard]] constexpr bool is_one_of(std::span<const std::string_view> list, std::string_view name) {
+  return std::any_of(list.begin(), list.end(), [&](std::string_view other) { return same_name(other, name); });
 }
 
 /// Whether the name is `0` or `gnd`: ground, the same node everywhere.

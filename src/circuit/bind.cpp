@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/bind_block.hpp"
 #include "circuit/bind_source.hpp"

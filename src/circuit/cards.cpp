@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 
 namespace pwlsim::circuit {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "circuit/definitions.hpp"
-#include "circuit/device.hpp"
+#include "circuit/part_numbers.hpp"
 #include "circuit/reporter.hpp"
 #include "netlist/ast.hpp"
 

@@ -33,6 +33,7 @@ class FormulaReader {
     Sum value;
     std::optional<elements::Condition> condition;
   };
+  static Meaning piecewise(Sum value) { return {std::move(value), std::nullopt}; }
   using Names = std::unordered_map<std::string, Meaning>;
   /// The context for names: a scope, and the arguments of the .func function whose body is read.
   struct Context {
@@ -70,6 +71,9 @@ class FormulaReader {
   Meaning of_saturation(const Expression& expression, const Sum& x);
   Meaning of_smooth(const Expression& expression, const BuiltinFunction& function, const Sum& a, const Sum& b);
   std::optional<Meaning> of_values(const Expression& expression, const std::vector<Sum>& values);
+  std::optional<Meaning> of_constants(const Expression& expression, const BuiltinFunction& builtin, const std::vector<Sum>& values);
+  std::optional<Meaning> of_corners(std::string_view key, const std::vector<Sum>& values);
+  void report_unknown(const Expression& expression, const std::string& key);
 
   Sum product(const Expression& operation, const Sum& a, const Sum& b);
   std::optional<Sum> rounded(std::string_view key, const std::vector<Sum>& values);

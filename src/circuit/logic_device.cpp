@@ -6,7 +6,6 @@
 #include <cmath>
 #include <span>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/circuit.hpp"
 #include "circuit/logic_subcircuit.hpp"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/card_items.hpp"
 #include "circuit/evaluator.hpp"
 #include "circuit/expression_derivative.hpp"
-#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {

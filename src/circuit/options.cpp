@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/commands.hpp"
 #include "elements/parameter.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 
 namespace pwlsim::circuit {
@@ -26,7 +25,7 @@ Degree degree_of_call(const Expression& call) {
     constexpr std::string_view without_current = "fkx";  // no source can follow theirs
     const bool is_named = call.arguments.size() == 1 && !call.arguments[0].text.empty();
     return is_named && without_current.find(lower_letter(call.arguments[0].text.front())) == std::string_view::npos ? Degree::linear
-                                                                                                                   : Degree::other;
+                                                                                                                    : Degree::other;
   }
   const Degree inner = largest(call.arguments);
   return inner == Degree::constant || is_one_of(piecewise, call.text) ? inner : Degree::other;
@@ -66,8 +65,8 @@ Degree largest(const std::vector<Expression>& parts) {
 std::optional<SaveRequest> output_expression(const Item& item, Definitions& definitions, const Reporter& reporter, Circuit& circuit) {
   const bool is_named = item.kind == ItemKind::assignment && item.items.size() == 1;
   const Item& call = is_named ? item.items[0] : item;
-  if (call.kind != ItemKind::group || !same_name(call.text, "par") || call.items.size() != 1 || call.items[0].kind != ItemKind::expression ||
-      degree_of(*call.items[0].expression) == Degree::other)
+  if (call.kind != ItemKind::group || !same_name(call.text, "par") || call.items.size() != 1 ||
+      call.items[0].kind != ItemKind::expression || degree_of(*call.items[0].expression) == Degree::other)
     return std::nullopt;
   SaveRequest request;
   request.column = is_named ? item.text : std::string(reporter.text(item.span));

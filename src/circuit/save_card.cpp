@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 #include "circuit/output_expression.hpp"
-#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 
 namespace pwlsim::circuit {
 namespace {

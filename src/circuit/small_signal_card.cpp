@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 #include "circuit/measured_expression.hpp"
-#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -15,14 +14,17 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view ac_usage = ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1[,I1]] [harm=m] [sample=t]";
+constexpr std::string_view ac_usage =
+    ".ac dec|oct|lin N f1 f2 | list f ... [from=V1 | from=freq(V1) | from=duty(V1)] [loop=V1[,I1]] [harm=m] [sample=t]";
 constexpr double most_frequencies = 1e6;
 
 bool is_of_letter(char c, char letter) { return c == letter || c == letter - 'a' + 'A'; }
 
 class SmallSignalReader {
  public:
-  SmallSignalReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) { signal_.span = card.span; }
+  SmallSignalReader(const Card& card, Scope& scope, Reporter& reporter) : card_(card), scope_(scope), reporter_(reporter) {
+    signal_.span = card.span;
+  }
 
   std::optional<SmallSignal> read() {
     for (const Item& item : card_.items) {
@@ -101,7 +103,8 @@ class SmallSignalReader {
       if (numbers_.size() != 3) return fail("E-missing-value", card_.span, ".ac takes a number of points and two frequencies");
       const double count = numbers_[0], from = numbers_[1], to = numbers_[2];
       if (count < 1.0 || count != std::floor(count)) return fail("E-range", card_.span, "the number of points of .ac is 1, 2, ...");
-      if (!(to >= from) || !(from > 0.0 || (is_linear && from >= 0.0))) return fail("E-range", card_.span, "the frequencies of .ac must be positive and ascending");
+      if (!(to >= from) || !(from > 0.0 || (is_linear && from >= 0.0)))
+        return fail("E-range", card_.span, "the frequencies of .ac must be positive and ascending");
       const double base = same_name(spacing_, "oct") ? 2.0 : 10.0;
       constexpr double rounding = 1e-9;
       const double steps = is_linear ? count - 1.0 : std::floor(count * std::log(to / from) / std::log(base) + rounding);
@@ -140,9 +143,11 @@ class ColumnReader {
       : reporter_(reporter), circuit_(circuit), columns_(columns) {}
 
   void read(const Item& item) {
-    const bool is_signal = item.kind == ItemKind::group && !item.text.empty() && (is_of_letter(item.text[0], 'v') || is_of_letter(item.text[0], 'i'));
+    const bool is_signal =
+        item.kind == ItemKind::group && !item.text.empty() && (is_of_letter(item.text[0], 'v') || is_of_letter(item.text[0], 'i'));
     const std::string_view letters = is_signal ? std::string_view(item.text).substr(1) : std::string_view();
-    const auto* known = std::find_if(std::begin(part_names), std::end(part_names), [&](const PartName& part) { return same_name(part.letters, letters); });
+    const auto* known =
+        std::find_if(std::begin(part_names), std::end(part_names), [&](const PartName& part) { return same_name(part.letters, letters); });
     if (!is_signal || (!letters.empty() && known == std::end(part_names))) {
       reporter_.error(
           "E-unexpected", item.span,

@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "base/name_list.hpp"
+#include "base/names.hpp"
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 #include "circuit/measured_expression.hpp"
-#include "circuit/save_request.hpp"
 
 namespace pwlsim::circuit {
 namespace {

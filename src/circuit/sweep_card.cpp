@@ -5,8 +5,8 @@
 
 #include "base/decimal.hpp"
 #include "base/names.hpp"
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 #include "circuit/models.hpp"
 #include "elements/catalogue.hpp"
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
-#include "circuit/items.hpp"
 
 namespace pwlsim::circuit {
 namespace {

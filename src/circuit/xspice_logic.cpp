@@ -7,7 +7,6 @@
 #include <optional>
 #include <unordered_set>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/logic_subcircuit.hpp"
 #include "circuit/made_expressions.hpp"

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/name_list.hpp"
 #include "base/names.hpp"
 #include "circuit/definitions.hpp"
 #include "circuit/made_expressions.hpp"

@@ -4,6 +4,7 @@
 
 #include "analysis/bode_figure.hpp"
 #include "analysis/quantity.hpp"
+#include "analysis/small_signal_report.hpp"
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"
 #include "cli/small_signal_session.hpp"

@@ -17,6 +17,8 @@
 #include "analysis/ordered_rows.hpp"
 #include "analysis/prepared_engine.hpp"
 #include "analysis/quantity.hpp"
+#include "analysis/small_signal_columns.hpp"
+#include "analysis/small_signal_report.hpp"
 #include "analysis/stepped_sources.hpp"
 #include "analysis/transient.hpp"
 #include "cli/output.hpp"

@@ -18,12 +18,11 @@ class CarefulElimination {
   CarefulElimination(const WideMatrix& m, const WideMatrix& rest, const WideMatrix& doubt);
 
   [[nodiscard]] Eigen::Index rank() const { return rank_; }
-  /// Columns that span {x : M x = 0} (n × (n − rank)); column j has its 1 at free_columns()[j].
+  /// Columns that span {x : M x = 0} (n × (n − rank)); column j has a 1 in a row of its own.
   [[nodiscard]] WideMatrix kernel() const;
   /// Columns that span {y : yᵀ M = 0} (m × (m − rank)); column j has its 1 at free_rows()[j].
   [[nodiscard]] WideMatrix left_kernel() const;
   [[nodiscard]] std::vector<Eigen::Index> free_rows() const { return {row_.begin() + rank_, row_.end()}; }
-  [[nodiscard]] std::vector<Eigen::Index> free_columns() const { return {column_.begin() + rank_, column_.end()}; }
   /// X with M X = right if that has a solution; unknowns beyond the rank are zero.
   [[nodiscard]] WideMatrix solve(const WideMatrix& right) const;
 

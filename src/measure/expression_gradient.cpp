@@ -59,13 +59,14 @@ ExpressionGradient::Node ExpressionGradient::node_of(const Step& step, std::vect
   return node;
 }
 
+std::size_t ExpressionGradient::place(int probe) const {
+  return static_cast<std::size_t>(std::find(probes_.begin(), probes_.end(), probe) - probes_.begin());
+}
+
 GradientValue ExpressionGradient::at(std::span<const double> signals, const std::vector<double>& results, double time) const {
   GradientValue gradient;
   gradient.signals.resize(probes_.size());
   gradient.results.resize(results.size());
-  const auto place = [&](int probe) {
-    return static_cast<std::size_t>(std::find(probes_.begin(), probes_.end(), probe) - probes_.begin());
-  };
   std::vector<Node> nodes;
   std::vector<std::size_t> stack;
   for (const Step& step : steps_) {
@@ -85,6 +86,12 @@ GradientValue ExpressionGradient::at(std::span<const double> signals, const std:
   }
   if (nodes.empty()) return gradient;
   gradient.value = nodes.back().value;
+  spread_weights(nodes, gradient);
+  return gradient;
+}
+
+/// From the result back to what it is made of.
+void ExpressionGradient::spread_weights(std::vector<Node>& nodes, GradientValue& gradient) const {
   nodes.back().weight = 1.0;
   for (std::size_t k = nodes.size(); k-- > 0;) {
     const Node& node = nodes[k];
@@ -103,7 +110,6 @@ GradientValue ExpressionGradient::at(std::span<const double> signals, const std:
     for (std::size_t i = 0; i < node.operands.size(); ++i)
       if (node.partials[i] != 0.0) nodes[node.operands[i]].weight += node.weight * node.partials[i];
   }
-  return gradient;
 }
 
 }  // namespace pwlsim::measure

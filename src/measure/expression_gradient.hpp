@@ -35,6 +35,8 @@ class ExpressionGradient {
     std::vector<double> partials;
   };
   [[nodiscard]] Node node_of(const Step& step, std::vector<std::size_t>& stack, const std::vector<Node>& nodes, bool& has_kink) const;
+  [[nodiscard]] std::size_t place(int probe) const;
+  void spread_weights(std::vector<Node>& nodes, GradientValue& gradient) const;
 
   std::vector<Step> steps_;
   std::vector<int> probes_;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/log_mean.hpp"
+#include "base/arithmetic.hpp"
 #include "linalg/doubled.hpp"
 #include "model/leaks.hpp"
 #include "model/tolerances.hpp"
@@ -290,8 +290,8 @@ Vector Assembly::initial_state() const {
   return x;
 }
 
-std::vector<Descriptor::StorePort> Assembly::store_ports() const {
-  std::vector<Descriptor::StorePort> ports;
+std::vector<Equations::StorePort> Assembly::store_ports() const {
+  std::vector<Equations::StorePort> ports;
   for (std::size_t i = 0; i < network.capacitors.size(); ++i)
     ports.push_back({network.capacitors[i].p, network.capacitors[i].n, unknowns.capacitor(i)});
   for (std::size_t i = 0; i < network.inductors.size(); ++i)

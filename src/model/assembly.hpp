@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "model/descriptor.hpp"
+#include "model/equations.hpp"
 #include "model/tableau.hpp"
 
 namespace pwlsim::model {
@@ -25,7 +25,7 @@ struct Assembly {
   [[nodiscard]] FormRow row_of(const LinearForm& form) const;
   /// Energy coordinates of the `ic=` values.
   [[nodiscard]] Vector initial_state() const;
-  [[nodiscard]] std::vector<Descriptor::StorePort> store_ports() const;
+  [[nodiscard]] std::vector<Equations::StorePort> store_ports() const;
   /// Λ of the inductance matrix L = Λ Λᵀ, in √H (inductors × rank).
   [[nodiscard]] Matrix inductance_root() const { return inductor_factor.cast<double>() * std::sqrt(r0 * tau0); }
   /// √J per volt of the system's states.

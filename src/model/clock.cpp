@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/rounded_sum.hpp"
+#include "base/arithmetic.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {

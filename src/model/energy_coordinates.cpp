@@ -85,7 +85,7 @@ std::vector<EnergyState> states_of(const Assembly& assembly, const Matrix& basis
 StateSpace in_energy_coordinates(const Island& island, const Extraction& extraction) {
   const Assembly assembly(island.network, true);
   const System& system = extraction.system;
-  const Matrix& reduce = extraction.descriptor.reduce;
+  const Matrix& reduce = extraction.equations.reduce;
   const Matrix basis = readable_basis(linalg::clean_product(reduce.transpose(), reduce), system.n);
   const Matrix turn = linalg::clean_product(basis, reduce.transpose());
   Vector u_unit(system.ports), y_unit(system.ports);

@@ -14,7 +14,7 @@
 #include "model/causality.hpp"
 #include "model/certificate.hpp"
 #include "model/clock.hpp"
-#include "model/coupling.hpp"
+#include "model/structure_errors.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -58,6 +58,15 @@ bool is_clearly_regular(const WideMatrix& g) {
 
 Wide largest_of(const WideMatrix& m) { return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff(); }
 
+/// A product in which entries that are rounding are zero.
+WideMatrix constraint_entries(const WideMatrix& combinations, const WideMatrix& m) {
+  WideMatrix result = sparse_product(combinations, m);
+  const WideMatrix bound = sparse_absolute_product(combinations, m);
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    if (std::abs(result.data()[i]) <= tolerance::constraint_entry * bound.data()[i]) result.data()[i] = 0.0;
+  return result;
+}
+
 class Extractor {
  public:
   Extractor(const Island& island, const Assembly& assembly, Diagnostics& diagnostics)
@@ -94,7 +103,6 @@ class Extractor {
   [[nodiscard]] LeftNull left_null() const;
   bool take_constraints(const LeftNull& null);
   void report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw);
-  void report_improper(const WideMatrix& na);
   void solve_constraints();
   void choose_causality();
   void take_causality();
@@ -103,7 +111,7 @@ class Extractor {
   void finish();
   void add_ports();
   void add_matrices();
-  void add_descriptor();
+  void add_equations();
   [[nodiscard]] OutputRow output(const LinearForm& form) const;
 
   const Island& island_;
@@ -159,16 +167,7 @@ LeftNull Extractor::left_null() const {
 
 bool Extractor::take_constraints(const LeftNull& null) {
   const WideMatrix nt = null.vectors.transpose();
-  const auto clean = [&](const WideMatrix& m) {
-    WideMatrix result = sparse_product(nt, m);
-    const WideMatrix bound = sparse_absolute_product(nt, m);
-    for (Eigen::Index i = 0; i < result.size(); ++i)
-      if (std::abs(result.data()[i]) <= tolerance::constraint_entry * bound.data()[i]) result.data()[i] = 0.0;
-    return result;
-  };
-  const WideMatrix nf = clean(f_);
-  const WideMatrix na = clean(ha_);
-  const WideMatrix nw = clean(hw_);
+  const WideMatrix nf = constraint_entries(nt, f_), na = constraint_entries(nt, ha_), nw = constraint_entries(nt, hw_);
   // In units of each store, so that a picofarad weighs as much as a farad.
   WideMatrix scaled = nf;
   for (Eigen::Index j = 0; j < nf.cols(); ++j)
@@ -178,7 +177,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     return false;
   }
   if (na.size() > 0 && na.cwiseAbs().maxCoeff() > 0.0) {
-    report_improper(na);
+    report_improper(assembly_.unknowns, na, diagnostics_);
     return false;
   }
   const auto old = h_.rows();
@@ -202,65 +201,16 @@ bool Extractor::take_constraints(const LeftNull& null) {
   return true;
 }
 
-void Extractor::report_improper(const WideMatrix& na) {
-  std::string names, last;
-  SourceSpan span;
-  for (Eigen::Index j = 0; j < na.cols(); ++j) {
-    if (na.col(j).cwiseAbs().maxCoeff() == 0.0) continue;
-    const Label& label = assembly_.unknowns.port_label(static_cast<int>(j));
-    if (!span.known()) span = label.span;
-    if (!last.empty() && last == label.name) continue;  // of an element with several ports
-    last = label.name;
-    names += (names.empty() ? "" : ", ") + label.name;
-  }
-  diagnostics_.error("E-improper", span,
-                     fmt::format("{}: the controlled sources around it differentiate its current or voltage, so no port model exists; "
-                                 "try a resistor or capacitor beside it",
-                                 names));
-}
-
 void Extractor::report_singular(const LeftNull& null, const WideMatrix& nf, const WideMatrix& nw) {
+  OpenEquations open;
   // Directions of z that nothing determines: right null vectors of G on top of those already used up.
-  const WideMatrix kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
-  const auto nodes = static_cast<Eigen::Index>(network_.nodes.size());
+  open.kernel = linalg::CarefulElimination(g_, g_rest_, tolerance::data_rounding * g_data_).kernel();
   // The combination of rows that holds no store: its part in the sources decides between loop and cutset.
   const WideMatrix combination =
       linalg::CarefulElimination(nf.transpose(), {}, tolerance::data_rounding * nf.cwiseAbs().transpose()).kernel();
-  const WideMatrix free_rows = null.vectors * combination;
-  std::string node_names, element_names;
-  SourceSpan node_span, element_span;
-  bool has_source = false;
-  for (Eigen::Index i = 0; i < g_.rows(); ++i) {
-    const Wide weight = largest_of(free_rows.row(i));
-    const Wide freedom = largest_of(kernel.row(i));
-    if (i < nodes && (weight > tolerance::null_vector_entry || freedom > tolerance::null_vector_entry)) {
-      const Label& label = network_.nodes[static_cast<std::size_t>(i)];
-      if (!node_span.known()) node_span = label.span;
-      node_names += (node_names.empty() ? "" : ", ") + label.name;
-    }
-    const auto column = static_cast<int>(i);
-    const Label* const owner = assembly_.unknowns.owner(column);
-    if (owner == nullptr || owner->name.empty() || !(freedom > tolerance::null_vector_entry)) continue;
-    const bool is_source = assembly_.unknowns.is_branch(column);
-    has_source |= is_source;
-    if (!element_span.known() && (is_source || assembly_.unknowns.is_resistor(column))) element_span = owner->span;
-    element_names += (element_names.empty() ? "" : ", ") + owner->name;
-  }
-  const WideMatrix said = combination.transpose() * nw;
-  const bool contradiction = said.size() > 0 && said.cwiseAbs().maxCoeff() > 0.0;
-  const bool is_loop_of_wires = !has_source && node_names.empty() && !element_names.empty();
-  if (has_source || is_loop_of_wires) {
-    diagnostics_.error("E-source-loop", element_span,
-                       fmt::format("{} {} a loop {}without resistance{}; try a small resistor in series", element_names,
-                                   element_names.find(',') == std::string::npos ? "forms" : "form", has_source ? "of voltage sources " : "",
-                                   contradiction ? " whose voltages contradict each other" : ", so their currents are not determined"));
-    return;
-  }
-  diagnostics_.error(
-      contradiction ? "E-source-cutset" : "E-floating", node_span,
-      contradiction
-          ? fmt::format("current sources force a current into node {} that has no return path; try a resistor to ground", node_names)
-          : fmt::format("the voltage of node {} is not determined; try a resistor to ground", node_names));
+  open.rows = null.vectors * combination;
+  open.is_contradicted = largest_of(combination.transpose() * nw) > 0.0;
+  report_open(network_, assembly_.unknowns, open, diagnostics_);
 }
 
 void Extractor::solve_constraints() {
@@ -418,33 +368,33 @@ void Extractor::add_matrices() {
 }
 
 /// The equations before the reduction, and how they give z, x and the first state.
-void Extractor::add_descriptor() {
+void Extractor::add_equations() {
   System& system = result_.system;
-  Descriptor& descriptor = result_.descriptor;
+  Equations& equations = result_.equations;
   const int k = system.ports, size = system.n + system.n_zeta, first = assembly_.unknowns.port(0);
-  descriptor.g = assembly_.g.cast<double>();
-  descriptor.f = assembly_.f.cast<double>();
-  descriptor.ha = assembly_.ha.cast<double>();
-  descriptor.hw = assembly_.hw.cast<double>();
-  descriptor.sx = assembly_.sx.cast<double>();
-  descriptor.r0 = assembly_.r0;
-  descriptor.tau0 = assembly_.tau0;
-  descriptor.store_ports = assembly_.store_ports();
-  descriptor.store_sign = assembly_.store_sign();
+  equations.g = assembly_.g.cast<double>();
+  equations.f = assembly_.f.cast<double>();
+  equations.ha = assembly_.ha.cast<double>();
+  equations.hw = assembly_.hw.cast<double>();
+  equations.sx = assembly_.sx.cast<double>();
+  equations.r0 = assembly_.r0;
+  equations.tau0 = assembly_.tau0;
+  equations.store_ports = assembly_.store_ports();
+  equations.store_sign = assembly_.store_sign();
   // Where y took a current's place the current is u.
   for (int j = 0; j < k; ++j) {
     if (theta_[j] > 0.0) continue;
     for (WideMatrix* z : {&z_xi_, &z_u_, &z_zeta_, &z_edge_}) z->row(first + j).setZero();
     z_u_(first + j, j) = 1.0;
   }
-  descriptor.z_state.resize(assembly_.unknowns.size(), size);
-  descriptor.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
+  equations.z_state.resize(assembly_.unknowns.size(), size);
+  equations.z_state << z_xi_.cast<double>(), z_zeta_.cast<double>();
   edge_ = z_edge_.cast<double>();
-  descriptor.z_input = z_u_.cast<double>();
-  descriptor.store_state.resize(assembly_.stores(), size);
-  descriptor.store_state << basis_.cast<double>(), offset_.cast<double>();
-  descriptor.reduce = basis_.transpose().cast<double>();
-  system.x0 = descriptor.reduce * assembly_.initial_state();
+  equations.z_input = z_u_.cast<double>();
+  equations.store_state.resize(assembly_.stores(), size);
+  equations.store_state << basis_.cast<double>(), offset_.cast<double>();
+  equations.reduce = basis_.transpose().cast<double>();
+  system.x0 = equations.reduce * assembly_.initial_state();
 }
 
 void Extractor::finish() {
@@ -455,7 +405,7 @@ void Extractor::finish() {
   system.exosystem = assembly_.exosystem;
   add_ports();
   add_matrices();
-  add_descriptor();
+  add_equations();
   for (std::size_t i = 0; i < network_.signals.size(); ++i) {
     system.outputs.push_back(output(network_.signals[i].form));
     system.output_signal.push_back(island_.signal_number[i]);
@@ -472,7 +422,7 @@ void Extractor::finish() {
 
 OutputRow Extractor::output(const LinearForm& form) const {
   const Assembly::FormRow row = assembly_.row_of(form);
-  const Descriptor& d = result_.descriptor;
+  const Equations& d = result_.equations;
   const Vector z_part = row.z_part.cast<double>();
   OutputRow result{d.z_state.transpose() * z_part, d.z_input.transpose() * z_part, edge_.transpose() * z_part};
   const Vector state_bound = d.z_state.cwiseAbs().transpose() * z_part.cwiseAbs();

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "base/diagnostic.hpp"
-#include "model/descriptor.hpp"
+#include "model/equations.hpp"
 #include "model/islands.hpp"
 #include "model/system.hpp"
 
@@ -20,7 +20,7 @@ namespace pwlsim::model {
 
 struct Extraction {
   System system;
-  Descriptor descriptor;
+  Equations equations;
 };
 
 [[nodiscard]] std::optional<Extraction> extract(const Island& island, Diagnostics& diagnostics);

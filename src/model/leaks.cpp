@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/arithmetic.hpp"
 #include "base/disjoint_sets.hpp"
-#include "base/log_mean.hpp"
 
 namespace pwlsim::model {
 

@@ -14,8 +14,6 @@ namespace pwlsim::model {
 
 namespace {
 
-/// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
-constexpr double brief_per_unseen = 1e4;
 constexpr int most_jumps = 20;
 constexpr int most_rounds_of_rule = 4;
 constexpr double s_factors[] = {30.0, 1e3, 1e5, 1e7, 1e9, 1e11};
@@ -24,7 +22,6 @@ constexpr double relaxations[] = {1.0, 1e2, coarsest_relaxation};
 /// Of a guard's terms: neither rounding nor a decay that is not followed hides as much (the decay's time constant is 10⁻³ of the slow ones, and four of them are unresolved).
 constexpr double hidden_share = 0.1;
 constexpr double trusted_s_factor = 1e5;  ///< a jump is believed from here on without repetition
-constexpr std::size_t most_remembered = 6;
 
 /// Goes through the sets that differ from `set` in one to `radius` of the ports first … ports − 1.
 template <class Accept>
@@ -38,66 +35,29 @@ bool any_near_set(IndexSet& set, int first, int ports, int radius, const Accept&
   return false;
 }
 
+/// A jump whose impulses complementarity allows: the first that two s propose, else the first.
+struct AllowedJump {
+  const Mode* into = nullptr;
+  Impulse impulse;
+  bool repeats = false;
+
+  void note(const Mode& mode, bool is_repeated, const Impulse& own) {
+    if (own.order == 0 || (into && (repeats || !is_repeated))) return;
+    into = &mode;
+    repeats = is_repeated;
+    impulse = own;
+  }
+};
+
 }  // namespace
 
-Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system), shifted_(system) {
+Selector::Selector(const System& system, Several several) : system_(system), several_(several), rational_(system), modes_(system) {
   ports_are_read_ = std::any_of(system.outputs.begin(), system.outputs.end(), std::mem_fn(&OutputRow::reads_ports)) ||
                     std::any_of(system.controls.begin(), system.controls.end(), [](const Control& c) { return c.value.reads_ports(); });
   for (int i = 0; i < system.diodes; ++i) diode_rows_.push_back(i);
   departures_.resize(static_cast<std::size_t>(system.diodes));
   y_.resize(static_cast<std::size_t>(system.size()));
   projected_.resize(static_cast<std::size_t>(system.size()));
-}
-
-Selector::Known& Selector::known(const IndexSet& wanted) {
-  if (!system_.valves.empty()) hold_blocked(system_, held_ = wanted);
-  const IndexSet& set = system_.valves.empty() ? wanted : held_;
-  for (Entry* entry : recent_)
-    if (entry && entry->first == set) return entry->second;
-  Entry& entry = *known_.try_emplace(set).first;
-  recent_[next_recent_++ % recent_.size()] = &entry;
-  return entry.second;
-}
-
-const Mode& Selector::mode(const IndexSet& set) {
-  auto& slot = known(set).mode;
-  if (!slot) slot = build_mode(system_, set);
-  return *slot;
-}
-
-const Mode* Selector::slow_mode(const IndexSet& set) {
-  Known& about = known(set);
-  if (!about.slow_is_known) {
-    about.slow_is_known = true;
-    const Mode& whole = mode(set);
-    if (unseen_ > 0.0 && system_.ports > 0) split(about, whole);
-  }
-  return about.slow.get();
-}
-
-/// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ) are split off alone, too: in the mode itself each of
-/// their time constants would be millions of the others.
-void Selector::split(Known& about, const Mode& whole) {
-  if (!whole.regular || whole.ny == 0) return;
-  const double longest = brief_per_unseen * unseen_;
-  const Rates rates = rates_by_speed(whole, longest);
-  about.slow = build_slow_mode(system_, whole, rates, shifted_, longest);
-  whole.slow = about.slow.get();
-  if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
-  about.brief = build_slow_mode(system_, whole, rates, shifted_, unseen_ / time_constants_to_rest);
-  if (!about.brief) return;
-  if (about.brief->n1 > about.slow->n1)
-    about.brief->slow = about.slow.get();
-  else
-    about.brief.reset();
-}
-
-/// A mode and its slow motions are one.
-void Selector::mark_visited(const Mode& mode) {
-  if (mode.visits++ > 0) return;
-  const Known& about = known(mode.active);
-  const auto was_visited = [&](const std::unique_ptr<Mode>& twin) { return twin && twin.get() != &mode && twin->visits > 0; };
-  if (!was_visited(about.mode) && !was_visited(about.slow) && !was_visited(about.brief)) ++visited_;
 }
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
@@ -132,7 +92,7 @@ bool Selector::has_settled(const Mode& slow) const { return settled_mode_ && set
 /// meanwhile counts: where a current that begins when they do, or ends before they have, is as small as that.
 bool Selector::decays_unseen(const Mode& slow, const double* x) {
   const Decays& decays = *slow.decays;
-  if (!(time_constants_to_rest * decays.slowest <= unseen_)) return false;
+  if (!(time_constants_to_rest * decays.slowest <= modes_.unseen())) return false;
   const auto size = static_cast<Eigen::Index>(system_.size());
   const Eigen::Map<const Vector> state(x, size);
   const Vector& start = left_;
@@ -144,7 +104,7 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
   rate_.resize(y_.size());
   linalg::multiply(slow.flow.a(), y_.data(), rate_.data());
   const double norm = linalg::norm(y_.data(), slow.ny);
-  const Mode& whole = mode(slow.active);
+  const Mode& whole = modes_.mode(slow.active);
   const double size_of_x = linalg::norm(x, system_.size());
   for (Eigen::Index i = 0; i < slow.guards.rows(); ++i) {
     // Where x comes from an event, the guard that was passed is zero to the rounding that it has with its decays.
@@ -163,8 +123,8 @@ bool Selector::decays_unseen(const Mode& slow, const double* x) {
 
 /// The mode of the set in which x lies without a jump: its slow motion where it can be, else the mode itself; null where neither.
 const Mode* Selector::holding(const double* x, const IndexSet& set) {
-  Known& about = known(set);
-  const Mode* slow = about.slow_is_known ? about.slow.get() : slow_mode(set);
+  ModeStore::Known& about = modes_.known(set);
+  const Mode* slow = about.slow_is_known ? about.slow.get() : modes_.slow_mode(set);
   if (slow && lies_in(*slow, x)) return slow;
   if (about.brief && lies_in(*about.brief, x)) return about.brief.get();
   const Mode& m = *about.mode;
@@ -193,7 +153,7 @@ const Mode* Selector::try_without_jump(double* x, const IndexSet& set) {
 }
 
 const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
-  for (const Mode* m : known(wanted).successors) {
+  for (const Mode* m : modes_.known(wanted).successors) {
     if (m->slow || m->decays) {  // now the slow motion, now the mode with its decays
       if (const Mode* found = try_without_jump(x, m->active); found) return found;
       continue;
@@ -205,25 +165,12 @@ const Mode* Selector::remembered(double* x, const IndexSet& wanted) {
   return nullptr;
 }
 
-void Selector::remember(const IndexSet& wanted, const Mode& mode) {
-  auto& list = known(wanted).successors;
-  std::erase_if(list, [&](const Mode* m) { return m == &mode || m->active == mode.active; });
-  list.insert(list.begin(), &mode);
-  if (list.size() > most_remembered) list.pop_back();
-}
-
 /// What followed by way of another mode in which x lies.
 const Mode* Selector::by_way(double* x, const IndexSet& wanted) {
-  for (const Way& way : known(wanted).ways)
+  for (const ModeStore::Way& way : modes_.known(wanted).ways)
     if (const Mode* held = holding(x, way.through->active); held && !accepts(*held, projected_.data()))
       if (const Mode* found = beside(x, *held, way.after); found) return found;
   return nullptr;
-}
-
-void Selector::remember_way(const IndexSet& wanted, const Way& way) {
-  auto& list = known(wanted).ways;
-  list.insert(list.begin(), way);
-  if (list.size() > most_remembered) list.pop_back();
 }
 
 /// Impulses must push the way complementarity allows, the highest order first; a port without impulse must go on with the right sign in the
@@ -271,12 +218,21 @@ const Mode* Selector::settled(const Mode& m, const double* x, const Mode* after)
   return found;
 }
 
+/// Goes on in the mode in which x lies, or beside it.
+const Mode* Selector::from_held(double* x, const IndexSet& wanted, const Mode& held) {
+  if (accepts(held, projected_.data())) {
+    linalg::copy(projected_.data(), system_.size(), x);
+    return &held;
+  }
+  const Mode* other = beside(x, held, nullptr);
+  if (other) modes_.remember_way(wanted, {&held, other});
+  return other;
+}
+
 const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) {
   jumped = false;
   const Mode* previous = nullptr;
-  const Mode* jump = nullptr;
-  bool jump_repeats = false;
-  Impulse impulse;
+  AllowedJump allowed;
   // Most candidates come at several s; what was found of one holds for all of them.
   std::vector<IndexSet> rejected;
   std::vector<const Mode*> unsettled;
@@ -286,20 +242,12 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
     for (const IndexSet& set : rational_.candidates(x, rational_.rate() * factor, wanted)) {
       if (is_in(rejected, set)) continue;
       if (const Mode* held = holding(x, set); held) {
-        if (!accepts(*held, projected_.data())) {
-          if (const Mode* other = beside(x, *held, nullptr); other) {
-            remember_way(wanted, {held, other});
-            return other;
-          }
-          rejected.push_back(set);
-          continue;
-        }
-        linalg::copy(projected_.data(), system_.size(), x);
-        return held;
+        if (const Mode* found = from_held(x, wanted, *held); found) return found;
+        rejected.push_back(set);
+        continue;
       }
-      const Mode& m = mode(set);
-      if (!m.regular) continue;
-      if (!may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
+      const Mode& m = modes_.mode(set);
+      if (!m.regular || !may_jump_ || !impulse_allowed(m, x, projected_.data())) continue;
       const bool repeats = &m == previous || factor >= trusted_s_factor;
       if (!system_.passive) {
         jumped = repeats;
@@ -309,20 +257,16 @@ const Mode* Selector::from_rcp(double* x, const IndexSet& wanted, bool& jumped) 
       }
       if (jumped) return jump_into(m, x);
       if (!first_jump) first_jump = &m;
-      if (impulse_.order > 0 && (!jump || (repeats && !jump_repeats))) {
-        jump = &m;
-        jump_repeats = repeats;
-        impulse = impulse_;
-      }
+      allowed.note(m, repeats, impulse_);
     }
     previous = first_jump;
   }
   if (!system_.passive) return system_.diodes > few_ports ? nullptr : from_all_modes(x, wanted, jumped);
   // At larger s the problem may be too badly scaled to be solved; the impulses that complementarity allows are those of the solution.
-  jumped = jump != nullptr;
+  jumped = allowed.into != nullptr;
   if (!jumped) return nullptr;
-  impulse_ = impulse;
-  return jump_into(*jump, x);
+  impulse_ = allowed.impulse;
+  return jump_into(*allowed.into, x);
 }
 
 /// Projects twice: what the rounding of P leaves outside of V is in proportion to the state before, which may have been far larger.
@@ -340,7 +284,7 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
   any_set(wanted, system_.diodes, [&](const IndexSet& set) {
     stays = try_without_jump(x, set);
     if (stays) return true;
-    const Mode& m = mode(set);
+    const Mode& m = modes_.mode(set);
     if (jump || !m.regular || consistent(m, x, projected_.data()) || !impulse_allowed(m, x, projected_.data())) return false;
     jump = &m;
     impulse = impulse_;
@@ -355,8 +299,8 @@ const Mode* Selector::from_all_modes(double* x, const IndexSet& wanted, bool& ju
 
 /// Whether the mode of the set is out of the question, before its slow motion is split off: some guard is below zero by more than rounding, or decays, can hide.
 bool Selector::is_out_of_question(const IndexSet& set, const double* x) {
-  if (known(set).slow_is_known) return false;
-  const Mode& whole = mode(set);
+  if (modes_.known(set).slow_is_known) return false;
+  const Mode& whole = modes_.mode(set);
   if (!whole.regular) return true;
   if (whole.constrained || has_settled(whole)) return false;
   coordinates_of_ = nullptr;
@@ -381,7 +325,7 @@ const Mode* Selector::from_neighbourhood(double* x, const IndexSet& wanted, int 
 /// decided by least norm (parallel diodes) instead of by the order of pivots. Where no signal reads what ports carry there is nothing to share.
 const Mode* Selector::with_free_ports(double* x, const Mode& found) {
   if (!ports_are_read_) return &found;
-  Known& about = known(found.active);
+  ModeStore::Known& about = modes_.known(found.active);
   if (!about.richer_is_known) {
     about.richer_is_known = true;
     IndexSet set = found.active;
@@ -391,7 +335,10 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
         set.set(i, true);
         any = true;
       }
-    const Mode* richer = !any ? nullptr : found.decays ? slow_mode(set) : slow_mode(found.active) ? nullptr : &mode(set);
+    const Mode* richer = !any                             ? nullptr
+                         : found.decays                   ? modes_.slow_mode(set)
+                         : modes_.slow_mode(found.active) ? nullptr
+                                                          : &modes_.mode(set);
     about.richer = richer && richer->regular ? richer : nullptr;
   }
   const Mode* richer = about.richer;
@@ -404,8 +351,8 @@ const Mode* Selector::with_free_ports(double* x, const Mode& found) {
 IndexSet Selector::with_flipped(const IndexSet& set, int port) {
   IndexSet flipped = set;
   flipped.flip(port);
-  const Mode* before = slow_mode(set);
-  if (!before) before = known(set).mode.get();
+  const Mode* before = modes_.slow_mode(set);
+  if (!before) before = modes_.known(set).mode.get();
   if (!before || before->guard_twin.empty()) return flipped;
   const auto& twin = before->guard_twin;
   for (int i = 0; i < system_.diodes; ++i)
@@ -439,14 +386,13 @@ const Mode* Selector::by_repeated_rule(double* x, IndexSet set) {
 }
 
 const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
-  if (rational_only_) return from_rcp(x, current, jumped);
   // Where the state that follows is unique any verified mode will do, and what followed last time comes first.
   const bool one_way = goes_on_one_way(current);
   const Mode* found = one_way ? remembered(x, current) : nullptr;
   warm = found != nullptr;
   if (!found) {
     found = try_without_jump(x, current);
-    warm = found && !(one_way && !known(current).successors.empty());
+    warm = found && !(one_way && !modes_.known(current).successors.empty());
   }
   if (!found && !one_way) found = remembered(x, current);
   if (!found && trigger >= 0 && trigger < system_.diodes) found = by_repeated_rule(x, with_flipped(current, trigger));
@@ -489,11 +435,47 @@ const Selected& Selector::stay_in(const Mode& mode) {
   return selected_;
 }
 
-const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger) {
-  Selected& result = selected_;
-  result = {};
+const Selected& Selector::give_up(Choice why, const IndexSet& current) {
+  selected_.choice = why;
+  selected_.mode = &modes_.mode(current);
+  return selected_;
+}
+
+/// Two guards that reach zero within rounding of each other can each, by the other's rounding, look as if it had gone first. Then no mode passes; a coarser
+/// level calls them one event, at an error of the state of that level.
+template <class Way>
+const Mode* Selector::at_some_level(const Way& way) {
+  for (const double level : relaxations) {
+    verifier_.relax(level, largest_);
+    if (const Mode* found = way()) return found;
+  }
+  return nullptr;
+}
+
+const Mode* Selector::search_at_all_levels(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped) {
+  const Mode* found = at_some_level([&] { return search(x, current, trigger, warm, jumped); });
+  if (!found) found = at_some_level([&] { return from_neighbourhood(x, current, system_.diodes <= 12 ? 3 : 2); });
+  selected_.relaxation = std::max(selected_.relaxation, verifier_.relaxation());
+  return found;
+}
+
+/// x goes on in this mode, or in one of several.
+const Selected& Selector::go_on_in(double* x, const Mode& mode) {
+  selected_.mode = &mode;
+  if (goes_on_one_way(mode.active)) return selected_;
+  details_.continuations = continuations(x, mode);
+  if (details_.continuations.size() == 1) return selected_;
+  selected_.details = &details_;
+  selected_.choice = Choice::several;
+  if (several_ == Several::first) selected_.mode = first_of(details_.continuations);
+  if (selected_.mode != &mode && strictly_consistent(*selected_.mode, x, projected_.data()))
+    linalg::copy(projected_.data(), system_.size(), x);
+  return selected_;
+}
+
+void Selector::begin(const double* x, const IndexSet& wanted, int trigger) {
+  selected_ = {};
   jumped_into_.clear();
-  const IndexSet* current = &wanted;
   const double square = linalg::square(x, system_.size());
   if (square > largest_square_) {
     largest_square_ = square;
@@ -501,49 +483,26 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
   }
   trigger_ = trigger < system_.diodes ? trigger : -1;
   trigger_side_ = trigger_ >= 0 && wanted.contains(trigger_);
-  while (result.jumps <= most_jumps) {
-    bool warm = false;
-    bool jumped = false;
-    // Two guards that reach zero within rounding of each other can each, by the other's rounding, look as if it had gone first.
-    // Then no mode passes; a coarser level calls them one event, at an error of the state of that level.
-    const auto at_some_level = [&](const auto& way) -> const Mode* {
-      for (const double level : relaxations) {
-        verifier_.relax(level, largest_);
-        if (const Mode* found = way()) return found;
-      }
-      return nullptr;
-    };
-    const Mode* found = at_some_level([&] { return search(x, *current, result.jumps == 0 ? trigger : -1, warm, jumped); });
-    if (!found && !rational_only_) found = at_some_level([&] { return from_neighbourhood(x, *current, system_.diodes <= 12 ? 3 : 2); });
-    result.relaxation = std::max(result.relaxation, verifier_.relaxation());
-    if (!found) {
-      result.choice = Choice::none;
-      result.mode = &mode(*current);
-      return result;
+}
+
+const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger) {
+  begin(x, wanted, trigger);
+  const IndexSet* current = &wanted;
+  while (selected_.jumps <= most_jumps) {
+    bool warm = false, jumped = false;
+    const Mode* found = search_at_all_levels(x, *current, selected_.jumps == 0 ? trigger : -1, warm, jumped);
+    if (!found) return give_up(Choice::none, *current);
+    if (!jumped) {
+      if (!warm) modes_.remember(*current, *found);
+      return go_on_in(x, *with_free_ports(x, *found));
     }
-    if (jumped) {
-      ++result.jumps;
-      jumped_into_.push_back(found);
-      note_impulse();
-      trigger_ = -1;
-      current = &found->active;
-      continue;
-    }
-    if (!warm) remember(*current, *found);
-    found = with_free_ports(x, *found);
-    result.mode = found;
-    if (goes_on_one_way(found->active)) return result;
-    details_.continuations = continuations(x, *found);
-    if (details_.continuations.size() == 1) return result;
-    result.details = &details_;
-    result.choice = Choice::several;
-    if (several_ == Several::first) result.mode = first_of(details_.continuations);
-    if (result.mode != found && strictly_consistent(*result.mode, x, projected_.data())) linalg::copy(projected_.data(), system_.size(), x);
-    return result;
+    ++selected_.jumps;
+    jumped_into_.push_back(found);
+    note_impulse();
+    trigger_ = -1;
+    current = &found->active;
   }
-  result.choice = Choice::too_many_jumps;
-  result.mode = &mode(*current);
-  return result;
+  return give_up(Choice::too_many_jumps, *current);
 }
 
 }  // namespace pwlsim::model

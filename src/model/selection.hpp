@@ -6,17 +6,14 @@
 /// neighbourhood of the current mode. A mode is taken only when verified in its own differential equation (Verifier), which is correct for any
 /// relative degree.
 
-#include <array>
-#include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "model/decaying_sum.hpp"
 #include "model/impulse.hpp"
-#include "model/mode.hpp"
+#include "model/mode_store.hpp"
 #include "model/rcp.hpp"
-#include "model/slow_manifold.hpp"
 #include "model/verify.hpp"
 
 namespace pwlsim::model {
@@ -63,35 +60,26 @@ class Selector {
   /// The answer if there is nothing to select.
   const Selected& stay_in(const Mode& mode);
 
-  /// The mode of a set, built at its first visit.
-  const Mode& mode(const IndexSet& set);
-  /// Its slow motion, if it has much faster decays; else null.
-  const Mode* slow_mode(const IndexSet& set);
-  /// Decays that end within `time`, s, and take no guard to zero, are not followed: x moves to the slow manifold at once.
+  /// The modes, each as it was built at its first visit.
+  [[nodiscard]] ModeStore& modes() { return modes_; }
+  [[nodiscard]] const ModeStore& modes() const { return modes_; }
   /// The next state to select for comes from this mode after its decays have ended, so it lies in its slow motion; null: none.
   void set_settled(const Mode* mode) { settled_mode_ = mode; }
+  /// Decays that end within `time`, s, and take no guard to zero, are not followed: x moves to the slow manifold at once.
   void set_unseen(double time) {
-    unseen_ = time;
+    modes_.set_unseen(time);
     verifier_.set_unseen(time);
   }
   /// Ports whose shares are free all count as conducting, although no signal reads the shares.
   void share_in_any_case() { ports_are_read_ = true; }
-  /// Candidates from the rational problem alone, without warm modes, flips and neighbours.
-  void rational_only(bool only) { rational_only_ = only; }
   /// Modes that the last selection jumped into on its way, in order; the mode it ended in is not among them, unless it jumped into that one, too.
   [[nodiscard]] const std::vector<const Mode*>& jumped_into() const { return jumped_into_; }
-  [[nodiscard]] std::uint64_t modes_visited() const { return visited_; }
   [[nodiscard]] std::uint64_t pivots() const { return rational_.pivots(); }
   /// The verifier, at the rounding level that the last selection needed.
   [[nodiscard]] Verifier& verifier() { return verifier_; }
-  void mark_visited(const Mode& mode);
   /// The rule J = (I \ Γ2) ∪ Γ1 of van der Schaft & Schumacher's earlier paper: from I every port changes sides whose guard is about to fall
   /// below zero (Γ1 of the inactive, Γ2 of the active ones). A first guess only: if it implies a jump, the jump may be adhesive.
   [[nodiscard]] IndexSet by_rule(const double* x, const IndexSet& set);
-  /// Numbers of the system's outputs that some visited mode does not determine (rows have their least-norm value).
-  [[nodiscard]] std::vector<std::size_t> open_outputs() const;
-  /// The largest doubt of a rate (Decays::rate_doubt) of the visited modes, 1/s.
-  [[nodiscard]] double rate_doubt() const;
   /// Departures of all diode guards in the mode last selected; valid while `departures_hold_for` that mode.
   [[nodiscard]] const std::vector<Departure>& departures() const { return departures_; }
   [[nodiscard]] bool departures_hold_for(const Mode& mode) const { return departures_of_ == &mode; }
@@ -101,7 +89,6 @@ class Selector {
   [[nodiscard]] bool continues_alike(const Mode& a, const Mode& b, const double* x) const;
 
  private:
-  [[nodiscard]] Matrix open_directions(const Mode& mode) const;
   bool consistent(const Mode& mode, const double* x, double* projected) const;
   bool strictly_consistent(const Mode& mode, const double* x, double* projected) const;
   bool lies_in(const Mode& mode, const double* x);
@@ -116,54 +103,36 @@ class Selector {
   const Mode* try_without_jump(double* x, const IndexSet& set);
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port);
   const Mode* remembered(double* x, const IndexSet& wanted);
-  struct Way {
-    const Mode *through, *after;
-  };
   const Mode* by_way(double* x, const IndexSet& wanted);
-  void remember_way(const IndexSet& wanted, const Way& way);
   const Mode* beside(double* x, const Mode& mode, const Mode* after);
   const Mode* settled(const Mode& mode, const double* x, const Mode* after);
+  const Mode* from_held(double* x, const IndexSet& wanted, const Mode& held);
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
   bool is_out_of_question(const IndexSet& set, const double* x);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);
-  void remember(const IndexSet& wanted, const Mode& mode);
   const Mode* with_free_ports(double* x, const Mode& found);
   bool goes_on_one_way(const IndexSet& set);
   std::vector<const Mode*> continuations(const double* x, const Mode& chosen);
   void note_impulse();
+  void begin(const double* x, const IndexSet& wanted, int trigger);
+  template <class Way>
+  const Mode* at_some_level(const Way& way);
+  const Mode* search_at_all_levels(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
+  const Selected& go_on_in(double* x, const Mode& mode);
+  const Selected& give_up(Choice why, const IndexSet& current);
   [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
 
   const System& system_;
   Several several_ = Several::stay;
-  bool rational_only_ = false;
   bool ports_are_read_ = false;  ///< by a signal or a control
   RationalProblem rational_;
-  ShiftedSystems shifted_;
   double largest_ = 0.0, largest_square_ = 0.0;  ///< ‖x‖ seen so far, and its square
-  /// The data of a set.
-  struct Known {
-    std::unique_ptr<Mode> mode;  ///< empty: not built yet
-    std::unique_ptr<Mode> slow;  ///< its slow motion; empty: not built yet, or there is none
-    bool slow_is_known = false;
-    std::vector<const Mode*> successors;  ///< modes that followed this wanted set, the last one first
-    std::vector<Way> ways;                ///< what followed by way of another mode
-    const Mode* richer = nullptr;         ///< the mode with its free ports active, if that is another one
-    bool richer_is_known = false;
-    std::unique_ptr<Mode>
-        brief;  ///< the mode without only those decays that are not followed, if `slow` leaves out others, too; else empty
-  };
-  using Entry = std::pair<const IndexSet, Known>;
-  Known& known(const IndexSet& wanted);
-  void split(Known& about, const Mode& whole);
-  std::unordered_map<IndexSet, Known, IndexSet::Hash> known_;
+  ModeStore modes_;
   std::unordered_map<IndexSet, bool, IndexSet::Hash> one_way_;  ///< whether a set without diodes has one continuation from every x
   DecayingSum decaying_;                                        ///< a guard, while the difference from the slow motion decays
-  std::array<Entry*, 4> recent_{};                              ///< the ones used last
-  std::size_t next_recent_ = 0;
-  IndexSet held_;
   Verifier verifier_;
   std::vector<int> diode_rows_;
   std::vector<Departure> departures_;
@@ -172,7 +141,6 @@ class Selector {
   int trigger_ = -1;                      ///< port whose guard was seen to fall below zero, and the side it was on
   bool trigger_side_ = false;
   std::vector<double> y_, projected_, settled_, rate_;
-  double unseen_ = 0.0;  ///< s
   const Mode* settled_mode_ = nullptr;
   Vector left_;           ///< of decays, when a slow motion was last entered
   bool may_jump_ = true;  ///< false while testing whether the state after a jump continues without another
@@ -180,7 +148,6 @@ class Selector {
   std::vector<const Mode*> jumped_into_;
   Details details_;
   Impulse impulse_;  ///< of the jump last examined
-  std::uint64_t visited_ = 0;
 };
 
 }  // namespace pwlsim::model

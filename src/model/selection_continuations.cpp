@@ -19,56 +19,6 @@ constexpr std::size_t most_neighbours = 100;
 
 }  // namespace
 
-/// Ports that are zero on both sides may stand on either: where many are active a part may float, where few are a current may circulate.
-Matrix Selector::open_directions(const Mode& mode) const {
-  IndexSet most = mode.active, fewest = mode.active;
-  for (int i = 0; i < system_.diodes; ++i)
-    if (mode.guard_norm[i] == 0.0) {
-      most.set(i, true);
-      fewest.set(i, false);
-    }
-  Matrix directions = mode.free_inputs.cols() > 0 ? mode.free_inputs : Matrix(system_.ports, 0);
-  for (const IndexSet& set : {most, fewest}) {
-    if (set == mode.active) continue;
-    const Matrix found = build_mode(system_, set)->free_inputs;
-    if (found.cols() == 0) continue;
-    Matrix both(system_.ports, directions.cols() + found.cols());
-    both << directions, found;
-    directions = std::move(both);
-  }
-  return directions;
-}
-
-std::vector<std::size_t> Selector::open_outputs() const {
-  std::vector<char> open(system_.outputs.size(), 0);
-  if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
-  for (const auto& [set, known] : known_) {
-    const Mode* visited = nullptr;
-    for (const auto* mode : {&known.mode, &known.brief, &known.slow})
-      if (*mode && (*mode)->visits > 0) visited = mode->get();
-    if (!visited) continue;
-    const Matrix directions = open_directions(*visited);
-    if (directions.cols() == 0) continue;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const Vector moved = directions.transpose() * system_.outputs[i].input;
-      const Vector size = directions.cwiseAbs().transpose() * system_.outputs[i].input.cwiseAbs();
-      if (((moved.cwiseAbs() - tolerance::open_signal * size).array() > 0.0).any()) open[i] = 1;
-    }
-  }
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < open.size(); ++i)
-    if (open[i] != 0) numbers.push_back(i);
-  return numbers;
-}
-
-double Selector::rate_doubt() const {
-  double doubt = 0.0;
-  for (const auto& [set, known] : known_)
-    for (const auto* mode : {&known.brief, &known.slow})
-      if (*mode && (*mode)->visits > 0) doubt = std::max(doubt, (*mode)->decays->rate_doubt);
-  return doubt;
-}
-
 /// Two verified modes are one solution if x departs alike and Δu_i·Δy_i = 0 at every port: then only what no power tells apart
 /// differs (the split between parallel diodes, the potential of a floating part).
 bool Selector::continues_alike(const Mode& a, const Mode& b, const double* x) const {
@@ -122,8 +72,8 @@ std::vector<const Mode*> Selector::continuations(const double* x, const Mode& ch
   const std::vector<double> copy(x, x + system_.size());
   std::vector<const Mode*> found{&chosen};
   const auto keep_if_new = [&](const IndexSet& set) {
-    const Mode* slow = slow_mode(set);
-    const Mode& m = slow && strictly_consistent(*slow, copy.data(), projected_.data()) ? *slow : mode(set);
+    const Mode* slow = modes_.slow_mode(set);
+    const Mode& m = slow && strictly_consistent(*slow, copy.data(), projected_.data()) ? *slow : modes_.mode(set);
     if (&m == &chosen || !m.regular || !strictly_consistent(m, copy.data(), projected_.data()) || is_violated(m, projected_.data()) ||
         !accepts(m, projected_.data()))
       return false;

@@ -15,8 +15,8 @@ StoreValues::StoreValues(const Island& island, const Extraction& extraction) {
   const auto& inductors = island.network.inductors;
   const auto voltages = static_cast<Eigen::Index>(capacitors.size());
   const auto currents = static_cast<Eigen::Index>(inductors.size());
-  coordinates_ = assembly.energy_unit() * extraction.descriptor.store_state;
-  sign_ = extraction.descriptor.store_sign;
+  coordinates_ = assembly.energy_unit() * extraction.equations.store_state;
+  sign_ = extraction.equations.store_sign;
   capacitors_ = voltages;
   rows_ = Matrix::Zero(voltages + currents, coordinates_.cols());
   for (Eigen::Index i = 0; i < voltages; ++i) {

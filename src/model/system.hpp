@@ -80,6 +80,8 @@ struct System {
   double time_scale = 1.0;  ///< τ0: the stored energy is ½·τ0·|ξ|² in the units in which uᵀy is a power
 
   [[nodiscard]] int size() const { return n + n_zeta; }
+  /// Nothing but sources: runs evaluate them when they are read.
+  [[nodiscard]] bool is_static() const { return n == 0 && ports == 0; }
   /// `unrounded`, or the rounded ones in its place.
   [[nodiscard]] std::shared_ptr<const Unrounded> unrounded_matrices() const {
     using linalg::Wide;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/rounded_sum.hpp"
+#include "base/arithmetic.hpp"
 #include "model/exosystem.hpp"
 
 namespace pwlsim::model {

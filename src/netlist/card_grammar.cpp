@@ -4,7 +4,7 @@
 
 #include "base/names.hpp"
 #include "netlist/byte_parser.hpp"
-#include "netlist/card.hpp"
+#include "netlist/card_grammar.hpp"
 #include "netlist/card_style.hpp"
 #include "netlist/expression.hpp"
 #include "netlist/number.hpp"

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "base/name_list.hpp"
+#include "base/names.hpp"
 
 namespace pwlsim::netlist {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/names.hpp"
-#include "netlist/card.hpp"
+#include "netlist/card_grammar.hpp"
 
 namespace pwlsim::netlist {
 

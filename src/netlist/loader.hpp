@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "netlist/card.hpp"
+#include "netlist/card_grammar.hpp"
 #include "netlist/decode.hpp"
 #include "netlist/file_card.hpp"
 #include "netlist/lines.hpp"

@@ -1,4 +1,5 @@
 #include "steady/adjoint.hpp"
+#include "steady/tolerances.hpp"
 
 #include <fmt/format.h>
 
@@ -35,14 +36,13 @@ namespace {
 
 /// Whether a parameter may move an instant's guards apart: those that read the same go together, but for their thresholds.
 bool may_part(const ParameterInputs& own, const LinearInstant& instant) {
-  constexpr double same = 1e-9;  // of the entries
   const auto moves_level = [&](const LinearGuard& guard) {
     return std::any_of(own.levels.begin(), own.levels.end(), [&](const LevelMove& level) { return level.number == guard.level_switch; });
   };
-  const auto agree = [](double a, double b) { return std::abs(a - b) <= same * (std::abs(a) + std::abs(b)); };
+  const auto agree = [](double a, double b) { return std::abs(a - b) <= tolerance::same_guard * (std::abs(a) + std::abs(b)); };
   return std::any_of(instant.beside.begin(), instant.beside.end(), [&](const LinearGuard& guard) {
     return guard.island != instant.island || moves_level(guard) || moves_level(instant) ||
-           !guard.on_state.isApprox(instant.on_state, same) ||
+           !guard.on_state.isApprox(instant.on_state, tolerance::same_guard) ||
            !std::equal(guard.on_w.begin(), guard.on_w.end(), instant.on_w.begin(), instant.on_w.end(), agree) ||
            !std::equal(guard.on_slope.begin(), guard.on_slope.end(), instant.on_slope.begin(), instant.on_slope.end(), agree);
   });
@@ -175,7 +175,7 @@ void Adjoint::travel(const Sensitivity::Segment& segment, double length, const V
   if (pass.collects) {
     Sums& sums = sums_of(pass, segment.island, mode);
     const auto same = [&](const Lengths& known) {
-      return known.density == density && std::abs(known.length - length) <= same_length * length;
+      return known.density == density && std::abs(known.length - length) <= tolerance::same_length * length;
     };
     auto known = std::find_if(sums.lengths.begin(), sums.lengths.end(), same);
     if (known == sums.lengths.end()) {
@@ -260,8 +260,8 @@ void Adjoint::pass_segment(std::size_t number, Injections& injections, Pass& pas
 void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pass& pass) const {
   const LinearInstant& instant = along_.orbit_.instants()[number];
   const Stacking& stacking = along_.orbit_.stacking();
-  const double time = instant.time, left = time - same_instant * (along_.length_ + time),
-               right = time + same_instant * (along_.length_ + time);
+  const double time = instant.time, left = time - tolerance::same_instant * (along_.length_ + time),
+               right = time + tolerance::same_instant * (along_.length_ + time);
   const auto read = functional.shifts.find(number);
   double sigma = read != functional.shifts.end() ? read->second : 0.0;
   const auto& changes = along_.trace_.steps[number].changes;

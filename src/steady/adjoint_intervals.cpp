@@ -5,6 +5,7 @@
 #include "linalg/legendre.hpp"
 #include "steady/adjoint.hpp"
 #include "steady/moments.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 
@@ -14,7 +15,7 @@ using model::Mode;
 Adjoint::Spread* Adjoint::spread_of(const Sensitivity::Segment& segment, double length, Sums& sums) const {
   constexpr int worth = 8;                  // so many intervals
   constexpr std::size_t most_spreads = 32;  // of a mode
-  const auto same = [&](const Spread& known) { return std::abs(known.length - length) <= same_length * length; };
+  const auto same = [&](const Spread& known) { return std::abs(known.length - length) <= tolerance::same_length * length; };
   auto known = std::find_if(sums.spreads.begin(), sums.spreads.end(), same);
   if (known == sums.spreads.end()) {
     if (sums.spreads.size() == most_spreads) return nullptr;

@@ -10,6 +10,7 @@
 #include "engine/exact/tolerances.hpp"
 #include "linalg/dense.hpp"
 #include "model/store_values.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -22,12 +23,9 @@ using model::Exosystem;
 using model::Mode;
 using model::System;
 
-/// Of the terms: two models hold the same stores, and a mode of one is that of the other.
-constexpr double same_state = 1e-11;
-
 /// (a − b) against both.
 bool are_close(const Matrix& a, const Matrix& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && (a - b).norm() <= same_state * (a.norm() + b.norm());
+  return a.rows() == b.rows() && a.cols() == b.cols() && (a - b).norm() <= tolerance::same_coordinates * (a.norm() + b.norm());
 }
 
 const std::string& source_name(const IslandModel& island, const Exosystem::Block& block) {
@@ -128,7 +126,7 @@ class Island {
     const auto found = modes_.find(own);
     if (found != modes_.end()) return found->second.mode == nullptr ? nullptr : &found->second;
     Known& known = modes_[own];
-    const Mode* const there = own->decays ? selector_.slow_mode(own->active) : &selector_.mode(own->active);
+    const Mode* const there = own->decays ? selector_.modes().slow_mode(own->active) : &selector_.modes().mode(own->active);
     if (there == nullptr || there->n1 != own->n1 || there->constrained != own->constrained) return nullptr;
     if (there->guards.rows() != own->guards.rows() || !find_coordinates(*own, *there, known)) return nullptr;
     known.mode = there;

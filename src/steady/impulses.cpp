@@ -4,6 +4,7 @@
 
 #include "linalg/dense.hpp"
 #include "model/impulse.hpp"
+#include "steady/tolerances.hpp"
 #include "steady/variation.hpp"
 
 namespace pwlsim::steady {
@@ -13,9 +14,6 @@ using linalg::Matrix;
 using linalg::Vector;
 using model::Mode;
 using model::System;
-
-constexpr double proportional = 1e-9;  ///< of the impulses of a jump: those of its parts add up to them
-constexpr double no_jump = 1e-14;      ///< of a state that a jump leaves as it is
 
 /// Impulses of the ports by the state before the jump into a mode. Empty where they are of higher order, or no linear function.
 std::optional<Matrix> ports_by_state(const System& system, const Mode& mode, const Vector& x) {
@@ -27,15 +25,16 @@ std::optional<Matrix> ports_by_state(const System& system, const Mode& mode, con
   Matrix by_state = Matrix::Zero(system.ports, system.size());
   for (Eigen::Index k = 0; k < jumps.cols(); ++k) {
     const Vector jump = jumps.col(k);
-    if (jump.norm() <= no_jump) continue;
+    if (jump.norm() <= tolerance::no_jump) continue;
     const model::Impulse own = impulse_of(jump);
     if (own.order != 1) return std::nullopt;
     by_state.col(k) = own.weight;
   }
   const Vector jump = jumps * x;
-  if (jump.norm() <= no_jump * x.norm()) return by_state;
+  if (jump.norm() <= tolerance::no_jump * x.norm()) return by_state;
   const model::Impulse whole = impulse_of(jump);
-  if (whole.order != 1 || !((by_state * x - whole.weight).norm() <= proportional * whole.weight.norm())) return std::nullopt;
+  if (whole.order != 1 || !((by_state * x - whole.weight).norm() <= tolerance::proportional_impulse * whole.weight.norm()))
+    return std::nullopt;
   return by_state;
 }
 

@@ -1,4 +1,5 @@
 #include "steady/linearised.hpp"
+#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -159,7 +160,7 @@ void LinearisedOrbit::take_own_guards(const std::vector<Change>& changes, const 
                                       LinearInstant& instant) const {
   if (instant.island < 0) return;
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    const auto passage = passage_of(stacking_, changes[k], changes, on_before, on, same_instant * (period_ + instant.time));
+    const auto passage = passage_of(stacking_, changes[k], changes, on_before, on, tolerance::same_instant * (period_ + instant.time));
     if (!passage) continue;
     LinearGuard guard;
     take_guard(*passage->change, passage->row, guard);
@@ -177,7 +178,7 @@ void LinearisedOrbit::take_controls_beside(const Change& change, const std::vect
     const auto driven = static_cast<std::size_t>(system.controls[k].driven);
     if (on_before[driven] == on[driven] || system.controls[k].driven == instant.level_switch) continue;
     const int row = control_row(system, k, on_before[driven] != 0);
-    if (row >= change.before->guards.rows() || !is_passed(change, row, same_instant * (period_ + instant.time))) continue;
+    if (row >= change.before->guards.rows() || !is_passed(change, row, tolerance::same_instant * (period_ + instant.time))) continue;
     const auto is_there = [&](const LinearGuard& other) { return other.island == static_cast<int>(change.island) && other.row == row; };
     if (std::any_of(instant.beside.begin(), instant.beside.end(), is_there)) continue;
     LinearGuard guard;
@@ -188,7 +189,7 @@ void LinearisedOrbit::take_controls_beside(const Change& change, const std::vect
 
 /// Guards that are passed by chance at the time of another one, or of an edge.
 void LinearisedOrbit::take_beside(const Change& change, LinearInstant& instant) const {
-  std::vector<int> rows = guards_beside(change, same_instant * (period_ + instant.time));
+  std::vector<int> rows = guards_beside(change, tolerance::same_instant * (period_ + instant.time));
   if (static_cast<int>(change.island) == instant.island) std::erase(rows, instant.row);
   if (rows.empty() || !depends_on_order(stacking_.system(change.island), change)) return;
   for (const int row : rows) {
@@ -227,7 +228,6 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
 
 /// A switch that sources alone drive, and that one of them crosses rather than jumps past: inputs among these sources move its time.
 void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std::vector<char>& on, LinearInstant& instant) {
-  constexpr double on_level = 1e-9;  // of the terms
   const double time = instant.time > 0.0 ? instant.time : period_;
   for (std::size_t island = 0; island < stacking_.islands(); ++island) {
     const System& system = stacking_.system(island);
@@ -236,7 +236,7 @@ void LinearisedOrbit::take_clocks(const std::vector<char>& on_before, const std:
       if (on_before[driven] == on[driven]) continue;
       const ClockValue at = clock_value(system, control, time);
       const double level = on_before[driven] != 0 ? control.off_level : control.on_level;
-      if (at.slope == 0.0 || std::abs(at.value - level) > on_level * (at.size + std::abs(level))) continue;
+      if (at.slope == 0.0 || std::abs(at.value - level) > tolerance::on_level * (at.size + std::abs(level))) continue;
       LinearGuard guard;
       guard.on_w.assign(inputs_, 0.0);
       guard.on_slope.assign(inputs_, 0.0);

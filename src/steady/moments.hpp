@@ -9,8 +9,7 @@
 
 namespace pwlsim::steady {
 
-inline constexpr double same_length = 1e-12;  ///< of a length: intervals whose products are added up
-inline constexpr int length_nodes = 12;       ///< of an interpolation in the length
+inline constexpr int length_nodes = 12;  ///< of an interpolation in the length
 inline constexpr double node_range = 1.0;  ///< lengths times the rate of the motion, over which it is one: its error is 2·(1/4)¹²/12! there
 
 /// Lagrange's polynomials on Chebyshev's points of an interval.

@@ -1,4 +1,5 @@
 #include "steady/orbit.hpp"
+#include "steady/tolerances.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
@@ -11,21 +12,12 @@ namespace {
 
 using engine::RunState;
 
-constexpr double rounding = 2.220446049250313e-16;
-constexpr double singular = 1e-11;       ///< a singular value of I − Φ below this share of the largest (or of 1) is zero
 constexpr double rounding_levels = 4.0;  ///< of a state, that a residual may have
 constexpr double least_gain = 0.5;       ///< of a residual that is close, or it is rounding
-constexpr double close = 1e-10;          ///< of the largest state: from here on a residual that no step lessens is rounding
-constexpr double inconsistent = 1e-9;    ///< of the largest state: what the residual has outside of the range of I − Φ
-constexpr double zero_multiplier = 1e-13;
-constexpr double sure_swing =
-    1e-10;  ///< of the largest motion within a period: more than this of a residual, along a free direction, and there may be no orbit
-constexpr double lone_drift = 1e-6;      ///< of the residual: what else moves beside a drift
 constexpr std::size_t few_segments = 8;  ///< of a period, for its largest state to be looked for inside of them
 constexpr int points_inside = 7;
 constexpr int most_drifts = 12;
 constexpr int most_laps_at_once = 16;     ///< of periods on end: their time is absolute
-constexpr double little_motion = 1e-6;    ///< of a direction: one that changes less in a period counts as constant
 constexpr double much_better = 0.5;       ///< of a residual: a step that pays
 constexpr int bold_steps = 3;             ///< of Newton's method that need not pay
 constexpr int steps_followed = 6;         ///< implicit ones, before Newton's method is tried again
@@ -196,7 +188,7 @@ class Search {
   }
 
   [[nodiscard]] bool is_small(const Vector& f) const {
-    const double floor = rounding_levels * rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
+    const double floor = rounding_levels * model::tolerance::unit_rounding * std::sqrt(static_cast<double>(1 + lap_.trace.segments()));
     return f.norm() <= std::max(floor, task_.tolerance) * orbit_.largest;
   }
 
@@ -211,16 +203,17 @@ class Search {
   Progress step(const Vector& f) {
     const Variation v = variation(stacking_, lap_.trace);
     orbit_.kink = v.kink;
-    if (!v.kink.empty()) return f.norm() <= close * orbit_.largest && stands_still(f) ? Progress::done : Progress::stuck;
+    if (!v.kink.empty())
+      return f.norm() <= tolerance::close_residual * orbit_.largest && stands_still(f) ? Progress::done : Progress::stuck;
     const Eigen::Index n = stacking_.size();
     const Matrix phi = is_driven() ? v.x : v.return_map();
     const Eigen::JacobiSVD<Matrix> svd(Matrix::Identity(n, n) - phi, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Vector& s = svd.singularValues();
-    const double least = singular * std::max(1.0, n > 0 ? s[0] : 0.0);
+    const double least = tolerance::free_direction * std::max(1.0, n > 0 ? s[0] : 0.0);
     const Eigen::Index rank = (s.array() > least).count();
     if (rank < n) {
       const Vector outside = svd.matrixU().rightCols(n - rank).transpose() * f;
-      if (outside.norm() > inconsistent * orbit_.largest)
+      if (outside.norm() > tolerance::inconsistent_residual * orbit_.largest)
         return drift(f, svd.matrixU().rightCols(n - rank), svd.matrixV().rightCols(n - rank));
     }
     const auto solve = [&](const Vector& b) {
@@ -237,7 +230,7 @@ class Search {
     }
     if (!next.is_complete || next.end.on != trial.on) return Progress::stuck;
     const Vector f_next = residual(trial, next);
-    if (f.norm() <= close * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
+    if (f.norm() <= tolerance::close_residual * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
     const bool passes = solve(f_next).norm() <= 0.75 * delta.norm();
     if (!passes && bold_-- <= 0) return Progress::stuck;
     return accept(std::move(trial), std::move(next));
@@ -319,7 +312,7 @@ class Search {
     const Eigen::FullPivLU<Matrix> lu(overlap);
     orbit_.drift = lu.isInvertible() ? Vector(right * lu.solve(left.transpose() * f)) : Vector(left * (left.transpose() * f));
     const bool is_free = !moves_a_guard(stacking_, lap_.trace, orbit_.drift);
-    const bool is_alone = (f - orbit_.drift).norm() <= lone_drift * f.norm();  // everything else has settled
+    const bool is_alone = (f - orbit_.drift).norm() <= tolerance::lone_drift * f.norm();  // everything else has settled
     if (!(is_free && is_alone) && drifts_ < most_drifts) {
       ++drifts_;
       return simulate_on(4 << std::min(drifts_, 6)) ? Progress::stepped : Progress::failed;
@@ -338,7 +331,8 @@ class Search {
       const int n = stacking_.count(s.island);
       const auto own = direction.segment(stacking_.first(s.island), n);
       const Vector c = s.mode->constrained ? Vector(s.mode->basis.transpose() * own) : Vector(own);
-      return n > 0 && (s.mode->flow.a().topLeftCorner(s.mode->n1, s.mode->n1) * c).norm() * lap_.time > little_motion * direction.norm();
+      return n > 0 && (s.mode->flow.a().topLeftCorner(s.mode->n1, s.mode->n1) * c).norm() * lap_.time >
+                          tolerance::constant_direction * direction.norm();
     };
     for (const TraceStep& step : lap_.trace.steps)
       if (std::any_of(step.segments.begin(), step.segments.end(), moves)) return true;
@@ -357,7 +351,8 @@ class Search {
     orbit_.beside = v.beside;
     if (v.kink.empty()) take_multipliers(v);
     // Oscillations that die away in ever shorter periods end where rounding does not let them become smaller.
-    if (!is_driven() && !orbit_.free_directions.empty() && f.norm() > sure_swing * swing()) orbit_.verdict = Verdict::not_converged;
+    if (!is_driven() && !orbit_.free_directions.empty() && f.norm() > tolerance::residual_of_swing * swing())
+      orbit_.verdict = Verdict::not_converged;
     orbit_.trace = std::move(lap_.trace);
     return std::move(orbit_);
   }
@@ -383,12 +378,12 @@ class Search {
     const Vector& s = svd.singularValues();
     orbit_.least_singular = s[n - 1];
     for (Eigen::Index i = 0; i < n; ++i)
-      if (s[i] <= singular * std::max(1.0, s[0])) orbit_.free_directions.emplace_back(svd.matrixV().col(i));
+      if (s[i] <= tolerance::free_direction * std::max(1.0, s[0])) orbit_.free_directions.emplace_back(svd.matrixV().col(i));
     const Eigen::EigenSolver<Matrix> eigen(v.x);
     for (Eigen::Index i = 0; i < n; ++i) {
       Multiplier m;
       m.value = eigen.eigenvalues()[i];
-      if (std::abs(m.value) <= zero_multiplier) continue;
+      if (std::abs(m.value) <= tolerance::zero_multiplier) continue;
       m.direction = eigen.eigenvectors().col(i);
       orbit_.multipliers.push_back(std::move(m));
     }

@@ -1,4 +1,5 @@
 #include "steady/orbit_trace.hpp"
+#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -12,16 +13,15 @@ std::size_t Trace::segments() const {
 }
 
 void end_at(Trace& trace, double end) {
-  constexpr double at_end = 1e-12;  // of it
   auto& steps = trace.steps;
-  const auto behind = std::find_if(steps.begin(), steps.end(), [&](const TraceStep& step) { return step.time > end * (1.0 + at_end); });
+  const auto behind =
+      std::find_if(steps.begin(), steps.end(), [&](const TraceStep& step) { return step.time > end * (1.0 + tolerance::same_instant); });
   if (behind == steps.end()) return;
   trace.tail = std::move(behind->segments);
   steps.erase(behind, steps.end());
 }
 
 std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model, const Trace& trace, double period) {
-  constexpr double near = 1e-9;  // of the period
   std::vector<std::vector<double>> signals;
   for (std::size_t island = 0; island < model.islands.size(); ++island) {
     const model::System& system = model.islands[island].extraction.system;
@@ -29,14 +29,14 @@ std::vector<std::vector<double>> signals_at_end(const engine::ExactModel& model,
     std::vector<double> y;
     const auto take = [&](const std::vector<TraceSegment>& segments) {
       for (const TraceSegment& segment : segments)
-        if (segment.island == island && segment.begin + segment.length >= period * (1.0 - near)) {
+        if (segment.island == island && segment.begin + segment.length >= period * (1.0 - tolerance::near_end)) {
           mode = segment.mode;
           y = segment.y1;
         }
     };
     if (!trace.steps.empty()) take(trace.steps.back().segments);  // of a self-timed period, which ends with an instant
     take(trace.tail);
-    if (system.n == 0 && system.ports == 0 && !trace.steps.empty())  // nothing but sources, which runs do not bring along
+    if (system.is_static() && !trace.steps.empty())
       for (const engine::Change& change : trace.steps.front().changes)
         if (change.island == island && change.after != nullptr) {
           mode = change.after;

@@ -10,6 +10,7 @@
 #include "model/conditions.hpp"
 #include "model/moved_network.hpp"
 #include "steady/linearised.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -303,12 +304,11 @@ class Adder {
   }
 
   void add_inductances(const linalg::Matrix& moved, ParameterInputs& result) {
-    constexpr double least_pivot = 1e-12;
     const linalg::Matrix m = inductance_matrix();
     const Eigen::ArrayXd size = m.diagonal().array().abs().sqrt().max(1e-300);
     const linalg::Matrix scaled = (m.array().colwise() / size).rowwise() / size.transpose();
     const Eigen::FullPivLU<linalg::Matrix> lu(scaled);
-    if (!lu.isInvertible() || lu.rcond() < least_pivot) {  // the estimate leaves out pivots that are zero
+    if (!lu.isInvertible() || lu.rcond() < tolerance::coupled_pivot) {  // the estimate leaves out pivots that are zero
       result.failure = "it changes perfectly coupled inductors";
       return;
     }

@@ -1,4 +1,5 @@
 #include "steady/period.hpp"
+#include "steady/tolerances.hpp"
 
 #include <fmt/format.h>
 
@@ -14,8 +15,6 @@ namespace {
 
 using namespace model;
 
-constexpr double ratio_rounding = 2e-15;  ///< of a ratio of two decimals, against itself
-
 /// The fraction of the least denominator within the rounding of a positive ratio, by continued fractions.
 std::optional<Fraction> fraction_of(double ratio) {
   std::int64_t p0 = 0, q0 = 1, p1 = 1, q1 = 0;
@@ -26,7 +25,7 @@ std::optional<Fraction> fraction_of(double ratio) {
     const auto a = static_cast<std::int64_t>(whole);
     const std::int64_t p = a * p1 + p0, q = a * q1 + q0;
     if (q > largest_denominator || p > (std::int64_t{1} << 53)) return std::nullopt;
-    if (std::abs(static_cast<double>(p) / static_cast<double>(q) - ratio) <= ratio_rounding * ratio) return Fraction{p, q};
+    if (std::abs(static_cast<double>(p) / static_cast<double>(q) - ratio) <= tolerance::ratio_rounding * ratio) return Fraction{p, q};
     p0 = p1, q0 = q1, p1 = p, q1 = q;
     if (rest == whole) return std::nullopt;
     rest = 1.0 / (rest - whole);
@@ -96,7 +95,7 @@ double seconds_of(const std::vector<PeriodicSource>& sources) {
     const double frequency = 1.0 / source.period;
     for (const double seconds :
          {static_cast<double>(source.cycles) * source.period, static_cast<double>(source.cycles) / std::nearbyint(frequency)}) {
-      if (std::abs(seconds / (static_cast<double>(source.cycles) * source.period) - 1.0) > ratio_rounding) continue;
+      if (std::abs(seconds / (static_cast<double>(source.cycles) * source.period) - 1.0) > tolerance::ratio_rounding) continue;
       const std::size_t length = fmt::format("{}", seconds).size();
       if (length < shortest) {
         shortest = length;
@@ -160,8 +159,7 @@ CommonPeriod common_period(const std::vector<model::Source>& sources) {
 std::int64_t whole_multiple(double period, double part) {
   const double ratio = period / part;
   const double whole = std::nearbyint(ratio);
-  constexpr double digits_of_ratio = 1e-12;
-  return whole >= 1.0 && whole < 9e15 && std::abs(ratio - whole) <= digits_of_ratio * whole ? static_cast<std::int64_t>(whole) : 0;
+  return whole >= 1.0 && whole < 9e15 && std::abs(ratio - whole) <= tolerance::whole_ratio * whole ? static_cast<std::int64_t>(whole) : 0;
 }
 
 model::Network with_settled_sources(model::Network network) {

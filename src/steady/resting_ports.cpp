@@ -9,14 +9,12 @@
 #include <cmath>
 
 #include "steady/sensitivity.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
 
 using model::Mode;
-
-constexpr double at_rest = 1e-12;  ///< of a guard's terms: it is zero
-constexpr double stays = 1e-9;     ///< of the terms of its derivative: it stays zero
 
 }  // namespace
 
@@ -26,7 +24,8 @@ void Sensitivity::find_rests(std::size_t number) {
   const int diodes = orbit_.stacking().system(segment.island).diodes;
   if (diodes == 0 || !(segment.length > 0.0)) return;
   const auto is_zero = [&](int row, const std::vector<double>& y) {
-    return std::abs(linalg::row_times(mode.guards, row, y.data())) <= at_rest * linalg::absolute_row_times(mode.guards, row, y.data());
+    return std::abs(linalg::row_times(mode.guards, row, y.data())) <=
+           tolerance::resting_guard * linalg::absolute_row_times(mode.guards, row, y.data());
   };
   for (int row = 0; row < diodes; ++row) {
     const bool is_unique = mode.input_unique.empty() || mode.input_unique[static_cast<std::size_t>(row)] != 0;
@@ -63,7 +62,7 @@ void Sensitivity::check_rests(std::size_t parameter, std::size_t number, Followe
         add(mode.guards(row, mode.n1 + column.value), flow.rows[k].dot(yz));
         add(mode.guards(row, mode.n1 + column.slope), flow.rows[k].dot(rate) / column.rate);
       }
-      if (std::abs(moved) <= stays * size) continue;
+      if (std::abs(moved) <= tolerance::resting_slope * size) continue;
       followed.fail(fmt::format("{} carries and blocks nothing from t = {} s on, and the parameter decides which it does",
                                 orbit_.stacking().system(segment.island).port[static_cast<std::size_t>(row)].name, segment.begin),
                     true);

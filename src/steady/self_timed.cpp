@@ -9,6 +9,7 @@
 
 #include "base/names.hpp"
 #include "steady/subharmonic.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -92,7 +93,7 @@ double slowest(const Trace& trace) {
     const Eigen::EigenSolver<Matrix> eigen(mode.flow.a().topLeftCorner(mode.n1, mode.n1), false);
     const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
     for (const auto& value : eigen.eigenvalues())
-      if (std::abs(value) > 1e-9 * largest) longest = std::max(longest, 1.0 / std::abs(value));
+      if (std::abs(value) > tolerance::resting_rate * largest) longest = std::max(longest, 1.0 / std::abs(value));
   };
   for (const TraceSegment& segment : trace.tail) look(segment);
   return longest;

@@ -1,10 +1,10 @@
 #include "steady/sensitivity.hpp"
+#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "model/store_values.hpp"
-#include "steady/sensitivity_parts.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -80,7 +80,7 @@ Eigen::RowVectorXd Sensitivity::seen_row(std::size_t island, const Mode& mode, c
 }
 
 void Sensitivity::add(const TraceSegment& segment) {
-  if (!is_static(orbit_.stacking().system(segment.island))) of_island_[segment.island].push_back(segments_.size());
+  if (!orbit_.stacking().system(segment.island).is_static()) of_island_[segment.island].push_back(segments_.size());
   segments_.push_back({segment.island, segment.mode, segment.begin, segment.length, &segment.y0, &segment.y1});
   length_ = std::max(length_, segments_.back().end());
 }
@@ -88,10 +88,10 @@ void Sensitivity::add(const TraceSegment& segment) {
 void Sensitivity::add_static_parts() {
   static_first_ = segments_.size();
   length_ = std::max(length_, orbit_.period());
-  const double near = same_time * length_;
+  const double near = tolerance::same_instant * length_;
   for (std::size_t island = 0; island < of_island_.size(); ++island) {
     const System& system = orbit_.stacking().system(island);
-    if (!is_static(system) || trace_.steps.empty()) continue;
+    if (!system.is_static() || trace_.steps.empty()) continue;
     const Mode* mode = nullptr;
     for (const Change& change : trace_.steps.front().changes)
       if (change.island == island) mode = change.after;

@@ -1,5 +1,6 @@
 /// What an instant makes of a parameter's derivative: the members of Sensitivity that follow it across events.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +8,7 @@
 #include <variant>
 
 #include "steady/sensitivity.hpp"
-#include "steady/sensitivity_parts.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -16,10 +17,6 @@ using engine::Change;
 using model::Mode;
 using model::System;
 
-/// Two shifts of one instant that differ by less are one.
-constexpr double same_shift = 1e-9;
-/// Two shifts that differ by less of the run, for a change by all of the parameter, are one.
-constexpr double no_shift = 1e-11;
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 /// Of a function of time, just before a time, where it is piecewise linear.
@@ -35,15 +32,27 @@ struct ValueBefore {
   }
 };
 
+void add_changes(const model::System& system, const engine::Change& change, std::vector<std::string>& events) {
+  if (change.before == nullptr) return;
+  for (int i = 0; i < system.ports; ++i) {
+    if (change.before->active.contains(i) == change.after->active.contains(i)) continue;
+    const model::Port& port = system.port[static_cast<std::size_t>(i)];
+    const bool is_switch = i >= system.diodes;
+    bool on = change.after->active.contains(i) == port.input_is_current;
+    if (is_switch && system.switch_inverted[static_cast<std::size_t>(i - system.diodes)] != 0) on = !on;
+    events.push_back(fmt::format("{} {}", port.name, is_switch ? (on ? "closes" : "opens") : (on ? "conducts" : "blocks")));
+  }
+}
+
 }  // namespace
 
 std::optional<double> Sensitivity::edge_shift_of(std::size_t parameter, double time, Followed& followed) const {
   std::optional<double> shift;
-  const double near = same_time * (length_ + time);
+  const double near = tolerance::same_instant * (length_ + time);
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
     const std::optional<double> own = edge_shift(wave, time, near, is_settled_);
     if (!own) continue;
-    if (shift && std::abs(*own - *shift) > same_shift * (std::abs(*own) + std::abs(*shift)))
+    if (shift && std::abs(*own - *shift) > tolerance::same_shift * (std::abs(*own) + std::abs(*shift)))
       followed.fail(fmt::format("edges of {} at t = {} s move differently", wave.name, time), true);
     if (!shift) shift = own;
   }
@@ -57,7 +66,7 @@ void Sensitivity::check_others(std::size_t parameter, const LinearInstant& insta
     followed.fail(fmt::format("a moving edge meets another event, {}, at t = {} s", name_of(instant), instant.time), true);
   for (const Wave& other : jumping_) {
     const bool is_own = std::any_of(waves.begin(), waves.end(), [&](const Wave& wave) { return wave.name == other.name; });
-    if (is_own || !edge_shift(other, instant.time, same_time * (length_ + instant.time), is_settled_)) continue;
+    if (is_own || !edge_shift(other, instant.time, tolerance::same_instant * (length_ + instant.time), is_settled_)) continue;
     followed.fail(fmt::format("a moving edge meets a fixed one of {} at t = {} s", other.name, instant.time), true);
   }
 }
@@ -76,7 +85,7 @@ double Sensitivity::clock_shift_of(std::size_t parameter, const LinearGuard& gua
   for (const Wave& wave : inputs_.parameters[parameter].waves) {
     const double on_w = guard.on_w[static_cast<std::size_t>(wave.input)];
     if (on_w == 0.0) continue;
-    const double left = time - same_time * (length_ + time);
+    const double left = time - tolerance::same_instant * (length_ + time);
     shift += on_w * wave_row(wave).dot(wave_state(wave, time, left, is_settled_));
   }
   for (const Drive& drive : inputs_.parameters[parameter].drives) {
@@ -113,7 +122,7 @@ double Sensitivity::shift_of(std::size_t parameter, std::size_t number, const Ve
 double Sensitivity::corner_shift_of(std::size_t parameter, const LinearInstant& instant) const {
   if (instant.island >= 0 || instant.level_switch >= 0) return 0.0;
   for (const Wave& wave : inputs_.parameters[parameter].waves)
-    if (const auto shift = corner_shift(wave, instant.time, same_time * (length_ + instant.time), is_settled_)) return *shift;
+    if (const auto shift = corner_shift(wave, instant.time, tolerance::same_instant * (length_ + instant.time), is_settled_)) return *shift;
   return 0.0;
 }
 
@@ -134,7 +143,8 @@ double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const 
     if (change.island != island || change.before == nullptr) continue;
     const Flow& flow = flow_of(parameter, island, *change.before);
     Vector yz(flow.ny + flow.nz);
-    yz << seen(island, *change.before, change.y_before.data()), waves_at(flow, parameter, time, time - same_time * (length_ + time));
+    yz << seen(island, *change.before, change.y_before.data()),
+        waves_at(flow, parameter, time, time - tolerance::same_instant * (length_ + time));
     const Vector rate = flow.source * yz;
     for (std::size_t k = 0; k < flow.rows.size(); ++k)
       if (flow.rows[k].size() > 0) shift += guard.on_w[k] * flow.rows[k].dot(yz) + guard.on_slope[k] * flow.rows[k].dot(rate);
@@ -145,12 +155,12 @@ double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const 
 
 /// What is passed at the same time by chance is passed apart for other values of the parameter, in one order or the other.
 void Sensitivity::check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const {
-  const double value = std::abs(inputs_.parameters[parameter].value), least = no_shift * length_;
+  const double value = std::abs(inputs_.parameters[parameter].value), least = tolerance::no_shift * length_;
   const double time = orbit_.instants()[number].time;
   for (const LinearGuard& guard : orbit_.instants()[number].beside) {
     const double passage = guard.island < 0 ? clock_shift_of(parameter, guard, time) : passage_of(parameter, number, guard, xi);
     const double own = level_shift_of(parameter, guard) + passage, apart = std::abs(own - shift);
-    if (apart * value <= least || apart <= same_shift * (std::abs(own) + std::abs(shift))) continue;
+    if (apart * value <= least || apart <= tolerance::same_shift * (std::abs(own) + std::abs(shift))) continue;
     followed.fail(fmt::format("{} changes at t = {} s together with another event, and the parameter separates them", name_of(guard), time),
                   true);
   }
@@ -167,7 +177,7 @@ std::vector<Vector> Sensitivity::states_by_way(const Change& change) const {
     if (!mode.constrained) continue;
     states[k].resize(mode.ny);
     if (&mode == change.after)
-      states[k] = vector_of(change.y_after);
+      states[k] = Eigen::Map<const Vector>(change.y_after.data(), static_cast<Eigen::Index>(change.y_after.size()));
     else
       model::to_mode(system, mode, x.data(), states[k].data());
   }
@@ -186,7 +196,7 @@ void Sensitivity::pass_change(std::size_t parameter, const Change& change, const
     if (!mode.constrained) continue;
     const Flow& flow = flow_of(parameter, change.island, mode);
     Vector yz(flow.ny + flow.nz);
-    yz << seen(change.island, mode, states[k].data()), waves_at(flow, parameter, time, time + same_time * (length_ + time));
+    yz << seen(change.island, mode, states[k].data()), waves_at(flow, parameter, time, time + tolerance::same_instant * (length_ + time));
     block = mode.projector.topLeftCorner(n, n) * Vector(block) + inputs_of(flow, change.island, mode.projector, n, yz).head(n);
   }
   if (linear.d.size() > 0) block += linear.d * shift;
@@ -211,6 +221,17 @@ void Sensitivity::pass_instant(std::size_t parameter, std::size_t number, Vector
   check_beside(parameter, number, shift, xi, followed);
   const auto& changes = trace_.steps[number].changes;
   for (std::size_t k = 0; k < changes.size(); ++k) pass_change(parameter, changes[k], instant.changes[k], instant.time, shift, xi);
+}
+
+std::string Sensitivity::instant_text(std::size_t instant) const {
+  const double time = orbit_.instants()[instant].time;
+  const TraceStep& step = instant == 0 && is_settled_ ? wrap_ : trace_.steps[instant];
+  std::vector<std::string> events;
+  for (const engine::Change& change : step.changes) add_changes(orbit_.stacking().system(change.island), change, events);
+  if (events.empty())
+    for (const Wave& wave : jumping_)
+      if (edge_shift(wave, time, tolerance::same_instant * (length_ + time), is_settled_)) events.push_back(wave.name + " has an edge");
+  return fmt::format("{} at t = {} s", events.empty() ? "an event lies" : fmt::format("{}", fmt::join(events, ", ")), time);
 }
 
 }  // namespace pwlsim::steady

@@ -5,7 +5,7 @@
 
 #include "linalg/legendre.hpp"
 #include "steady/sensitivity.hpp"
-#include "steady/sensitivity_parts.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 
@@ -15,7 +15,7 @@ using model::Mode;
 const Sensitivity::Segment* Sensitivity::segment_at(std::size_t island, double time, Side side) const {
   const auto& list = of_island_[island];
   if (list.empty()) return nullptr;
-  const double near = same_time * (length_ + time);
+  const double near = tolerance::same_instant * (length_ + time);
   // The first that ends behind the time, or at it on its left.
   auto found = std::partition_point(list.begin(), list.end(), [&](std::size_t s) {
     const double end = segments_[s].end();
@@ -65,8 +65,9 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
     const Segment* const segment = shares.empty() ? nullptr : segment_at(island, time, side);
     if (segment == nullptr) continue;
     const double since = std::clamp(time - segment->begin, 0.0, segment->length);
-    const bool is_end = since > 0.0 && segment->length - since <= same_time * same_time * (length_ + time);
-    Vector y = vector_of(is_end ? *segment->y1 : *segment->y0), work(2 * y.size());
+    const bool is_end = since > 0.0 && segment->length - since <= tolerance::same_instant * tolerance::same_instant * (length_ + time);
+    const std::vector<double>& from = is_end ? *segment->y1 : *segment->y0;
+    Vector y = Eigen::Map<const Vector>(from.data(), static_cast<Eigen::Index>(from.size())), work(2 * y.size());
     if (since > 0.0 && !is_end) segment->mode->flow.apply(since, y.data(), work.data());
     const Vector rate = segment->mode->flow.a() * y;
     for (const auto& [row, signal] : shares) {
@@ -78,9 +79,8 @@ std::vector<SignalJet> Sensitivity::signals_at(const std::vector<int>& signals, 
 }
 
 bool Sensitivity::may_jump(std::size_t instant, const std::vector<int>& signals) const {
-  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
   for (std::size_t island = 0; island < model_.islands.size(); ++island)
-    if (is_static(orbit_.stacking().system(island)) && !shares_of(island, signals).empty()) return true;  // such parts have no changes
+    if (orbit_.stacking().system(island).is_static() && !shares_of(island, signals).empty()) return true;  // such parts have no changes
   for (const Change& change : trace_.steps[instant].changes) {
     const std::vector<Share> shares = shares_of(change.island, signals);
     if (shares.empty()) continue;
@@ -88,7 +88,7 @@ bool Sensitivity::may_jump(std::size_t instant, const std::vector<int>& signals)
     const Eigen::Map<const Vector> before(change.y_before.data(), change.before->ny), after(change.y_after.data(), change.after->ny);
     for (const auto& [row, signal] : shares) {
       const double left = change.before->outputs.row(row).dot(before), right = change.after->outputs.row(row).dot(after);
-      if (!(std::abs(left - right) <= rounding * (std::abs(left) + std::abs(right)))) return true;
+      if (!(std::abs(left - right) <= tolerance::signal_rounding * (std::abs(left) + std::abs(right)))) return true;
     }
   }
   return false;

@@ -9,6 +9,7 @@
 #include "engine/exact/static_solution.hpp"
 #include "model/conditions.hpp"
 #include "model/store_values.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -17,9 +18,6 @@ using linalg::Wide;
 using linalg::WideMatrix;
 using linalg::WideVector;
 using model::System;
-
-/// Of the largest pivot, each row and column scaled to 1: below it an equation is none.
-constexpr double no_equation = 1e-13;
 
 bool has_conditions(const model::Network& network) { return !network.node_conditions.empty() || !network.current_conditions.empty(); }
 
@@ -49,7 +47,7 @@ Vector initial_values(const engine::IslandModel& island, const ParameterInputs& 
   for (const StartMove& start : parameter.starts)
     start.is_capacitor ? add(moved.network.capacitors, start.name, &model::Capacitor::initial_voltage, start.value)
                        : add(moved.network.inductors, start.name, &model::Inductor::initial_current, start.value);
-  return island.extraction.descriptor.reduce * model::initial_state(moved);
+  return island.extraction.equations.reduce * model::initial_state(moved);
 }
 
 /// One island at rest.
@@ -112,12 +110,12 @@ class Rest {
         k.col(i) *= scale[i];
       }
     Eigen::FullPivLU<WideMatrix> lu(k);
-    lu.setThreshold(no_equation);
+    lu.setThreshold(tolerance::dc_pivot);
     const WideVector solution = size > 0 ? WideVector(lu.solve(right)) : right;
     if (size > 0 && !lu.isInvertible()) {
       const WideMatrix kernel = lu.kernel();
-      const bool is_open = kernel.topRows(system_.n).cwiseAbs().maxCoeff() > 1e-9L * kernel.cwiseAbs().maxCoeff();
-      const bool is_solved = (k * solution - right).norm() <= 1e-9L * right.norm();
+      const bool is_open = kernel.topRows(system_.n).cwiseAbs().maxCoeff() > tolerance::dc_share * kernel.cwiseAbs().maxCoeff();
+      const bool is_solved = (k * solution - right).norm() <= tolerance::dc_share * right.norm();
       if ((system_.n > 0 && is_open) || !is_solved)
         failure = fmt::format("the operating point of the part with {} is not unique", system_.name);
     }

@@ -1,4 +1,5 @@
 #include "steady/subharmonic.hpp"
+#include "steady/tolerances.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -6,9 +7,7 @@
 namespace pwlsim::steady {
 namespace {
 
-constexpr double same_state = 1e-8;                                 ///< of the largest state
 constexpr int periods_of_long_run = 50;                             ///< times k
-constexpr double push = 1e-2;                                       ///< of the largest state
 constexpr int few_periods_after_push = 4, periods_after_push = 20;  ///< times k
 
 /// The orbit moved along its most unstable direction.
@@ -20,7 +19,7 @@ engine::RunState beside(const engine::March& march, const Orbit& orbit) {
   Eigen::Index most = 0;
   eigen.eigenvalues().cwiseAbs().maxCoeff(&most);
   const Vector direction = eigen.eigenvectors().col(most).real().normalized();
-  state.xi = stacking.apart(stacking.stacked(state.xi) + push * orbit.largest * direction);
+  state.xi = stacking.apart(stacking.stacked(state.xi) + tolerance::push * orbit.largest * direction);
   return state;
 }
 
@@ -33,7 +32,7 @@ int repeats_after(engine::March& march, const Orbit& orbit, const OrbitTask& tas
     engine::RunState state = orbit.begin;
     const engine::Answer answer = march.advance(state, task.period * part / task.multiple, nullptr);
     if (answer.outcome != engine::Outcome::completed) continue;
-    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= same_state * orbit.largest) return part;
+    if ((stacking.stacked(state.xi) - stacking.stacked(orbit.begin.xi)).norm() <= tolerance::same_orbit * orbit.largest) return part;
   }
   return 0;
 }

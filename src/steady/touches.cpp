@@ -1,4 +1,5 @@
 #include "steady/touches.hpp"
+#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,6 @@ namespace pwlsim::steady {
 namespace {
 
 constexpr int points = 32;      ///< of a segment, between which a least value is looked for
-constexpr double zero = 1e-9;   ///< of the guard's largest value in the segment
 constexpr int most_steps = 60;  ///< of the golden section
 constexpr double golden = 0.6180339887498949;
 
@@ -50,11 +50,11 @@ void look(const TraceSegment& segment, std::set<std::pair<std::size_t, int>>& se
     const double largest = *std::max_element(values.begin(), values.end());
     for (int k = 1; k < points; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      if (values[i] > values[i - 1] || values[i] > values[i + 1] || !(largest > 0.0) || values[i - 1] <= zero * largest ||
-          values[i + 1] <= zero * largest)
+      if (values[i] > values[i - 1] || values[i] > values[i + 1] || !(largest > 0.0) || values[i - 1] <= tolerance::touch * largest ||
+          values[i + 1] <= tolerance::touch * largest)
         continue;
       const double tau = guards.lowest(row, (k - 1) * step, (k + 1) * step);
-      if (std::abs(guards.at(row, tau)) > zero * largest) continue;
+      if (std::abs(guards.at(row, tau)) > tolerance::touch * largest) continue;
       found.push_back({segment.island, row, segment.begin + tau});
       seen.insert({segment.island, row});
       break;

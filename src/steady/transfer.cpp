@@ -1,4 +1,5 @@
 #include "steady/transfer.hpp"
+#include "steady/tolerances.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -12,12 +13,6 @@ using model::Mode;
 using model::System;
 
 constexpr Complex j{0.0, 1.0};
-/// 1/‖(A − jω)⁻¹‖ times the length of a stretch below which it is not inverted (integrators at low frequencies, lossless modes in resonance): what is solved for
-/// would cancel, to the square of that.
-constexpr double brief = 1e-3;
-/// Smallest size of I − e^{−jωT}Φ against the larger of 1 and its norm.
-constexpr double singular_response = 1e-12;
-constexpr double just_beside = 1e-9;  ///< of the period: this far beside an instant what holds on that side is in force
 
 /// ∫ e^{−jωt} dt from `begin` on.
 Complex phase_integral(double omega, double begin, double length) {
@@ -130,7 +125,7 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
   };
   const auto& inverse = inverse_of(pass.inverse, pass.omega);
   const auto& inverse_out = pass.omega_out == 0.0 ? inverse : inverse_of(pass.inverse_out, total);
-  const auto can_solve = [&](const Inverse& factors) { return factors.least * length > brief; };
+  const auto can_solve = [&](const Inverse& factors) { return factors.least * length > tolerance::brief_stretch; };
   const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
   if (can_solve(inverse) && can_solve(inverse_out)) {
     stretch.end += inverse.solve(ComplexVector(turn * (propagator(mode, length) * b) - b));
@@ -213,7 +208,7 @@ Complex Transfer::guard_shift(const LinearGuard& guard, const Pass& pass) const 
 
 void Transfer::instant(const LinearInstant& at, const Complex& shift, Pass& pass) {
   const Stacking& stacking = orbit_.stacking();
-  const double near = just_beside * orbit_.period();
+  const double near = tolerance::just_beside * orbit_.period();
   pass.take_amplitudes(at.time > near ? at.time - near : orbit_.period() - near);
   const Complex first = shift + guard_shift(at, pass);
   pass.deltas.clear();
@@ -271,7 +266,7 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   const Eigen::PartialPivLU<ComplexMatrix> lu(closing);
   response.signals = ComplexVector::Zero(static_cast<Eigen::Index>(signals_));
   const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
-  response.is_singular = n > 0 && !(lu.rcond() * norm > singular_response * std::max(1.0, norm));
+  response.is_singular = n > 0 && !(lu.rcond() * norm > tolerance::singular_response * std::max(1.0, norm));
   if (response.is_singular) {
     response.signals.setConstant(std::numeric_limits<double>::quiet_NaN());
     return response;

@@ -1,4 +1,5 @@
 #include "steady/variation.hpp"
+#include "steady/tolerances.hpp"
 
 #include <fmt/format.h>
 
@@ -12,16 +13,6 @@ namespace {
 
 using model::Mode;
 using model::System;
-
-/// A guard that falls slower than this, against its row and the state's speed, touches zero rather than passes it.
-constexpr double touching = 1e-9;
-/// What a direction does to a guard below this is rounding.
-constexpr double still = 1e-9;
-
-/// Of ξ′ before and after a change, and of two shifts: they are one.
-constexpr double same_speed = 1e-9, same_row = 1e-7;
-/// A shift, by all of the state, below this share of the run is rounding.
-constexpr double no_row = 1e-12;
 
 /// ∂ξ in coordinates of the mode, and back.
 Matrix to_coordinates(const Mode& mode, const Matrix& x) { return mode.constrained ? Matrix(mode.basis.transpose() * x) : x; }
@@ -114,11 +105,12 @@ class Walk {
     for (const engine::Change& change : step.changes) {
       const System& system = stacking_.system(change.island);
       if (change.before == nullptr || change.before->n1 == 0 || !depends_on_order(system, change)) continue;
-      for (const int row : guards_beside(change, same_instant * (length_ + step.time))) {
+      for (const int row : guards_beside(change, tolerance::same_instant * (length_ + step.time))) {
         const Eigen::RowVectorXd own = shift_of(*change.before, row, change);
         const double state = Eigen::Map<const Vector>(change.y_before.data(), change.before->n1).norm();
-        if (own.norm() * state <= no_row * length_) continue;
-        if ((own - shift).norm() > same_row * (own.norm() + shift.norm())) result_.beside.push_back({step.time, change.island, row});
+        if (own.norm() * state <= tolerance::no_shift_row * length_) continue;
+        if ((own - shift).norm() > tolerance::same_shift_row * (own.norm() + shift.norm()))
+          result_.beside.push_back({step.time, change.island, row});
       }
     }
   }
@@ -127,7 +119,7 @@ class Walk {
   Eigen::RowVectorXd own_shift(const engine::Change& change, const TraceStep& step, const Eigen::RowVectorXd& shift) {
     if (change.cause == engine::Cause::time) return Eigen::RowVectorXd::Zero(stacking_.size());
     const std::vector<char>& before = on_ != nullptr ? *on_ : step.on;
-    const auto passage = passage_of(stacking_, change, step.changes, before, step.on, same_instant * (length_ + step.time));
+    const auto passage = passage_of(stacking_, change, step.changes, before, step.on, tolerance::same_instant * (length_ + step.time));
     if (!passage) return shift;
     if (passage->change == &change) return shift_of(change, step.time);
     return shift_of(*passage->change->before, passage->row, *passage->change);
@@ -139,7 +131,7 @@ class Walk {
     const Vector rate = rate_of(mode, change.y_before);
     const double fall = row.dot(rate);
     if (mode.n1 == 0) return Eigen::RowVectorXd::Zero(stacking_.size());
-    if (std::abs(fall) <= touching * mode.guard_norm[change.guard] * rate.norm()) {
+    if (std::abs(fall) <= tolerance::touching * mode.guard_norm[change.guard] * rate.norm()) {
       kink(fmt::format("a guard is touched, not passed, at t = {} s", time));
       return Eigen::RowVectorXd::Zero(stacking_.size());
     }
@@ -239,7 +231,7 @@ std::optional<int> passed_row(const System& system, const engine::Change& change
     if (system.controls[k].driven != driven || row >= mode.guards.rows()) continue;
     const double value = mode.guards.row(row).dot(Eigen::Map<const Vector>(change.y_before.data(), mode.ny));
     const double fall = mode.guards.row(row).dot(rate);
-    if (std::abs(fall) > touching * mode.guard_norm[row] * rate.norm() && std::abs(value) <= near * std::abs(fall)) return row;
+    if (std::abs(fall) > tolerance::touching * mode.guard_norm[row] * rate.norm() && std::abs(value) <= near * std::abs(fall)) return row;
   }
   return std::nullopt;
 }
@@ -272,7 +264,7 @@ std::vector<int> guards_beside(const engine::Change& change, double near) {
   linalg::multiply(mode.guards, change.y_before.data(), value.data());
   for (int row = 0; row < mode.guards.rows(); ++row) {
     if (mode.guard_constant[static_cast<std::size_t>(row)] != 0 || mode.guard_norm[row] == 0.0) continue;
-    if (!(fall[row] < -touching * mode.guard_norm[row] * size)) continue;
+    if (!(fall[row] < -tolerance::touching * mode.guard_norm[row] * size)) continue;
     if (std::abs(value[row]) <= -fall[row] * near) rows.push_back(row);
   }
   return rows;
@@ -288,7 +280,8 @@ bool depends_on_order(const System& system, const engine::Change& change) {
     before = mode->projector * before;
     projects |= mode != change.before;
   }
-  return projects || (before - after).head(system.n).norm() > same_speed * (before.head(system.n).norm() + after.head(system.n).norm());
+  return projects ||
+         (before - after).head(system.n).norm() > tolerance::same_speed * (before.head(system.n).norm() + after.head(system.n).norm());
 }
 
 TraceStep wrap_of(const Trace& trace) {
@@ -329,7 +322,8 @@ bool moves_a_guard(const Stacking& stacking, const Trace& trace, const Vector& d
     Vector c = to_coordinates(mode, block);
     const auto moves_now = [&] {
       for (Eigen::Index i = 0; i < mode.guards.rows(); ++i)
-        if (std::abs(mode.guards.row(i).head(mode.n1).dot(c)) > still * mode.guard_norm[i] * direction.norm()) return true;
+        if (std::abs(mode.guards.row(i).head(mode.n1).dot(c)) > tolerance::unmoved_guard * mode.guard_norm[i] * direction.norm())
+          return true;
       return false;
     };
     if (moves_now()) return true;

@@ -77,8 +77,6 @@ struct Passage {
 
 /// Rows of guards of `change.before` that cross zero within `near` (s) of the instant.
 [[nodiscard]] std::vector<int> guards_beside(const engine::Change& change, double near);
-/// Instants closer than this (relative to the run and to the time) are one.
-inline constexpr double same_instant = 1e-12;
 /// Whether the effect of a change on a deviation depends on the exact time of the crossing: ξ′ changes, or a jump projects ξ.
 [[nodiscard]] bool depends_on_order(const model::System& system, const engine::Change& change);
 

@@ -211,7 +211,7 @@ TEST_CASE("the stored energy is half the squared length of the state", "[unit]")
   const model::System& system = extracted.system();
   const double mutual = 0.5 * std::sqrt(3e-3 * 1e-3);
   const double energy = 0.5 * 2e-6 * 25.0 + 0.5 * 3e-3 * 0.01 + 0.5 * 1e-3 * 0.04 + mutual * 0.1 * -0.2;
-  CHECK(0.5 * system.time_scale * system.x0.squaredNorm() / extracted.largest->descriptor.r0 == Approx(energy).epsilon(tight));
+  CHECK(0.5 * system.time_scale * system.x0.squaredNorm() / extracted.largest->equations.r0 == Approx(energy).epsilon(tight));
 }
 
 TEST_CASE("passive parts give a dissipative system, active ones do not", "[unit]") {

@@ -1,5 +1,5 @@
-/// Mode selection three ways on random systems: the cascade of linear complementarity problems (LDCP), the rational problem (RCP) with the
-/// lexicographic verifier, and the enumeration of all modes in exact integers, which decides.
+/// Mode selection three ways on random systems: the cascade of linear complementarity problems (LDCP), the selector as runs use it, and the enumeration of
+/// all modes in exact integers, which decides.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -91,10 +91,10 @@ struct Tally {
   std::array<int, 3> of_enumeration{};                   ///< none, one, several
   int irregular = 0, compared = 0, states_compared = 0;  ///< cascade with enumeration
   int ends_unique = 0, ends_several = 0, ends_none = 0, ends_inexact = 0;
-  int rational_found = 0, rational_several = 0, rational_none = 0;
-  int rational_beyond = 0;  ///< a solution in a mode whose u is not unique, which the enumeration leaves out
+  int selected_found = 0, selected_several = 0, selected_none = 0;
+  int selected_beyond = 0;  ///< a solution in a mode whose u is not unique, which the enumeration leaves out
   int certified = 0;        ///< unique for every x by the rational problem's matrix alone
-  std::vector<std::uint64_t> rational_wrong;
+  std::vector<std::uint64_t> selected_wrong;
 
   void print() const {
     std::cout << systems << " systems: " << uniform << " of uniform relative degree (0: " << degree[0] << ", 1: " << degree[1]
@@ -103,8 +103,8 @@ struct Tally {
               << of_enumeration[2] << "; a singular mode in " << irregular << "\n  cascade: none " << of_cascade[0] << ", unique "
               << of_cascade[1] << ", several " << of_cascade[2] << ", undecided " << of_cascade[3] << "; compared " << compared
               << "\n  after all jumps: none " << ends_none << ", one " << ends_unique << ", several " << ends_several << ", not followed "
-              << ends_inexact << "\n  rational problem: found " << rational_found << ", several " << rational_several << ", none "
-              << rational_none << ", of these in a singular mode " << rational_beyond << ", not confirmed " << rational_wrong.size()
+              << ends_inexact << "\n  selector: found " << selected_found << ", several " << selected_several << ", none "
+              << selected_none << ", of these in a singular mode " << selected_beyond << ", not confirmed " << selected_wrong.size()
               << "\n  unique for every x: " << certified << "\n";
   }
 };
@@ -170,7 +170,7 @@ bool go_on_alike(const Ends& ends, model::Selector& selector, int k) {
   const auto mode_of = [&](const ExactSolution& s) -> const model::Mode& {
     model::IndexSet set(k);
     for (int i = 0; i < k; ++i) set.set(i, ((s.active >> static_cast<unsigned>(i)) & 1U) != 0);
-    return selector.mode(set);
+    return selector.modes().mode(set);
   };
   return std::all_of(ends.smooth.begin(), ends.smooth.end(), [&](const ExactSolution& s) {
     const Vector& first = ends.smooth[0].state_after;
@@ -179,17 +179,16 @@ bool go_on_alike(const Ends& ends, model::Selector& selector, int k) {
   });
 }
 
-void compare_rational(std::uint64_t seed, const RandomSystem& random, const ExactOutcome& exact, const Ends& ends, Tally& tally) {
+void compare_selector(std::uint64_t seed, const RandomSystem& random, const ExactOutcome& exact, const Ends& ends, Tally& tally) {
   const auto& [a, b, c, d] = random.system;
   const int k = random.system.k();
   const model::System system = handmade(a, b, c, d);
   model::Selector selector(system, model::Several::stay);
-  selector.rational_only(true);
   Vector x = random.x;
   const model::Selected selected = selector.select(x.data(), model::IndexSet(k), -1);
-  if (selected.choice == Choice::found) ++tally.rational_found;
-  if (selected.choice == Choice::several) ++tally.rational_several;
-  if (selected.choice == Choice::none) ++tally.rational_none;
+  if (selected.choice == Choice::found) ++tally.selected_found;
+  if (selected.choice == Choice::several) ++tally.selected_several;
+  if (selected.choice == Choice::none) ++tally.selected_none;
   CHECK(counted_right(selected, exact));
   if (model::RationalProblem(system).is_uniquely_solvable(model::IndexSet(k))) {
     ++tally.certified;
@@ -199,9 +198,9 @@ void compare_rational(std::uint64_t seed, const RandomSystem& random, const Exac
   if (confirmed(selected, x, ends, k)) return;
   const bool has_mode = selected.choice == Choice::found || selected.choice == Choice::several;
   if (has_mode && !ends.regular)
-    ++tally.rational_beyond;
+    ++tally.selected_beyond;
   else
-    tally.rational_wrong.push_back(seed);
+    tally.selected_wrong.push_back(seed);
 }
 
 Tally examine(std::uint64_t first, int count) {
@@ -226,7 +225,7 @@ Tally examine(std::uint64_t first, int count) {
       continue;
     }
     ++(ends.smooth.empty() ? tally.ends_none : ends.smooth.size() == 1 ? tally.ends_unique : tally.ends_several);
-    compare_rational(seed, random, exact, ends, tally);
+    compare_selector(seed, random, exact, ends, tally);
   }
   tally.print();
   return tally;
@@ -234,17 +233,17 @@ Tally examine(std::uint64_t first, int count) {
 
 }  // namespace
 
-TEST_CASE("cascade, rational problem and enumeration of modes agree on 1,000 random systems", "[property]") {
+TEST_CASE("cascade, selector and enumeration of modes agree on 1,000 random systems", "[property]") {
   const Tally tally = examine(1, 1000);
   CHECK(tally.hypothesis > 300);
   CHECK(tally.compared > 500);
   CHECK(tally.certified > 200);
-  CAPTURE(tally.rational_wrong);
-  CHECK(tally.rational_wrong.empty());
+  CAPTURE(tally.selected_wrong);
+  CHECK(tally.selected_wrong.empty());
 }
 
-TEST_CASE("cascade, rational problem and enumeration of modes agree on 10,000 random systems", "[long]") {
+TEST_CASE("cascade, selector and enumeration of modes agree on 10,000 random systems", "[long]") {
   const Tally tally = examine(100'001, 10'000);
-  CAPTURE(tally.rational_wrong);
-  CHECK(tally.rational_wrong.empty());
+  CAPTURE(tally.selected_wrong);
+  CHECK(tally.selected_wrong.empty());
 }

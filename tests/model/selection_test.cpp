@@ -187,7 +187,7 @@ TEST_CASE("14: the rule takes both stops, and one of them adheres", "[hard]") {
   const Vector before = vector({0.0, 0.0, -1.0, 0.2});
   const model::IndexSet both = selector.by_rule(before.data(), set_of(2, {}));
   CHECK(both == set_of(2, {0, 1}));
-  const model::Mode& mode = selector.mode(both);
+  const model::Mode& mode = selector.modes().mode(both);
   REQUIRE(mode.regular);
   const Vector after = mode.projector * before;
   CHECK(after.norm() <= tight);

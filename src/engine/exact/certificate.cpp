@@ -36,11 +36,11 @@ Point evaluate(const IslandModel& island, const model::Mode& mode, const double*
   model::from_mode(s, mode, state, p.x.data());
   p.u = mode.k * p.x;
   p.y = s.c * p.x + s.d * p.u;
-  p.z = island.extraction.descriptor.z_state * p.x + island.extraction.descriptor.z_input * p.u;
+  p.z = island.extraction.equations.z_state * p.x + island.extraction.equations.z_input * p.u;
   return p;
 }
 
-double stored(const model::Descriptor& d, const Vector& x) {
+double stored(const model::Equations& d, const Vector& x) {
   const Vector full = d.store_state * x;
   return 0.5 * (d.store_sign.array() * full.array().square()).sum();
 }
@@ -62,7 +62,7 @@ struct Scale {
 
   /// What the stores held before the first instant settled them; a run may begin by losing all of it.
   void include_start(const IslandModel& island, const Vector& x) {
-    const model::Descriptor& d = island.extraction.descriptor;
+    const model::Equations& d = island.extraction.equations;
     const Vector stores = d.store_state * x;
     energy = std::max(energy, stored(d, x));
     row = row.cwiseMax(d.f.cwiseAbs() * stores.cwiseAbs());
@@ -95,7 +95,7 @@ struct Residuals {
 
 Residuals kirchhoff(const IslandModel& island, const Point& p) {
   const model::System& s = island.extraction.system;
-  const model::Descriptor& d = island.extraction.descriptor;
+  const model::Equations& d = island.extraction.equations;
   const Vector stores = d.store_state * p.x;
   const Vector zeta = p.x.tail(s.n_zeta);
   const Vector wave = -(p.u + p.y);
@@ -117,7 +117,7 @@ double worst_relative(const Vector& residual, const Vector& size, double unit) {
   return worst;
 }
 
-double power(const model::Descriptor& d, const Vector& z) {
+double power(const model::Equations& d, const Vector& z) {
   double sum = 0.0;
   for (const auto& store : d.store_ports) {
     const double v = (store.p == model::ground ? 0.0 : z[store.p]) - (store.n == model::ground ? 0.0 : z[store.n]);
@@ -130,8 +130,8 @@ struct EnergyBalance {
   double residual = 0.0, scale = 0.0;
 };
 
-EnergyBalance energy(const IslandModel& island, const model::Mode& mode, const std::vector<double>& y0, double length) {
-  const model::Descriptor& d = island.extraction.descriptor;
+EnergyBalance energy_balance(const IslandModel& island, const model::Mode& mode, const std::vector<double>& y0, double length) {
+  const model::Equations& d = island.extraction.equations;
   if (d.store_ports.empty() || !(length > 0.0)) return {};
   const double rate = std::max(mode.flow.rate(), 1.0 / length);
   const int panels = static_cast<int>(std::clamp(std::ceil(rate * length / panel_rate), 1.0, static_cast<double>(most_panels)));
@@ -176,47 +176,61 @@ void CertificateRecorder::add(const IslandModel& island, const Segment& segment,
   stride_ *= 2;
 }
 
+namespace {
+
+/// Of an island: the worst residuals of each kind, and what they are relative to.
+struct Worst {
+  Scale scale;
+  Vector row, rate;
+  double port = 0.0, energy = 0.0;
+
+  void include(const CertificateRecorder::Sample& sample);
+  void judge(const IslandModel& island, Certificate& certificate) const;
+};
+
+constexpr double checked_at[] = {0.0, 0.5, 1.0};  ///< of a segment
+
+void Worst::include(const CertificateRecorder::Sample& sample) {
+  std::vector<double> work(2 * sample.y0.size());
+  for (const double share : checked_at) {
+    std::vector<double> y = sample.y0;
+    if (share > 0.0) sample.mode->flow.apply_once(share * sample.length, y.data(), work.data());
+    const Point point = evaluate(*sample.island, *sample.mode, y.data());
+    const Residuals r = kirchhoff(*sample.island, point);
+    scale.include(r.row_size, r.rate_size, point);
+    row = row.size() == 0 ? r.row : Vector(row.cwiseMax(r.row));
+    rate = rate.size() == 0 ? r.rate : Vector(rate.cwiseMax(r.rate));
+    port = std::max(port, complementarity(sample.island->extraction.system, *sample.mode, point));
+  }
+  const EnergyBalance balance = energy_balance(*sample.island, *sample.mode, sample.y0, sample.length);
+  energy = std::max(energy, balance.residual);
+  scale.energy = std::max(scale.energy, balance.scale);
+}
+
+void Worst::judge(const IslandModel& island, Certificate& certificate) const {
+  // Rates that the island's largest voltage would make: at rest they are rounding of that.
+  const Matrix& sx = island.extraction.equations.sx;
+  const double idle = tolerance::idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
+  const double unit_rate = sx.size() > 0 ? idle * sx.cwiseAbs().maxCoeff() : 0.0;
+  certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row, 0.0), worst_relative(rate, scale.rate, unit_rate)});
+  const double largest_energy = std::max(scale.energy, 0.5 * idle * idle), largest_port = std::max(scale.port, idle);
+  if (largest_energy > 0.0) certificate.energy = std::max(certificate.energy, energy / largest_energy);
+  if (largest_port > 0.0) certificate.complementarity = std::max(certificate.complementarity, port / largest_port);
+}
+
+}  // namespace
+
 Certificate CertificateRecorder::check() const {
   Certificate certificate;
-  std::map<const IslandModel*, Scale> scales;
-  std::map<const IslandModel*, double> ports, energies;
-  std::map<const IslandModel*, std::pair<Vector, Vector>> rows;  ///< worst residual of each row and rate
+  std::map<const IslandModel*, Worst> islands;
   for (const auto* list : {&first_visits_, &samples_})
     for (const Sample& sample : *list) {
-      std::vector<double> work(2 * sample.y0.size());
-      for (const double share : {0.0, 0.5, 1.0}) {
-        std::vector<double> y = sample.y0;
-        if (share > 0.0) sample.mode->flow.apply_once(share * sample.length, y.data(), work.data());
-        const Point point = evaluate(*sample.island, *sample.mode, y.data());
-        const Residuals r = kirchhoff(*sample.island, point);
-        scales[sample.island].include(r.row_size, r.rate_size, point);
-        auto& [row, rate] = rows[sample.island];
-        row = row.size() == 0 ? r.row : Vector(row.cwiseMax(r.row));
-        rate = rate.size() == 0 ? r.rate : Vector(rate.cwiseMax(r.rate));
-        ports[sample.island] = std::max(ports[sample.island], complementarity(sample.island->extraction.system, *sample.mode, point));
-        ++certificate.points_checked;
-      }
-      const EnergyBalance balance = energy(*sample.island, *sample.mode, sample.y0, sample.length);
-      energies[sample.island] = std::max(energies[sample.island], balance.residual);
-      scales[sample.island].energy = std::max(scales[sample.island].energy, balance.scale);
+      islands[sample.island].include(sample);
+      certificate.points_checked += std::size(checked_at);
     }
-  for (const auto& [island, state] : starts_) {
-    const auto found = scales.find(island);
-    if (found != scales.end()) found->second.include_start(*island, state);
-  }
-  for (const auto& [island, scale] : scales) {
-    const auto& [row, rate] = rows[island];
-    // Rates that the island's largest voltage would make: at rest they are rounding of that.
-    const Matrix& sx = island->extraction.descriptor.sx;
-    const double unit_rate =
-        sx.size() > 0 && scale.row.size() > 0 ? tolerance::idle_row * scale.row.maxCoeff() * sx.cwiseAbs().maxCoeff() : 0.0;
-    certificate.kcl_kvl = std::max({certificate.kcl_kvl, worst_relative(row, scale.row, 0.0), worst_relative(rate, scale.rate, unit_rate)});
-    const double idle = tolerance::idle_row * (scale.row.size() > 0 ? scale.row.maxCoeff() : 0.0);
-    const double energy = std::max(scale.energy, 0.5 * idle * idle);
-    if (energy > 0.0) certificate.energy = std::max(certificate.energy, energies[island] / energy);
-    const double port = std::max(scale.port, scale.row.size() > 0 ? tolerance::idle_row * scale.row.maxCoeff() : 0.0);
-    if (port > 0.0) certificate.complementarity = std::max(certificate.complementarity, ports[island] / port);
-  }
+  for (const auto& [island, state] : starts_)
+    if (const auto found = islands.find(island); found != islands.end()) found->second.scale.include_start(*island, state);
+  for (const auto& [island, worst] : islands) worst.judge(*island, certificate);
   return certificate;
 }
 

@@ -17,18 +17,20 @@ namespace pwlsim::engine {
 ///  - energy: change of ½|x|² over an interval against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
 class CertificateRecorder {
  public:
-  /// The state x = (ξ, ζ) an island starts from, before anything is projected.
-  void start(const IslandModel& island, const double* x);
-  void add(const IslandModel& island, const Segment& segment, double length);
-  [[nodiscard]] Certificate check() const;
-
- private:
+  /// A segment that is examined.
   struct Sample {
     const IslandModel* island;
     const model::Mode* mode;
     std::vector<double> y0;
     double length;
   };
+
+  /// The state x = (ξ, ζ) an island starts from, before anything is projected.
+  void start(const IslandModel& island, const double* x);
+  void add(const IslandModel& island, const Segment& segment, double length);
+  [[nodiscard]] Certificate check() const;
+
+ private:
   std::vector<Sample> samples_;  ///< thinned
   std::vector<Sample> first_visits_;
   std::vector<std::pair<const IslandModel*, linalg::Vector>> starts_;

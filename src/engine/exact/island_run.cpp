@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <span>
 #include <utility>
 
-#include "base/largest.hpp"
-#include "base/rounded_sum.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/exact/tolerances.hpp"
 #include "model/clock.hpp"
 #include "model/valves.hpp"
@@ -16,15 +13,7 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// A propagator for the row step is built when it has been wanted this often.
-constexpr std::uint64_t worth_building = 4;
 constexpr int settled = -2;  ///< in the place of a guard's row: no guard ends the segment, but the end of its fast decays
-constexpr std::uint64_t rows_between_sources = 64;  ///< that oscillate or decay, evaluated anew
-
-/// A switch without hysteresis is off where its control rests at the threshold.
-bool is_off_at_rest(const model::Control& control) { return control.on_level == control.off_level; }
-
-std::span<const double> entries(const linalg::Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
@@ -32,40 +21,17 @@ IslandRun::IslandRun(const IslandModel& island_model, model::Selector& selector)
     : model_(island_model),
       system_(island_model.extraction.system),
       selector_(selector),
-      source_departure_(*system_.exosystem),
+      controls_(system_, selector),
       guard_watch_(system_),
-      continuity_watch_(system_) {
+      continuity_watch_(system_),
+      row_state_(system_) {
   const auto size = static_cast<std::size_t>(system_.size());
   x.assign(size, 0.0);
   scratch_.resize(size);
-  row_y_.resize(size);
   work_.resize(2 * size);
   wanted = model::IndexSet(system_.ports);
   segment_.system = &system_;
   outputs_.resize(system_.outputs.size());
-  control_rows_.resize(system_.controls.size());
-  control_departures_.resize(system_.controls.size());
-  passed_.resize(system_.controls.size());
-  for (const auto& control : system_.controls) {
-    const double noise = tolerance::row_entry * std::max(largest(entries(control.value.state)), 1e-300);
-    const bool reads_ports = largest(entries(control.value.input)) > noise;
-    const bool reads_state = largest(entries(control.value.state).first(static_cast<std::size_t>(system_.n))) > noise;
-    control_reads_.push_back(reads_ports ? Reads::ports : reads_state ? Reads::state : Reads::sources);
-    alike_.push_back(first_alike(alike_.size()));
-  }
-  source_departures_.resize(2 * system_.controls.size());
-}
-
-IslandRun::Alike IslandRun::first_alike(std::size_t control) const {
-  const model::Control& c = system_.controls[control];
-  if (control_reads_[control] != Reads::sources) return {control, false};
-  for (std::size_t i = 0; i < control; ++i) {
-    const model::Control& other = system_.controls[i];
-    if (control_reads_[i] != Reads::sources) continue;
-    if (c.value.state == other.value.state && c.on_level == other.on_level && c.off_level == other.off_level) return {i, false};
-    if (c.value.state == -other.value.state && c.on_level == -other.off_level && c.off_level == -other.on_level) return {i, true};
-  }
-  return {control, false};
 }
 
 void IslandRun::set_switch(int port, bool closed) {
@@ -123,7 +89,7 @@ void IslandRun::open(double time, double late) {
   is_as_before_ = true;
   late_ = late;
   length_before_ = 0.0;
-  std::fill(passed_.begin(), passed_.end(), 0);
+  controls_.begin_instant();
   const model::Mode& m = *mode;
   auto& y = segment_.y;
   wanted = m.active;
@@ -135,26 +101,32 @@ void IslandRun::open(double time, double late) {
   }
   at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
-  if (has_event_at(time)) {
-    late_ = (event_time_ - time) + event_late_;
-    linalg::copy(event_.y, m.ny, y.data());
-    length_before_ = event_.tau;
-    passed_row = event_.row;
-    if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
-    is_settled_ = event_.row == settled;
-    undecided_ = event_.row < 0 && !is_settled_;
-  } else {
-    const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
-    // The march may have stepped past this instant; then the anchor is the place to start from.
-    const bool from_anchor = tau < segment_.tau;
-    if (from_anchor) linalg::copy(segment_.y0.data(), m.ny, y.data());
-    m.flow.apply(from_anchor ? tau : tau - segment_.tau, y.data(), work_.data());
-  }
+  has_event_at(time) ? go_to_event(time) : go_to(time, late);
   if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late_, y.data() + m.n1);
   guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, time - segment_.anchor);
   guard_watch_.look(m, y.data(), time);
   model::from_mode(system_, m, y.data(), x.data());
   continuity_watch_.begin(x.data());
+}
+
+/// The state at the event that belongs to the instant `time`.
+void IslandRun::go_to_event(double time) {
+  late_ = (event_time_ - time) + event_late_;
+  linalg::copy(event_.y, mode->ny, segment_.y.data());
+  length_before_ = event_.tau;
+  passed_row = event_.row;
+  if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
+  is_settled_ = event_.row == settled;
+  undecided_ = event_.row < 0 && !is_settled_;
+}
+
+/// The state at a time at which the island itself has no event.
+void IslandRun::go_to(double time, double late) {
+  const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
+  // The march may have stepped past this instant; then the anchor is the place to start from.
+  const bool from_anchor = tau < segment_.tau;
+  if (from_anchor) linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
+  mode->flow.apply(from_anchor ? tau : tau - segment_.tau, segment_.y.data(), work_.data());
 }
 
 void IslandRun::look_at_end(double time) {
@@ -217,168 +189,75 @@ const model::Selected& IslandRun::select() {
   return result;
 }
 
-int IslandRun::control_row(std::size_t i, const std::vector<char>& on) const {
-  const bool is_on = on[static_cast<std::size_t>(system_.controls[i].driven)] != 0;
-  return system_.diodes + 2 * static_cast<int>(i) + (is_on ? 0 : 1);
-}
-
-/// A control that passes its threshold within the tolerance, before or after, is on it, and its slope decides.
-void IslandRun::take_slope_at_threshold(int row, const double* y, model::Departure& departure) {
-  const model::Mode& m = *mode;
-  const double value = departure.value;
-  linalg::multiply(m.flow.a(), y, work_.data());
-  const double slope = linalg::row_times(m.guards, row, work_.data());
-  if (std::abs(value) > tolerance_ * std::abs(slope) || (value > 0.0) == (slope > 0.0)) return;
-  // What moves faster than that has its say, too.
-  ahead_.assign(y, y + m.ny);
-  m.flow.apply(tolerance_, ahead_.data(), work_.data());
-  if ((linalg::row_times(m.guards, row, ahead_.data()) > 0.0) != (value > 0.0)) departure = {1, slope};
-}
-
-/// Of the controls that read the state or a port, in the mode as it is: control_numbers_, control_rows_, control_departures_; false: none.
-bool IslandRun::find_control_departures(const double* y, const std::vector<char>& on) {
-  control_rows_.clear();
-  control_numbers_.clear();
-  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
-    if (control_reads_[i] == Reads::sources) continue;
-    control_rows_.push_back(control_row(i, on));
-    control_numbers_.push_back(static_cast<int>(i));
-  }
-  if (control_rows_.empty()) return false;
-  selector_.verifier().departures(*mode, y, control_rows_, control_departures_.data());
-  const double reach =
-      tolerance_ * mode->norm_a * linalg::norm(y, mode->ny);  // the farthest that a guard of norm 1 moves within the tolerance
-  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
-    model::Departure& departure = control_departures_[i];
-    if (departure.order != 0 || std::abs(departure.value) > reach * mode->guard_norm[control_rows_[i]]) continue;
-    // One that has changed already at this instant does not come back before its time.
-    if (departure.value > 0.0 && passed_[static_cast<std::size_t>(control_numbers_[i])] != 0) continue;
-    take_slope_at_threshold(control_rows_[i], y, departure);
-  }
-  return true;
-}
-
-/// Those that must change go to violated_.
-void IslandRun::note_violated(const double* y, const std::vector<char>& on) {
-  if (!find_control_departures(y, on)) return;
-  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
-    if (!(control_departures_[i].value < 0.0)) continue;
-    violated_.push_back(control_numbers_[i]);
-    passed_[static_cast<std::size_t>(control_numbers_[i])] = 1;
-  }
-}
-
-bool IslandRun::senses_state() const {
-  return std::any_of(control_reads_.begin(), control_reads_.end(), [](Reads reads) { return reads != Reads::sources; });
-}
-
 const std::vector<int>& IslandRun::violated_controls(const std::vector<char>& on) {
-  violated_.clear();
   model::to_mode(system_, *mode, x.data(), scratch_.data());
-  note_violated(scratch_.data(), on);
-  return violated_;
+  return controls_.violated(*mode, scratch_.data(), on);
 }
 
 const std::vector<int>& IslandRun::passing_controls(const std::vector<char>& on) {
-  violated_.clear();
+  static const std::vector<int> none;
   // A current that a diode stops at zero does not pass it.
-  if (!is_as_before_ || !std::exchange(is_set_, false) || trigger >= 0) return violated_;
+  if (!is_as_before_ || !std::exchange(is_set_, false) || trigger >= 0) return none;
   is_as_before_ = false;
-  if (system_.n > 0) note_violated(segment_.y.data(), on);
-  return violated_;
-}
-
-const std::vector<int>& IslandRun::controls_at_rest(const std::vector<char>& on) {
-  violated_.clear();
-  for (std::size_t i = 0; i < control_numbers_.size(); ++i) {
-    const model::Control& control = system_.controls[static_cast<std::size_t>(control_numbers_[i])];
-    if (control_departures_[i].order < 0 && is_off_at_rest(control) && on[static_cast<std::size_t>(control.driven)] != 0)
-      violated_.push_back(control_numbers_[i]);
-  }
-  return violated_;
-}
-
-/// Of a control that reads sources, as they are taken: negative where its switch must change.
-double IslandRun::source_departure_of(std::size_t i, bool is_on) {
-  const Alike alike = alike_[i];
-  const bool other_is_on = is_on != alike.is_mirrored;
-  double& departure = source_departures_[2 * alike.control + (other_is_on ? 1 : 0)];
-  if (!std::isnan(departure)) return departure;
-  const model::Control& other = system_.controls[alike.control];
-  const double value = source_departure_.of(other.value.state.data() + system_.n, other_is_on ? other.off_level : other.on_level);
-  return departure = other_is_on ? value : -value;
-}
-
-const std::vector<int>& IslandRun::violated_without_mode(double time, const std::vector<char>& on, bool at_start) {
-  violated_.clear();
-  bool taken = false;
-  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
-    const model::Control& control = system_.controls[i];
-    const bool is_on = on[static_cast<std::size_t>(control.driven)] != 0;
-    double departure = 0.0;
-    bool rests = false;
-    if (control_reads_[i] == Reads::sources) {
-      if (!std::exchange(taken, true) && source_departure_.take(phase_, time, x.data() + system_.n))
-        std::fill(source_departures_.begin(), source_departures_.end(), std::numeric_limits<double>::quiet_NaN());
-      departure = source_departure_of(i, is_on);
-      rests = departure == 0.0 && is_on && is_off_at_rest(control);
-    }
-    if (control_reads_[i] == Reads::state && at_start) {
-      const double value = control.value.state.dot(Eigen::Map<const model::Vector>(x.data(), system_.size()));
-      departure = is_on ? value - control.off_level : control.on_level - value;
-    }
-    if (departure < 0.0 || rests) violated_.push_back(static_cast<int>(i));
-  }
-  return violated_;
+  return system_.n > 0 ? controls_.violated(*mode, segment_.y.data(), on) : none;
 }
 
 /// Guards that can fire in this segment. A constant one cannot, nor one whose row is zero (an indeterminate port).
 void IslandRun::choose_guards(const std::vector<char>& on) {
-  auto& rows = segment_.rows;
-  auto& departures = segment_.departures;
-  rows.clear();
-  departures.clear();
-  const bool diodes_known = selector_.departures_hold_for(*mode);
-  control_rows_.clear();
+  segment_.rows.clear();
+  segment_.departures.clear();
+  guard_rows_.clear();
+  take_diode_guards();
+  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
+    const auto row = static_cast<std::size_t>(controls_.row(i, on));
+    if (mode->guard_constant[row] != 0) continue;
+    // Switches that watch the same voltage (a bridge's diagonal) are one guard.
+    const int twin = mode->guard_twin[row];
+    if (std::find(guard_rows_.begin(), guard_rows_.end(), twin) == guard_rows_.end()) guard_rows_.push_back(twin);
+  }
+  if (!guard_rows_.empty()) take_guard_rows();
+}
+
+/// Those whose departures the selection knows; the others go to guard_rows_.
+void IslandRun::take_diode_guards() {
+  const bool is_known = selector_.departures_hold_for(*mode);
   for (int i = 0; i < system_.diodes; ++i) {
     if (mode->guard_constant[static_cast<std::size_t>(i)] != 0 || mode->guard_twin[static_cast<std::size_t>(i)] != i) continue;
-    if (!diodes_known) {
-      control_rows_.push_back(i);
+    if (!is_known) {
+      guard_rows_.push_back(i);
       continue;
     }
     model::Departure d = selector_.departures()[static_cast<std::size_t>(i)];
     if (i == rests_ || (all_rest_ && d.order > 0)) d.order = -1;
     if (d.order < 0 && mode->guard_norm[i] == 0.0) continue;
-    rows.push_back(i);
-    departures.push_back(d);
+    segment_.rows.push_back(i);
+    segment_.departures.push_back(d);
   }
-  for (std::size_t i = 0; i < system_.controls.size(); ++i) {
-    const auto row = static_cast<std::size_t>(control_row(i, on));
-    if (mode->guard_constant[row] != 0) continue;
-    // Switches that watch the same voltage (a bridge's diagonal) are one guard.
-    const int twin = mode->guard_twin[row];
-    if (std::find(control_rows_.begin(), control_rows_.end(), twin) == control_rows_.end()) control_rows_.push_back(twin);
-  }
-  if (control_rows_.empty()) return;
+}
+
+/// Those of guard_rows_, with their departures.
+void IslandRun::take_guard_rows() {
+  auto& rows = segment_.rows;
+  auto& departures = segment_.departures;
   if (mode->piecewise_linear) {  // straight lines are solved, not searched
-    rows.insert(rows.end(), control_rows_.begin(), control_rows_.end());
+    rows.insert(rows.end(), guard_rows_.begin(), guard_rows_.end());
     departures.resize(rows.size());
     return;
   }
-  departures_.resize(control_rows_.size());
-  selector_.verifier().departures(*mode, segment_.y0.data(), control_rows_, departures_.data());
-  for (std::size_t i = 0; i < control_rows_.size(); ++i) {
-    if (departures_[i].order < 0 && mode->guard_norm[control_rows_[i]] == 0.0) continue;
-    if (departures_[i].order == 0 && departures_[i].value < 0.0 && control_rows_[i] >= system_.diodes)
-      take_slope_at_threshold(control_rows_[i], segment_.y0.data(), departures_[i]);
-    rows.push_back(control_rows_[i]);
+  departures_.resize(guard_rows_.size());
+  selector_.verifier().departures(*mode, segment_.y0.data(), guard_rows_, departures_.data());
+  for (std::size_t i = 0; i < guard_rows_.size(); ++i) {
+    if (departures_[i].order < 0 && mode->guard_norm[guard_rows_[i]] == 0.0) continue;
+    if (departures_[i].order == 0 && departures_[i].value < 0.0 && guard_rows_[i] >= system_.diodes)
+      controls_.take_slope_at_threshold(*mode, guard_rows_[i], segment_.y0.data(), departures_[i]);
+    rows.push_back(guard_rows_[i]);
     departures.push_back(departures_[i]);
   }
 }
 
 void IslandRun::set_tolerance(double tolerance) {
   tolerance_ = tolerance;
-  source_departure_.set_tolerance(tolerance);
+  controls_.set_tolerance(tolerance);
   selector_.set_unseen(tolerance::unseen_per_merge * tolerance);
   continuity_watch_.set_tolerance(tolerance);
 }
@@ -394,8 +273,8 @@ void IslandRun::close(double time, const std::vector<char>& on) {
   if (is_coarse_) [[unlikely]]
     note_coarse(time);
   choose_guards(on);
-  selector_.mark_visited(*mode);
-  row_valid_ = false;
+  selector_.modes().mark_visited(*mode);
+  row_state_.forget();
 }
 
 /// The certificate counts what the coarse level has let pass.
@@ -445,47 +324,14 @@ void IslandRun::add_signals(double time, double* out) {
     model::to_mode(system_, m, work_.data(), scratch_.data());
     return outputs_from(m, scratch_.data(), out);
   }
-  if (!row_valid_) {
-    std::copy_n(segment_.y0.begin(), static_cast<std::size_t>(m.ny), row_y_.begin());
-    row_time_ = segment_.anchor;
-    row_late_ = segment_.late;
-    row_propagator_ = &row_propagators_[&m];
-    row_valid_ = true;
-  }
-  const double step = (time - row_time_) - row_late_;
-  if (std::abs(step - row_step_) <= tolerance::row_step * row_step_ && ++row_propagator_->uses >= worth_building) {
-    model::Matrix& propagator = row_propagator_->matrix;
-    if (propagator.size() == 0) propagator = m.flow.minus_identity(row_step_);
-    advance_row(propagator, 1.0);
-    row_time_ += row_step_;
-    // A row's time is k·Tstep rounded; what adds up beyond that is made good.
-    const double rest = (time - row_time_) - row_late_;
-    if (std::abs(rest) > tolerance::row_time * time) {
-      advance_row(m.flow.a(), rest);
-      row_time_ = time;
-      row_late_ = 0.0;
-    }
-  } else {
-    if (step > 0.0) m.flow.apply(step, row_y_.data(), work_.data());
-    row_time_ = time;
-    row_late_ = 0.0;
-  }
-  // Over many rows without an event what each step rounds would add up.
-  if (system_.exosystem->has_curved() && (is_static() || ++rows_ % rows_between_sources == 0))
-    system_.exosystem->evaluate_curved(phase_, time, 0.0, row_y_.data() + m.n1);
+  const double* y = row_state_.at(segment_, phase_, time);
   const bool is_long = m.flow.rate() * (time - segment_.anchor) >= 1.0;  // else no guard can have dipped since it began
-  if (is_long && (time < event_time_ || !event_.found)) guard_watch_.look(m, row_y_.data(), time);
-  outputs_from(m, row_y_.data(), out);
-}
-
-/// y += factor·M y.
-void IslandRun::advance_row(const model::Matrix& m, double factor) {
-  linalg::multiply(m, row_y_.data(), work_.data());
-  for (Eigen::Index i = 0; i < m.rows(); ++i) row_y_[static_cast<std::size_t>(i)] += factor * work_[static_cast<std::size_t>(i)];
+  if (is_long && (time < event_time_ || !event_.found)) guard_watch_.look(m, y, time);
+  outputs_from(m, y, out);
 }
 
 bool IslandRun::changes_visibly(const model::Mode& before) {
-  control_rows_.clear();
+  guard_rows_.clear();
   bool undetermined = false;
   for (int i = system_.diodes; i < system_.ports; ++i)
     if (mode->active.contains(i) != before.active.contains(i)) return true;
@@ -494,17 +340,17 @@ bool IslandRun::changes_visibly(const model::Mode& before) {
     const auto port = static_cast<std::size_t>(i);
     const bool unique = mode->input_unique[port] != 0 && before.input_unique[port] != 0;
     undetermined |= !unique;
-    if (unique) control_rows_.push_back(i);
+    if (unique) guard_rows_.push_back(i);
   }
-  if (!control_rows_.empty()) {
+  if (!guard_rows_.empty()) {
     const bool known = selector_.departures_hold_for(*mode);
     departures_.resize(static_cast<std::size_t>(system_.diodes));
     if (!known) {
       model::to_mode(system_, *mode, x.data(), scratch_.data());
-      selector_.verifier().departures(*mode, scratch_.data(), control_rows_, departures_.data());
+      selector_.verifier().departures(*mode, scratch_.data(), guard_rows_, departures_.data());
     }
-    for (std::size_t i = 0; i < control_rows_.size(); ++i)
-      if ((known ? selector_.departures()[static_cast<std::size_t>(control_rows_[i])] : departures_[i]).order >= 0) return true;
+    for (std::size_t i = 0; i < guard_rows_.size(); ++i)
+      if ((known ? selector_.departures()[static_cast<std::size_t>(guard_rows_[i])] : departures_[i]).order >= 0) return true;
   }
   if (!undetermined) return false;
   // A change between two modes that once went on differently is taken to be one again.

@@ -1,17 +1,17 @@
 #pragma once
 /// Runs one island: mode, segment, sources, rows.
 
-#include <unordered_map>
 #include <vector>
 
 #include "engine/exact/accumulation.hpp"
 #include "engine/exact/continuity_watch.hpp"
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/guard_watch.hpp"
+#include "engine/exact/island_controls.hpp"
 #include "engine/exact/locator.hpp"
+#include "engine/exact/row_state.hpp"
 #include "engine/run.hpp"
 #include "model/selection.hpp"
-#include "model/source_departure.hpp"
 
 namespace pwlsim::engine {
 
@@ -36,7 +36,7 @@ class IslandRun {
   [[nodiscard]] const Segment& segment() const { return segment_; }
   /// Counts segments.
   [[nodiscard]] std::uint64_t segment_number() const { return segment_number_; }
-  [[nodiscard]] bool is_static() const { return system_.n == 0 && system_.ports == 0; }
+  [[nodiscard]] bool is_static() const { return system_.is_static(); }
 
   /// Time of the next source breakpoint that is an instant of the run.
   [[nodiscard]] double next_break() const { return phase_.next; }
@@ -73,14 +73,16 @@ class IslandRun {
   [[nodiscard]] const model::Selected& selected() const { return selector_.selected(); }
   void set_switch(int port, bool closed);
   /// Whether some of its controls read more than sources.
-  [[nodiscard]] bool senses_state() const;
+  [[nodiscard]] bool senses_state() const { return controls_.sense_state(); }
   /// Numbers of controls whose switch must change at x in the new mode; `on` is the state of all switches.
   const std::vector<int>& violated_controls(const std::vector<char>& on);
   /// Of the controls that violated_controls examined last: those whose switch changes because the control stays at the threshold from now on.
-  const std::vector<int>& controls_at_rest(const std::vector<char>& on);
+  const std::vector<int>& controls_at_rest(const std::vector<char>& on) { return controls_.at_rest(on); }
   /// The same for controls that do not depend on the mode, before one is selected: those that read sources only, by the sources' own
   /// derivatives; at the start also those that read the state directly, by value.
-  const std::vector<int>& violated_without_mode(double time, const std::vector<char>& on, bool at_start);
+  const std::vector<int>& violated_without_mode(double time, const std::vector<char>& on, bool at_start) {
+    return controls_.violated_without_mode(phase_, time, x, on, at_start);
+  }
   /// Numbers of controls that read the state and cross at this instant in the previous mode: called once, if a switch of this island has
   /// been set before a mode is selected.
   const std::vector<int>& passing_controls(const std::vector<char>& on);
@@ -90,7 +92,7 @@ class IslandRun {
   /// Values of this island's signals at absolute `time` ≥ the anchor, added to out[signal].
   void add_signals(double time, double* out);
   /// Caches propagators for rows with the distance `step`.
-  void set_row_step(double step) { row_step_ = step; }
+  void set_row_step(double step) { row_state_.set_step(step); }
 
   std::vector<double> x;  ///< full state (ξ, ζ) while open
   const model::Mode* mode = nullptr;
@@ -115,11 +117,6 @@ class IslandRun {
   [[nodiscard]] const IslandModel& model() const { return model_; }
 
  private:
-  double source_departure_of(std::size_t i, bool is_on);
-  [[nodiscard]] int control_row(std::size_t i, const std::vector<char>& on) const;
-  void note_violated(const double* y, const std::vector<char>& on);
-  bool find_control_departures(const double* y, const std::vector<char>& on);
-  void take_slope_at_threshold(int row, const double* y, model::Departure& departure);
   void take_limit(double time, double* out) const;
   void take_event(double end);
   void begin_segment(double time, double late);
@@ -127,17 +124,21 @@ class IslandRun {
   void settle();
   void locate(double length);
   void choose_guards(const std::vector<char>& on);
+  void take_diode_guards();
+  void take_guard_rows();
+  void go_to_event(double time);
+  void go_to(double time, double late);
   void note_coarse(double time);
   void outputs_from(const model::Mode& m, const double* y, double* out);
-  void advance_row(const model::Matrix& m, double factor);
 
   const IslandModel& model_;
   const model::System& system_;
   model::Selector& selector_;
-  model::SourceDeparture source_departure_;
+  IslandControls controls_;
   Locator locator_;
   GuardWatch guard_watch_;
   ContinuityWatch continuity_watch_;
+  RowState row_state_;
   Request::Faults faults_;
   std::uint64_t port_events_ = 0;
   model::Exosystem::Phase phase_;
@@ -160,36 +161,15 @@ class IslandRun {
   bool is_coarse_ = false;     ///< open, and a mode was accepted at the coarsest rounding level
   std::uint64_t coarse_selections_ = 0;
   double first_coarse_ = 0.0;
-  std::vector<char> passed_;  ///< controls that have changed their switch at the present instant
-  bool is_set_ = false;       ///< a switch of it, since the instant began
-  bool undecided_ = false;    ///< the present event is only a time at which the locator could not decide
-  bool all_rest_ = false;     ///< and no mode changed at it: guards at zero are examined again once they are visibly negative
-  int rests_ = -1;            ///< port whose guard reached zero without a change of mode: it counts once it is visibly negative
+  bool is_set_ = false;     ///< a switch of it, since the instant began
+  bool undecided_ = false;  ///< the present event is only a time at which the locator could not decide
+  bool all_rest_ = false;   ///< and no mode changed at it: guards at zero are examined again once they are visibly negative
+  int rests_ = -1;          ///< port whose guard reached zero without a change of mode: it counts once it is visibly negative
 
-  std::vector<double> row_y_, work_, scratch_, outputs_, ahead_;
-  double row_time_ = 0.0, row_late_ = 0.0;  ///< of row_y_
-  bool row_valid_ = false;
-  std::uint64_t rows_ = 0;
-  double row_step_ = 0.0;
-  struct RowPropagator {
-    std::uint64_t uses = 0;
-    model::Matrix matrix;
-  };
-  std::unordered_map<const model::Mode*, RowPropagator> row_propagators_;
-  RowPropagator* row_propagator_ = nullptr;  ///< of the present segment
+  std::vector<double> work_, scratch_, outputs_;
   std::vector<std::pair<const model::Mode*, const model::Mode*>> visible_changes_;
-  enum class Reads { sources, state, ports };
-  std::vector<Reads> control_reads_;
-  /// A control that reads the same as this one, or as its negative with levels to match: then it is on where the other is off.
-  struct Alike {
-    std::size_t control = 0;
-    bool is_mirrored = false;
-  };
-  [[nodiscard]] Alike first_alike(std::size_t control) const;
-  std::vector<Alike> alike_;
-  std::vector<double> source_departures_;  ///< of controls that read sources, off and on; NaN: not known
-  std::vector<int> control_rows_, control_numbers_, violated_;
-  std::vector<model::Departure> control_departures_, departures_;
+  std::vector<int> guard_rows_;
+  std::vector<model::Departure> departures_;  ///< of guard_rows_
 };
 
 }  // namespace pwlsim::engine

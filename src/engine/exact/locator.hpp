@@ -143,6 +143,14 @@ class Locator {
     double lower = 0.0, upper = 0.0, guess = 0.0;  ///< one root inside, s from the interval's start
     double below = 0.0;                            ///< as Root::below
   };
+  struct FirstRoot {
+    bool is_clear = true;  ///< every guard is decided
+    bool is_found = false;
+    std::size_t row = 0;  ///< number of the guard
+    Isolated root;
+  };
+  FirstRoot first_root(const Segment& segment, double h);
+  void end_at_root(Segment& segment, const FirstRoot& first, double end, Located& located);
   Isolated leave_rest(const Segment& segment, std::size_t i, double h);
   /// `powers`: h^j/j!; `next_derivative` bounds the guard's first derivative beyond the series.
   Isolated isolate_root(const Segment& segment, std::size_t i, double h, const double* powers, double next_derivative);

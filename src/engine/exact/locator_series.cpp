@@ -259,6 +259,38 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
   return {Verdict::one_root, piece.low * h, piece.high * h, root * h};
 }
 
+/// The first root of any guard in an interval of length h.
+Locator::FirstRoot Locator::first_root(const Segment& s, double h) {
+  FirstRoot first;
+  const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
+  Bound bound = bound_of(s, order + 1, last, h);
+  double length = h;  // behind the first root so far nothing matters
+  Powers powers = powers_of(length);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const Isolated found = isolate_root(s, i, length, powers.data(), bound_at(s, bound, s.rows[i]));
+    if (found.verdict == Verdict::undecided) return {false, false, 0, {}};
+    if (found.verdict != Verdict::one_root || (first.is_found && found.guess >= first.root.guess)) continue;
+    first = {true, true, i, found};
+    length = found.upper;
+    powers = powers_of(length);
+  }
+  return first;
+}
+
+/// Within the series' exact reach the polynomial's root is the root; elsewhere it starts a Newton iteration on the state.
+void Locator::end_at_root(Segment& s, const FirstRoot& first, double end, Located& located) {
+  const Isolated& root = first.root;
+  double at = root.guess;
+  if (root.below == 0.0 && s.mode->flow.rate() * at <= exact_reach) {
+    series_state(s, at, event_.data());
+  } else {
+    at = go_to_root(s, first.row, root.lower, root.upper, root.guess, root.below);
+  }
+  double tau = s.tau + at;
+  if (root.below == 0.0) polish(s, s.rows[first.row], tau);
+  end_at_event(s, first.row, tau, end, located);
+}
+
 /// One interval; false when the series cannot decide even a short one.
 bool Locator::march_by_series(Segment& s, double end, Located& located) {
   const double rest = end - s.tau;
@@ -269,45 +301,19 @@ bool Locator::march_by_series(Segment& s, double end, Located& located) {
   for (int attempt = 0; attempt <= most_shortenings; ++attempt) {
     if (attempt > 0) h = attempt == 1 && h == rest && beyond_end * rest <= longest ? beyond_end * rest : std::min(h, rest) * shorter;
     ++intervals_;
-    double first = INFINITY;
-    Isolated root;
-    std::size_t which = 0;
-    bool clear = true;
-    const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
-    Bound bound = bound_of(s, order + 1, last, h);
-    double length = h;  // behind the first root so far nothing matters
-    Powers powers = powers_of(length);
-    for (std::size_t i = 0; clear && i < s.rows.size(); ++i) {
-      const Isolated found = isolate_root(s, i, length, powers.data(), bound_at(s, bound, s.rows[i]));
-      clear = found.verdict != Verdict::undecided;
-      if (found.verdict != Verdict::one_root || found.guess >= first) continue;
-      first = found.guess;
-      root = found;
-      which = i;
-      length = found.upper;
-      powers = powers_of(length);
-    }
-    if (!clear) continue;
+    const FirstRoot first = first_root(s, h);
+    if (!first.is_clear) continue;
     // The next interval of this mode begins with what served here, and a little more where it served at once.
     if (attempt > 0)
       s.mode->reach = rate * h;
     else if (h < rest)
       s.mode->reach = std::min(longer * s.mode->reach, longest_reach);
-    if (!(first < INFINITY)) {
+    if (first.is_found) {
+      end_at_root(s, first, end, located);
+    } else {
       series_state(s, h, ye_.data());
       accept(s, h, end);
-      return true;
     }
-    // Within the series' exact reach the polynomial's root is the root; elsewhere it starts a Newton iteration on the state.
-    double at = root.guess;
-    if (root.below == 0.0 && s.mode->flow.rate() * at <= exact_reach) {
-      series_state(s, at, event_.data());
-    } else {
-      at = go_to_root(s, which, root.lower, root.upper, root.guess, root.below);
-    }
-    double tau = s.tau + at;
-    if (root.below == 0.0) polish(s, s.rows[which], tau);
-    end_at_event(s, which, tau, end, located);
     return true;
   }
   return false;

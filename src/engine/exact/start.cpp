@@ -213,7 +213,7 @@ Vector energy_from(const IslandModel& original, const model::System& forced, con
   std::size_t next = island.network.signals.size();
   for (auto& c : island.network.capacitors) c.initial_voltage = value(next++);
   for (auto& l : island.network.inductors) l.initial_current = value(next++);
-  return original.extraction.descriptor.reduce * model::initial_state(island);
+  return original.extraction.equations.reduce * model::initial_state(island);
 }
 
 model::Island with_initial_values(model::Island island) {
@@ -233,7 +233,7 @@ bool contradicts(const model::Network& network, const Vector& given, const Vecto
 
 /// Without the part of the values that loops of capacitors and sources, or cutsets of inductors, do not allow. `values`: the island with those meant.
 Vector projected_initial_state(const IslandModel& island, const model::Island& values, std::vector<Remark>& remarks) {
-  const model::Descriptor& d = island.extraction.descriptor;
+  const model::Equations& d = island.extraction.equations;
   const model::System& s = island.extraction.system;
   const Vector full = model::initial_state(with_initial_values(values));
   Vector x(s.size());
@@ -318,7 +318,7 @@ Start start_from_operating_point(const ExactModel& model) {
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
     const IslandModel& island = model.islands[i];
     if (starts_where_told(island))
-      solver.give(i, at_state(island.extraction.system, island.extraction.descriptor.reduce * model::initial_state(island.island)));
+      solver.give(i, at_state(island.extraction.system, island.extraction.equations.reduce * model::initial_state(island.island)));
   }
   solver.run(start.missing, start.answer.remarks);
   start.on = solver.on;

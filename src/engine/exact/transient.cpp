@@ -16,7 +16,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr std::size_t rows_per_block = 1024;
 constexpr std::uint64_t instants_between_checks = 256;
 constexpr int slow_size = 50;  ///< states and ports whose modes take milliseconds each
@@ -29,14 +28,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     : model_(exact_model),
       request_(request),
       watching_(watching),
-      feed_(watching.observer, exact_model.islands.size()),
-      jump_recorder_(exact_model.islands, request.jumps),
-      losses_(exact_model.islands),
-      thresholds_(exact_model.watched, request.stop),
-      control_probe_(thresholds_),
-      port_watch_(islands_, request.watcher),
-      pieces_(exact_model.islands, request.probes, request.interrupt),
-      impulses_(exact_model.islands, request.probes),
+      recorders_(exact_model, request, watching.observer, islands_),
       tolerance_(watching.merge > 0.0 ? watching.merge : tolerance::merge * request.stop),
       rows_(request, sink, exact_model.signal_names.size(), rows_per_block, tolerance_) {
   islands_.reserve(model_.islands.size());
@@ -64,7 +56,7 @@ void Transient::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
     for (const model::Control& control : system.clocked) clocks_.emplace_back(system, control, tolerance_);
-    if (system.n == 0 && system.ports == 0 && system.outputs.empty() && system.controls.empty()) continue;
+    if (system.is_static() && system.outputs.empty() && system.controls.empty()) continue;
     running_.push_back(&islands_[i]);
     (system.controls.empty() ? following_ : steering_).push_back(&islands_[i]);
     if (!islands_[i].senses_state()) continue;
@@ -105,18 +97,19 @@ Answer Transient::run(const RunState& start) {
   if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   take(rows_.flush());
-  pieces_.advance(islands_, now_);
-  if (pieces_.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
+  recorders_.end_pieces(now_);
+  const PieceMaker& pieces = recorders_.pieces();
+  if (pieces.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
   answer_.time = now_;
-  answer_.probed = pieces_.is_cut() ? pieces_.cut_at() : now_;
+  answer_.probed = pieces.is_cut() ? pieces.cut_at() : now_;
   for (auto& island : islands_) {
     if (!island.mode || island.is_open()) continue;
     island.look_at_end(now_);
-    control_probe_.look(island.system(), island.segment(), now_);
+    recorders_.look_at_controls(number_of(island), now_);
     if (answer_.outcome == Outcome::completed) holds(island);
   }
   for (const auto& island : islands_)
-    if (island.mode && !island.is_open()) recorder_.add(island.model(), island.segment(), std::max(0.0, now_ - island.segment().anchor));
+    if (island.mode && !island.is_open()) recorders_.last(number_of(island), now_);
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
   finish();
@@ -140,26 +133,25 @@ void Transient::march() {
   if (is_ended_by_observer_) close_others();
 }
 
+/// Takes an island to the present time, which ends the run within its segment. False: its mode does not hold there.
+bool Transient::leave(IslandRun& island) {
+  recorders_.last(number_of(island), now_);
+  island.open(now_, 0.0);
+  recorders_.left(number_of(island), now_);
+  return holds(island);
+}
+
 /// The other parts, where an event of one ends the run, are taken to that time.
 void Transient::close_others() {
-  for (IslandRun* island : running_) {
-    if (island->is_open() || !(island->segment().anchor < now_)) continue;
-    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
-    island->open(now_, 0.0);
-    feed_.ended(number_of(*island), *island, now_);
-    if (!holds(*island)) return;
-  }
+  for (IslandRun* island : running_)
+    if (!island->is_open() && island->segment().anchor < now_ && !leave(*island)) return;
 }
 
 /// The state just before `stop`, where what happens belongs to the next run.
 void Transient::stop_short() {
   now_ = request_.stop;
-  for (IslandRun* island : running_) {
-    recorder_.add(island->model(), island->segment(), now_ - island->segment().anchor);
-    island->open(now_, 0.0);
-    feed_.ended(number_of(*island), *island, now_);
-    if (!holds(*island)) return;
-  }
+  for (IslandRun* island : running_)
+    if (!leave(*island)) return;
 }
 
 RunState Transient::state() const {
@@ -181,14 +173,14 @@ bool Transient::begin(const RunState& start) {
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   is_ready_.assign(islands_.size(), 0);
-  pieces_.before_start(start.signals);
+  recorders_.before_start(start.signals);
   for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
     if (!start.active.empty()) island->wanted = start.active[number_of(*island)];
     island->open_at_start();
-    feed_.started(number_of(*island));
+    recorders_.started(number_of(*island));
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -199,13 +191,12 @@ bool Transient::begin(const RunState& start) {
   instant.time = now_ = begin_;
   for (IslandRun* island : running_) {
     island->evaluate_sources(instant.time);
-    jump_recorder_.before(number_of(*island), island->x);
-    impulses_.before(number_of(*island), island->x);
-    if (island->take_breakpoints(instant.time)) impulses_.sources_jumped(number_of(*island), island->x);
-    recorder_.start(island->model(), island->x.data());
+    recorders_.at_start(number_of(*island));
+    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(number_of(*island));
+    recorders_.after_start(number_of(*island));
   }
   if (!settle(instant, true)) return false;
-  port_watch_.begin();
+  recorders_.run_has_started();
   if (instant.jumps > 0 && is_start_given_) answer_.remarks.push_back(projected_start());
   return true;
 }
@@ -233,20 +224,15 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
-  if (!island.is_open()) recorder_.add(island.model(), island.segment(), length);
-  pieces_.advance(islands_, instant.time);
-  const bool breaks = island.next_break() <= instant.time + tolerance_;
-  const bool is_new = !island.is_open() && island.mode != nullptr;
-  if (is_new) control_probe_.look(island.system(), island.segment(), instant.time);
+  recorders_.opens(number_of(island), instant.time, length);
+  const bool breaks = island.next_break() <= instant.time + tolerance_, ends_segment = RunRecorders::is_new(island);
   island.open(instant.time, instant.late);
-  if (is_new) feed_.opened(number_of(island), island, instant.time, opened == Opened::from_outside, breaks);
-  jump_recorder_.before(number_of(island), island.x);
   // What holds nothing but sources has not been brought along.
   if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
-  impulses_.before(number_of(island), island.x);
+  recorders_.opened(number_of(island), instant.time, ends_segment, opened == Opened::from_outside, breaks);
   if (island.take_breakpoints(instant.time)) {
     instant.source_edge = true;
-    impulses_.sources_jumped(number_of(island), island.x);
+    recorders_.sources_jumped(number_of(island));
   }
 }
 
@@ -273,11 +259,8 @@ bool Transient::ask_sampler(double time) {
   return true;
 }
 
-bool Transient::handle(double time) {
-  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
-  Instant instant;
-  instant.time = time;
-  for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;
+/// Whether a clock, a breakpoint or an event of an island is due.
+bool Transient::is_due(double time, Instant& instant) const {
   bool any = false;
   for (const model::Clock& clock : clocks_) {
     if (clock.next().time > time + tolerance_) continue;
@@ -290,7 +273,25 @@ bool Transient::handle(double time) {
     any |= crosses || island->next_break() <= time + tolerance_;
     if (crosses && island->event_time() == time && instant.late == 0.0) instant.late = island->event_late();
   }
-  if (!any) return true;
+  return any;
+}
+
+/// The rows before (row_before_) and after an event.
+bool Transient::push_event_rows(double time) {
+  row_before_[0] = rows_.begin_event(time);
+  std::copy(row_before_.begin(), row_before_.end(), rows_.room());
+  if (!accepted(rows_.push())) return false;
+  row(time, rows_.room());
+  rows_.room()[0] = rows_.event_time();
+  return accepted(rows_.push());
+}
+
+bool Transient::handle(double time) {
+  if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
+  Instant instant;
+  instant.time = time;
+  for (const IslandRun* island : running_) modes_before_[number_of(*island)] = island->mode;
+  if (!is_due(time, instant)) return true;
   const bool has_rows = rows_.has_event_rows(time);
   if (has_rows) row(time, row_before_.data());
   open_event_islands(time, instant);
@@ -303,167 +304,9 @@ bool Transient::handle(double time) {
   idle_crowd_ = {};
   ++answer_.statistics.events;
   answer_.statistics.jumps += static_cast<std::uint64_t>(instant.jumps > 0);
-  port_watch_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
-  if (has_rows) {
-    row_before_[0] = rows_.begin_event(time);
-    std::copy(row_before_.begin(), row_before_.end(), rows_.room());
-    if (!accepted(rows_.push())) return false;
-    row(time, rows_.room());
-    rows_.room()[0] = rows_.event_time();
-    if (!accepted(rows_.push())) return false;
-  }
+  recorders_.happened({time, instant.source_edge, instant.mode_change, instant.jumps > 0});
+  if (has_rows && !push_event_rows(time)) return false;
   return watch_crowd(instant);
-}
-
-/// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes, and what those do to
-/// the other switches, until nothing moves. Parts without states have their turn first, then those with states, at last those that steer nothing: logic
-/// that settles reaches them as one change, however long its chains are.
-bool Transient::settle(Instant& instant, bool at_start) {
-  std::fill(rested_.begin(), rested_.end(), 0);
-  for (int round = 0; round < most_rounds; ++round) {
-    if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
-    if (!logic_.empty() && select_logic(instant)) continue;
-    if (!select_open(steering_, instant)) return false;
-    if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
-    if (!select_open(following_, instant)) return false;
-    note_mode_changes(instant);
-    impulses_.end(instant.time, !at_start || !is_start_given_);
-    for (IslandRun* island : running_) {
-      if (!island->is_open()) continue;
-      jump_recorder_.after(number_of(*island), instant.time, island->x);
-      if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
-      island->close(instant.time, on_);
-      feed_.closed(number_of(*island), *island);
-    }
-    is_ended_by_observer_ = !feed_.end(instant.time, instant.jumps > 0, on_);
-    return true;
-  }
-  std::vector<std::string> names;
-  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
-  fail(keeps_toggling(instant.time, std::move(names)));
-  return false;
-}
-
-bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& instant) {
-  for (IslandRun* island : islands) {
-    if (!island->is_open() || is_ready_[number_of(*island)] != 0 || selects(*island, instant)) continue;
-    fail_selection(*island, island->selected(), instant.time);
-    return false;
-  }
-  return true;
-}
-
-/// Whether something continues.
-bool Transient::selects(IslandRun& island, Instant& instant) {
-  const model::Selected& selected = island.select();
-  instant.jumps += selected.jumps;
-  feed_.selected(number_of(island), island);
-  if (selected.jumps > 0) {
-    jump_recorder_.jumped(number_of(island), selected);
-    impulses_.ports_jumped(number_of(island), selected);
-  }
-  if (selected.choice == model::Choice::found) return true;
-  if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
-  note_several(island, selected, instant.time);
-  return true;
-}
-
-/// Modes of the parts without states; true where switches have answered them. Between two rounds such a part may have no mode, as where a closed switch waits for
-/// its complement behind more gates: its controls wait for the next.
-bool Transient::select_logic(Instant& instant) {
-  std::fill(is_ready_.begin(), is_ready_.end(), 0);
-  for (IslandRun* island : logic_)
-    if (island->is_open() && selects(*island, instant)) is_ready_[number_of(*island)] = 1;
-  return flip_logic(instant);
-}
-
-void Transient::take_clocks(Instant& instant) {
-  for (model::Clock& clock : clocks_) {
-    if (clock.next().time > instant.time + tolerance_) continue;
-    instant.source_edge |= clock.next().is_edge;
-    if (clock.next().flips) flips_.push_back(clock.driven());
-    clock.take();
-  }
-}
-
-bool Transient::flip_without_mode(Instant& instant, bool at_start) {
-  flips_.clear();
-  take_clocks(instant);
-  for (IslandRun* island : steering_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->violated_without_mode(instant.time, on_, at_start))
-      flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
-  return flip(instant);
-}
-
-/// What passes at one instant with switches that have been set already, by its mode of before: no position between the two is entered.
-bool Transient::flip_passing(Instant& instant) {
-  flips_.clear();
-  for (IslandRun* island : sensing_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->passing_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
-  return flip(instant);
-}
-
-/// Gates settle before latches: a switch with hysteresis keeps what it was told until nothing else moves.
-bool Transient::flip_logic(Instant& instant) {
-  flips_.clear();
-  bool latches = true;
-  for (IslandRun* island : logic_) {
-    if (is_ready_[number_of(*island)] == 0) continue;
-    for (const int c : island->violated_controls(on_)) {
-      const model::Control& control = island->system().controls[static_cast<std::size_t>(c)];
-      const bool is_latch = control.on_level != control.off_level;
-      if (latches && !is_latch) flips_.clear();
-      latches = latches && is_latch;
-      if (is_latch == latches) flips_.push_back(control.driven);
-    }
-  }
-  return flip(instant);
-}
-
-/// All switches whose control has passed at this instant change together.
-bool Transient::flip_violated(Instant& instant) {
-  flips_.clear();
-  for (IslandRun* island : sensing_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->violated_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
-  return flip(instant);
-}
-
-/// Where nothing is violated any more: the switches whose control rests at a threshold that counts as passed. A switch that changes back holds its
-/// control there by itself, and stays.
-bool Transient::flip_at_rest(Instant& instant) {
-  flips_.clear();
-  for (IslandRun* island : sensing_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->controls_at_rest(on_)) {
-      const int driven = island->system().controls[static_cast<std::size_t>(c)].driven;
-      if (std::exchange(rested_[static_cast<std::size_t>(driven)], 1) == 0) flips_.push_back(driven);
-    }
-  }
-  return flip(instant);
-}
-
-/// The switches of flips_; true if there are any.
-bool Transient::flip(Instant& instant) {
-  if (flips_.empty()) return false;
-  instant.flips = true;
-  std::swap(flips_, last_flips_);
-  for (const int s : last_flips_) {
-    const auto index = static_cast<std::size_t>(s);
-    on_[index] = on_[index] == 0;
-    if (instant.time > begin_) thresholds_.changed(s);
-    const SwitchInfo& info = model_.switches[index];
-    if (info.island < 0) continue;
-    IslandRun& island = islands_[static_cast<std::size_t>(info.island)];
-    if (!island.is_open()) open_island(island, instant);
-    island.set_switch(info.port, on_[index] != 0);
-  }
-  return true;
 }
 
 /// What a jump costs where the switches that flipped last have opened.
@@ -477,7 +320,7 @@ void Transient::note_loss(const IslandRun& island, const Instant& instant) {
     if ((on_[static_cast<std::size_t>(i)] != 0) == inverted) opened.push_back(info.name);
   }
   const model::Vector now = Eigen::Map<const model::Vector>(island.x.data(), system.size());
-  losses_.after(number_of(island), instant.time, island.state_before(), now, opened);
+  recorders_.lost(number_of(island), instant.time, now, opened);
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.

@@ -3,15 +3,7 @@
 
 #include <vector>
 
-#include "engine/exact/certificate.hpp"
-#include "engine/exact/control_probe.hpp"
-#include "engine/exact/island_run.hpp"
-#include "engine/exact/jump_recorder.hpp"
-#include "engine/exact/loss_watch.hpp"
-#include "engine/exact/observer_feed.hpp"
-#include "engine/exact/piece_maker.hpp"
-#include "engine/exact/port_watch.hpp"
-#include "engine/exact/probe_impulses.hpp"
+#include "engine/exact/run_recorders.hpp"
 #include "engine/exact/run_state.hpp"
 #include "engine/exact/selectors.hpp"
 #include "engine/remarks.hpp"
@@ -60,9 +52,12 @@ class Transient : private RowSource {
   void make_groups();
   bool begin(const RunState& start);
   void march();
+  bool leave(IslandRun& island);
   void stop_short();
   void close_others();
   double next_instant();
+  [[nodiscard]] bool is_due(double time, Instant& instant) const;
+  bool push_event_rows(double time);
   bool handle(double time);
   bool ask_sampler(double time);
   bool settle(Instant& instant, bool at_start);
@@ -129,15 +124,7 @@ class Transient : private RowSource {
   enum class Opened : char { no, by_own_event, from_outside };
   bool all_passive_ = false;
   std::vector<Opened> opened_;  ///< at the instant at hand
-  ObserverFeed feed_;
-  CertificateRecorder recorder_;
-  JumpRecorder jump_recorder_;
-  LossWatch losses_;
-  ThresholdWatch thresholds_;
-  ControlProbe control_probe_;
-  PortWatch port_watch_;
-  PieceMaker pieces_;
-  ProbeImpulses impulses_;
+  RunRecorders recorders_;
   std::uint64_t several_ = 0;  ///< selections that had a choice, and the first of them in words
   std::string several_text_;
   double tolerance_ = 0.0;  ///< instants closer than this are one

@@ -221,7 +221,7 @@ std::string Transient::mode_text(Outcome outcome) const {
 void Transient::note_open_signals() {
   std::set<std::string> names;
   for (const auto& island : islands_)
-    for (const std::size_t output : island.selector().open_outputs())
+    for (const std::size_t output : island.selector().modes().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
   if (!names.empty())
     answer_.remarks.push_back(Remark{"N-indeterminate",
@@ -262,7 +262,7 @@ void Transient::count() {
     const auto of_leaks = std::count_if(island.system().port.begin(), island.system().port.end(), std::mem_fn(&model::Port::is_of_leak));
     s.ports += static_cast<std::uint64_t>(island.system().diodes - of_leaks);
     s.switches += static_cast<std::uint64_t>(island.system().ports - island.system().diodes);
-    if (island.system().ports > 0) s.modes_visited += island.selector().modes_visited();  // others have but one
+    if (island.system().ports > 0) s.modes_visited += island.selector().modes().visited();  // others have but one
     s.lcp_pivots += island.selector().pivots();
     s.steps += island.locator().intervals();
   }
@@ -302,12 +302,12 @@ void Transient::note_choices() {
 void Transient::certify() {
   const auto clock = std::chrono::steady_clock::now();
   Certificate& certificate = answer_.certificate;
-  if (!watching_.leaves_end_open) certificate = recorder_.check();
+  if (!watching_.leaves_end_open) certificate = recorders_.certificate();
   for (const auto& island : islands_) {
     certificate.complementarity = std::max(certificate.complementarity, island.guards().worst().share());
     // In the time t a rate that is off by δ moves what it drives by δt of itself.
     certificate.kcl_kvl =
-        std::max({certificate.kcl_kvl, island.continuity().worst().share, island.selector().rate_doubt() * request_.stop});
+        std::max({certificate.kcl_kvl, island.continuity().worst().share, island.selector().modes().rate_doubt() * request_.stop});
   }
   const double worst = std::max({certificate.complementarity, certificate.kcl_kvl, certificate.energy});
   if (worst > tolerance::doubtful_residual) answer_.remarks.push_back(doubtful_certificate(worst));
@@ -320,10 +320,7 @@ void Transient::finish() {
   count();
   note_doubtful_events();
   note_open_signals();
-  answer_.jumps = jump_recorder_.take();
-  for (const model::Clock& clock : clocks_) thresholds_.trace(clock, clock.driven());
-  for (Remark& remark : thresholds_.remarks(on_, answer_.outcome == Outcome::completed)) answer_.remarks.push_back(std::move(remark));
-  if (auto remark = losses_.remark()) answer_.remarks.push_back(std::move(*remark));
+  recorders_.hand_over(clocks_, on_, answer_);
   note_choices();
   certify();
   answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());

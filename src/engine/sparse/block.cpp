@@ -8,8 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/fastest.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -23,13 +24,10 @@ constexpr int first_level = 6;
 /// Growth waits until the error of the doubled step is this part of the tolerance.
 constexpr double growth_share = 0.5;
 constexpr double least_improvement = 1e-3;  ///< an error below this part of the tolerance stays in
-constexpr double merge_fraction = 1e-14;    ///< of the run: instants closer than this are one
-constexpr double break_fraction = 1e-11;    ///< and breakpoints of sources closer than this
 /// A step may reach so many times beyond where it is cut.
 constexpr double overshoot = 8.0;
 constexpr int deep_level = 20;             ///< halvings of the largest step from which on they are short
 constexpr int longest_standing = 1 << 16;  ///< accepted steps there between two attempts at longer ones
-constexpr double whole = 1.0 - 1e-9;       ///< of a step: nothing to cut
 /// What changes of sides may do to a saved signal, in tolerances, before they are located.
 constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
@@ -37,8 +35,6 @@ constexpr int absorbed_levels = 6;         ///< the Euler step behind such a ste
 constexpr int longest_pause = 63;          ///< of such steps between two attempts
 /// A step of this part of √reltol of the fastest time constant moves nothing by the tolerance, once what it moves is drawn back.
 constexpr double shortest_share = 0.25;
-/// Of the run: what is faster is left to the laws of jumps. (An inductor behind Roff alone, whose steps would be rounding.)
-constexpr double shortest_fraction = 1e-15;
 constexpr std::size_t most_positions = 1u << 20;
 
 /// Of a sinusoid of that period, with errors of its rows within the tolerance.
@@ -85,9 +81,9 @@ Block::Block(const Part& part, const Request& request, double reltol, Method met
   signals_before_.assign(signals_.size(), 0.0);
   h_max_ = std::min(most_steps_of_run * request.stop, longest_step(sources_.shortest_period(), reltol));
   level_ = first_level;
-  tolerance_ = merge_fraction * request.stop;
-  break_tolerance_ = break_fraction * request.stop;
-  shortest_ = std::max(shortest_share * std::sqrt(reltol) * fastest_time(part.island.network), shortest_fraction * request.stop);
+  tolerance_ = tolerance::merge * request.stop;
+  break_tolerance_ = tolerance::same_break * request.stop;
+  shortest_ = std::max(shortest_share * std::sqrt(reltol) * fastest_time(part.island.network), tolerance::shortest_step * request.stop);
 }
 
 void Block::signals(double time, double* values) {
@@ -189,10 +185,10 @@ bool Block::step() {
     const std::vector<Crossing> list = crossings(h, reach);
     if (list.empty()) {
       accept(trial_, reach);
-      if (reach >= whole) control_size(trial_.error);
+      if (reach >= tolerance::whole_step) control_size(trial_.error);
       return true;
     }
-    if (list.size() >= many_crossings && reach >= whole && !request_.events && absorbs(h)) return true;
+    if (list.size() >= many_crossings && reach >= tolerance::whole_step && !request_.events && absorbs(h)) return true;
     return cut(h, list, reach);
   }
 }
@@ -240,7 +236,7 @@ bool Block::matters(const Point& a, const Point& b) const {
 void Block::accept(const Trial& trial, double reach) {
   stretch_.set(point_, trial.stage, trial.end);
   Point next = trial.end;
-  if (reach < whole) {
+  if (reach < tolerance::whole_step) {
     next.time = point_.time + reach * (trial.end.time - point_.time);
     const double limit = point_.time + remaining();
     if (std::abs(next.time - limit) <= break_tolerance_) next.time = limit;

@@ -54,8 +54,6 @@ class Block {
   /// What the rounding of a saved signal is relative to: the sum of its terms' magnitudes at time(); with segments each unknown counts as the largest voltage, or current,
   /// so far.
   [[nodiscard]] double signal_size(int number) const;
-  /// Of it: rounding of the solutions of a step, and of segments. Smaller values may be nothing else.
-  static constexpr double rounding_of_signals = 1e-12;
 
   struct Instant {
     double time = 0.0;
@@ -117,7 +115,7 @@ class Block {
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 
-  // block_events.cpp
+  // block_crossings.cpp
   /// A port, or the control of a switch, that crosses zero in a step.
   struct Crossing {
     std::size_t index = 0;
@@ -130,6 +128,8 @@ class Block {
   [[nodiscard]] double largest_input(const Point& at) const;
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
+
+  // block_events.cpp
   Instant begin_instant();
   bool restart();
   void note_jump(double time, double h);
@@ -177,16 +177,7 @@ class Block {
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
-  Sought take_jump_of(const Point& step, double h);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
-  [[nodiscard]] Sought jump_by_step(const Point& step, double h);
-  [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
-  [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
-                                                           const Position& on, double share) const;
-  [[nodiscard]] bool is_jump_of(const Position& on);
-  [[nodiscard]] bool is_continuous();
-  [[nodiscard]] double least_distance() const;
-  [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
@@ -198,9 +189,20 @@ class Block {
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);
+  void finish_instant(const Instant& instant);
+
+  // block_jumps.cpp: their jumps
+  Sought take_jump_of(const Point& step, double h);
+  [[nodiscard]] Sought jump_by_step(const Point& step, double h);
+  [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
+  [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
+                                                           const Position& on, double share) const;
+  [[nodiscard]] bool is_jump_of(const Position& on);
+  [[nodiscard]] bool is_continuous();
+  [[nodiscard]] double least_distance() const;
+  [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
   void note_segment_impulses();
-  void finish_instant(const Instant& instant);
   void record_begin(const Point& first);
   void record_end(const Point& last, double tau, const ExactSegment::Passage& passage);
   [[nodiscard]] FallingGuard falling(int guard, double rate) const;

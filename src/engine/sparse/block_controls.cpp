@@ -3,17 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
-
-namespace {
-
-constexpr double at_threshold = 1e-12;  ///< of a control's size, as where signs of margins are judged
-constexpr double least_rest = 1e-6;     ///< of the run: what passes a threshold is at it for a moment
-
-}  // namespace
 
 /// At the point that has been reached: what controls do, and which switches have changed since the last one.
 void Block::watch_controls() {
@@ -33,7 +27,8 @@ void Block::watch_controls() {
     const double value = control.value.value(point_.z.data(), point_.w.data());
     if (thresholds_.asks_range(number)) thresholds_.see(number, value);
     const double size = std::max(control.level_size(), control.largest);
-    if (thresholds_.asks_rest(number)) watch_rest(control, number, value, std::max(at_threshold * size, control.rounding(unknown)));
+    if (thresholds_.asks_rest(number))
+      watch_rest(control, number, value, std::max(tolerance::guard_sign * size, control.rounding(unknown)));
   }
 }
 
@@ -43,7 +38,7 @@ void Block::watch_rest(Control& control, int number, double value, double noise)
     control.at_threshold_since = std::numeric_limits<double>::quiet_NaN();
   else if (std::isnan(control.at_threshold_since))
     control.at_threshold_since = point_.time;
-  else if (point_.time - control.at_threshold_since > least_rest * request_.stop)
+  else if (point_.time - control.at_threshold_since > tolerance::brief_rest * request_.stop)
     thresholds_.rests(number, *threshold, control.at_threshold_since);
 }
 

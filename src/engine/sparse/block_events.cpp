@@ -1,30 +1,24 @@
-/// Block: where events lie, and what happens there.
+/// Block: what happens at an instant.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double sign_tolerance = 1e-12, port_sign_tolerance = 1e-9;
-/// A margin that is below zero only inside the step must be so by this part of the tolerance: the parabola is not better.
-constexpr double dip_share = 0.1;
-constexpr int most_locations = 60;
-constexpr double together = 1e-6;      ///< of a step: what passes at one instant
-constexpr int most_idle_located = 20;  ///< passages in a row that changed nothing: the next need not be met to rounding
-constexpr int most_rounds = 200;       ///< of switches answering switches at one instant: logic has long chains
+constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr double room_share = 1.0 / 16.0;
 /// A state that moves at an instant by more than the tolerance jumps, or there is a motion shorter than the Euler steps: which of the two, steps tell that
 /// are so much shorter, and shorter than any time constant.
 constexpr int deeper = 6;
 constexpr double small_motion = 0.01;
-constexpr double least_of_time = 1e-13;  ///< an Euler step: time has no more digits
 /// Levels by which the Euler steps may shrink for the sake of a motion, or where they end in two positions, or in none.
 constexpr int most_refinement = 16, refinement = 4;
 
@@ -32,114 +26,11 @@ constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between tw
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
-constexpr double crowd_fraction = 1e-9;
-constexpr double share_of_node = 1e-6;  ///< a capacitor's voltage is no smaller beside those of nodes
 
 /// Euler steps are shorter than the others: their local error is ½ (h λ)² where that of the others is of the third order.
 int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::log2(std::pow(reltol, 1.0 / 6.0)))); }
 
-/// The first x in (0, reach] at which the parabola through (0, a), (first_stage, b), (1, c) passes zero downwards; negative: nowhere. At `reach` it must
-/// be below −tolerance, inside below −dip.
-double first_passage(double a, double b, double c, double reach, double tolerance, double dip) {
-  constexpr double s = first_stage;
-  const double rise = (b - a) / s;
-  const double curvature = (c - b) / (1.0 - s) - rise;
-  const double slope = rise - curvature * s;
-  if (a > 0.0 && c > 0.0 && a + 0.5 * slope > 0.0) return -1.0;  // the triangle around it lies above zero
-  const auto value = [&](double x) { return a + x * (slope + x * curvature); };
-  double below = reach;
-  if (!(value(reach) < -tolerance)) {
-    const double bottom = curvature > 0.0 ? -slope / (2.0 * curvature) : -1.0;
-    if (!(bottom > 0.0 && bottom < reach && value(bottom) < -dip)) return -1.0;
-    below = bottom;
-  }
-  if (a <= 0.0) return slope < 0.0 || below < reach ? 0.0 : below;
-  const double root = std::sqrt(std::max(0.0, slope * slope - 4.0 * curvature * a));
-  return root > slope ? std::min(2.0 * a / (root - slope), below) : below;
-}
-
 }  // namespace
-
-double Block::margin(std::size_t index, bool is_control, const Point& at) const {
-  if (!is_control) return descriptor_.ports()[index].free_variable(point_.on[index] != 0, at.z.data(), at.w.data());
-  return controls_[index].margin(point_.on, controls_[index].value.value(at.z.data(), at.w.data()));
-}
-
-double Block::margin_size(std::size_t index, bool is_control) const {
-  if (is_control) return std::max(controls_[index].level_size(), controls_[index].largest);
-  return point_.on[index] != 0 ? ports_.input_size(0.0) : ports_.scale().slack;
-}
-
-double Block::largest_input(const Point& at) const {
-  double most = 0.0;
-  for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(at.z[static_cast<std::size_t>(port.row)]));
-  return most;
-}
-
-/// What passes its zero in the part `reach` of a step of length h (trial_), the first to do so first.
-std::vector<Block::Crossing> Block::crossings(double h, double reach) {
-  std::vector<Crossing> result;
-  const double input = ports_.input_size(largest_input(trial_.end)), shift = 1.0 / (diagonal * h), unknown = largest(point_.z);
-  const double voltage = std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(trial_.end.z));
-  const auto examine = [&](std::size_t i, bool is_control) {
-    const bool is_input = !is_control && point_.on[i] != 0;
-    const double size = is_input ? input : margin_size(i, is_control);
-    double tolerance = (is_control || !passive_ ? sign_tolerance : port_sign_tolerance) * size;
-    if (is_control) tolerance = std::max(tolerance, controls_[i].rounding(unknown));
-    const double start = margin(i, is_control, point_), stage = margin(i, is_control, trial_.stage),
-                 end = margin(i, is_control, trial_.end);
-    const auto passage = [&] {
-      return first_passage(start, stage, end, reach, tolerance, std::max(tolerance, dip_share * reltol_ * size));
-    };
-    const bool overdue = is_control && start < -2.0 * tolerance;  // it jumped there in the last Euler step
-    double at = overdue ? 0.0 : passage();
-    if (at >= 0.0 && is_input) {
-      tolerance += ports_.rounding_of_input(shift, point_.on, i, voltage);
-      at = passage();
-    }
-    if (at >= 0.0) result.push_back({i, is_control, at});
-  };
-  for (std::size_t i = 0; i < controls_.size(); ++i) examine(i, true);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i)
-    if (!descriptor_.ports()[i].blocks(point_.on)) examine(i, false);
-  std::stable_sort(result.begin(), result.end(), [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
-  return result;
-}
-
-/// Goes to the first of the crossings; what passes there may change sides next.
-bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
-  const Crossing& first = list.front();
-  position_before_ = point_.on;
-  if (first.at > 0.0 && !passive_ && stall_.idle_passages() < most_idle_located) {
-    if (!locate(h, first)) return false;
-  } else if (first.at > 0.0) {
-    accept(trial_, std::min(first.at, reach));
-  }
-  for (const Crossing& crossing : list)  // where the Euler steps begin to look
-    if (!crossing.is_control && crossing.at <= first.at + together) point_.on[crossing.index] ^= 1;
-  restart_due_ = true;
-  return true;
-}
-
-/// Steps taken anew until one ends where a margin is zero to rounding.
-bool Block::locate(double h, Crossing crossing) {
-  double low = 0.0, high = 1.0, low_value = margin(crossing.index, crossing.is_control, point_);
-  double high_value = margin(crossing.index, crossing.is_control, trial_.end);
-  const double tolerance = sign_tolerance * margin_size(crossing.index, crossing.is_control);
-  double next = crossing.at;
-  for (int round = 0; round < most_locations; ++round) {
-    stepper_.tr_bdf2(point_, next * h, scale_, trial_);
-    if (trial_.solved != Solved::yes) return fail_step(trial_.solved, trial_.error);
-    const double value = margin(crossing.index, crossing.is_control, trial_.end);
-    (value > 0.0 ? low : high) = next;
-    (value > 0.0 ? low_value : high_value) = value;
-    if (std::abs(value) <= tolerance || (high - low) * h <= tolerance_) break;
-    const bool straight = round % 3 != 2 && low_value > 0.0 && high_value < 0.0;
-    next = straight ? low + (high - low) * low_value / (low_value - high_value) : 0.5 * (low + high);
-  }
-  accept(trial_, 1.0);
-  return true;
-}
 
 bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
   bool flipped = false;
@@ -149,7 +40,7 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(on, value) >= -std::max(sign_tolerance * size, control.rounding(unknown))) continue;
+    if (control.margin(on, value) >= -std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
     on[control.port] ^= 1;
     flipped = true;
     instant.mode_change = true;
@@ -166,7 +57,7 @@ bool Block::flip_at_rest(const Point& at, Instant& instant) {
     if (control.has_rested || !control.passes_at_rest(point_.on)) continue;
     const double value = control.value.value(at.z.data(), at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(point_.on, value) > std::max(sign_tolerance * size, control.rounding(unknown))) continue;
+    if (control.margin(point_.on, value) > std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
     point_.on[control.port] ^= 1;
     control.has_rested = flipped = instant.mode_change = true;
   }
@@ -207,7 +98,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
 /// max over the states of their distance from those before the instant, relative to their size. Segments have no tolerance in which the rounding of what nodes
 /// have at the moment disappears.
 double Block::difference(const std::vector<double>& states, const std::vector<double>& z) const {
-  const double rounding = segment_ ? share_of_node * ports_.largest_voltage(z) : 0.0;
+  const double rounding = segment_ ? tolerance::node_share * ports_.largest_voltage(z) : 0.0;
   double worst = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const State& state = descriptor_.states()[i];
@@ -355,7 +246,7 @@ bool Block::restart() {
 bool Block::find_position(const Beginning& beginning, Instant& instant, int& level) {
   const int usual = level;
   int deepest = std::min(std::max(level + most_refinement, shortest_level()), last_level);
-  while (deepest > level && diagonal * ladder(deepest) < least_of_time * instant.time) --deepest;
+  while (deepest > level && diagonal * ladder(deepest) < tolerance::shortest_euler_step * instant.time) --deepest;
   double before = 0.0;
   bool tentative = false;  // failure_ is that of the longest steps, unless shorter ones do better
   int found = -1;          // the deepest level with a position, if one that moves what it should not
@@ -436,7 +327,7 @@ int Block::levels_too_long(double h) const {
   double soonest = 3.0 * h;
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const double first = margin(i, true, first_), fall = first - margin(i, true, second_);
-    if (fall > 0.0 && first > sign_tolerance * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
+    if (fall > 0.0 && first > tolerance::guard_sign * margin_size(i, true)) soonest = std::min(soonest, h * (1.0 + first / fall));
   }
   return static_cast<int>(std::ceil(std::log2(3.0 * h / soonest)));
 }
@@ -464,7 +355,7 @@ std::vector<std::string> Block::changed_ports() const {
 }
 
 bool Block::watch_crowd(double time) {
-  if (!crowd_.note(time, crowd_fraction * request_.stop)) return true;
+  if (!crowd_.note(time, tolerance::crowd * request_.stop)) return true;
   fail(accumulation(time, crowd_, changed_ports(), {}));
   return false;
 }

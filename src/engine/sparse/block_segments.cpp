@@ -9,25 +9,16 @@
 #include <array>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "linalg/legendre.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// A state jumps by more than this of its size, and all together by more than that of the largest √energy, and by more than so many errors of the segment.
-constexpr double least_jump = 1e-8, least_of_energy = 1e-11, least_errors = 10.0;
-constexpr double most_left_of_jump = 1e-6;  ///< what a jump from where it led moves
-constexpr double impulse_share = 1e-6;
-constexpr double rounding_of_impulses = 1e-9;  ///< of the largest in a voltage, and in a port's current
-constexpr double rounding_of_others = 1e-12;   ///< of all voltages and currents of it, in volts: what one kind makes of the other
-constexpr double same_jump = 1e-9;             ///< of the largest √energy
-constexpr double most_relaxed = 30.0;          ///< of that, where signs agree in no position
-constexpr double visible_impulse = 1e-6;       ///< the same: that is none of rounding
-constexpr double rounding_of_step = 1e-11;     ///< the same, of the step that they are a part of
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
@@ -38,12 +29,7 @@ struct Relaxation {
   bool takes_positive;
 };
 constexpr std::array<Relaxation, 5> relaxations{{{1.0, false}, {1.0, true}, {30.0, true}, {1e3, true}, {1e3, false}}};
-constexpr double least_share_of_scale = 1e-3;  ///< states of that size are not small
-/// Of the run: a segment so short moved nothing.
-constexpr double no_time = 1e-13;
 constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
-constexpr double signal_rounding = 1e-10;
-constexpr double shortest_piece = 1e-12;  ///< of the segment
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
@@ -79,7 +65,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   const Position on = point_.on = first_.on;
   const Point step = first_;
   segment_->unknowns(segment_->at(0.0), first_.z);
-  const bool differs = difference(states_, first_.z) > least_jump;
+  const bool differs = difference(states_, first_.z) > tolerance::jump;
   if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
     instant.jump = true;
     return take_jump_of(step, h);
@@ -93,125 +79,6 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   point_.on = on;
   segment_->unknowns(segment_->at(0.0), first_.z);
   return take_jump_of(step, h);
-}
-
-/// The jump with which the segment begins, to first_.
-Block::Sought Block::take_jump_of(const Point& step, double h) {
-  const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
-  const double length = segment_->step_length();
-  if (!trusts_jumps_ && !is_jump_of(step.on)) {
-    refused_jumps_.push_back(step.on);
-    return Sought::not_found;
-  }
-  const Sought sought = take_step_of_jump(step, h);
-  if (sought == Sought::jumped) add_impulses(impulses, whole, length);
-  return sought;
-}
-
-/// Where impulses leave no digits in a segment that begins before the jump.
-Block::Sought Block::jump_by_step(const Point& step, double h) {
-  const double longest = std::max(room(), break_tolerance_);
-  const double length = segment_->step(factors_, {point_.time, step.on, point_.z, start_memory_, longest}, first_.z);
-  if (length == 0.0 || !(difference(states_, first_.z) > least_jump)) return Sought::not_found;
-  const std::vector<double> none;
-  if (segment_->open(factors_, {point_.time, step.on, first_.z, none, longest, length}) != ExactSegment::Opened::yes)
-    return Sought::not_found;
-  const std::vector<double> whole = first_.z;
-  std::vector<double> impulses;
-  segment_->unknowns(segment_->at(0.0), impulses);
-  for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = whole[i] - impulses[i];
-  if (!backward_impulses(impulses, whole, step.on, visible_impulse).empty() || !segment_->take_back(length, first_.z))
-    return Sought::not_found;
-  const Sought sought = take_step_of_jump(step, h);
-  if (sought == Sought::jumped) add_impulses(impulses, whole, length);
-  return sought;
-}
-
-/// Of a jump with which an Euler step begins: what it delivers is the step's length times what impulses make of its end.
-void Block::add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length) {
-  if (request_.probes.sink == nullptr) return;
-  jump_impulses_.resize(impulses.size(), 0.0);
-  jump_terms_.resize(impulses.size(), 0.0);
-  for (std::size_t i = 0; i < impulses.size(); ++i) {
-    jump_impulses_[i] += length * impulses[i];
-    jump_terms_[i] += length * whole[i];
-  }
-}
-
-/// The run stands after a jump, in the position of it; what flows there is to be found.
-Block::Sought Block::take_step_of_jump(const Point& step, double h) {
-  start_memory_.clear();
-  segment_->note_jump(std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(first_.z)));
-  const std::vector<double> first = point_.z = std::move(first_.z);
-  // once more, from there: what is left of impulses is rounding of far smaller ones
-  if (open_segment(step.on) != ExactSegment::Opened::yes) return Sought::not_found;
-  segment_->unknowns(segment_->at(0.0), point_.z);
-  descriptor_.measure_states(first.data(), states_);
-  if (difference(states_, point_.z) > most_left_of_jump) return Sought::not_found;
-  descriptor_.measure_states(point_.z.data(), states_);
-  descriptor_.forget_currents(point_.z);
-  first_ = step;
-  if (request_.jumps) {
-    trial_.solved = stepper_.euler(first_, h, second_);
-    jump_steps_ = {first_, second_};
-  }
-  if (trial_.solved != Solved::yes) return Sought::not_found;
-  jumps_taken_.push_back(step.on);
-  return Sought::jumped;
-}
-
-/// Ports of which a jump in that position asks what they do not do: conduct an impulse backwards, or block one forwards, by so much of the largest in a current, or
-/// in a voltage. `whole`: the end of the step that the impulses are a part of.
-std::vector<std::size_t> Block::backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on,
-                                                  double share) const {
-  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  const double other = rounding_of_others * largest(whole);
-  const auto rounding = [&](auto largest_of) {
-    return std::max({share * largest_of(impulses), rounding_of_step * largest_of(whole), other});
-  };
-  const double voltage = rounding([&](const std::vector<double>& z) { return largest(std::span(z).first(nodes)); });
-  const double input = rounding([&](const std::vector<double>& z) {
-    double most = 0.0;
-    for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(z[static_cast<std::size_t>(port.row)]));
-    return most;
-  });
-  std::vector<std::size_t> ports;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) {
-    const Port& port = descriptor_.ports()[i];
-    if (!port.blocks(on) && port.response(on[i] != 0, impulses.data()) < -(on[i] != 0 ? input : voltage)) ports.push_back(i);
-  }
-  return ports;
-}
-
-/// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
-/// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
-bool Block::is_jump_of(const Position& on) {
-  const double same = same_jump * std::min(segment_->relaxation(), most_relaxed);
-  if (segment_->distance(point_.z, first_.z) <= same) return true;
-  const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
-  const std::vector<std::size_t> backward = backward_impulses(impulses, whole, on, rounding_of_impulses);
-  if (backward.empty()) return true;
-  Position other = on;
-  for (const std::size_t i : backward) other[i] ^= 1;
-  descriptor_.hold_blocked(other);
-  if (open_segment(other) != ExactSegment::Opened::yes) return backward_impulses(impulses, whole, on, visible_impulse).empty();
-  std::vector<double> z;
-  segment_->unknowns(segment_->at(0.0), z);
-  return segment_->distance(first_.z, z) <= same;
-}
-
-/// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.
-bool Block::is_continuous() {
-  std::vector<double> z;
-  segment_->unknowns(segment_->at(0.0), z);
-  return !moves(states_, point_.z, z);
-}
-
-double Block::least_distance() const { return std::max(least_of_energy, least_errors * segment_->relative_error()); }
-
-/// Whether states, those of `from`, move beyond rounding.
-bool Block::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
-  return difference(states, to) > least_jump && segment_->distance(from, to) > least_distance();
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -358,7 +225,7 @@ bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
 /// What is not small, of sources and start values; of 1 V where nothing moves at all.
 void Block::note_least_voltage() {
   const double most = std::max(largest(states_), source_scale_);
-  const double least = least_share_of_scale * (most > 0.0 ? most : 1.0);
+  const double least = tolerance::least_scale * (most > 0.0 ? most : 1.0);
   segment_->note_least_voltage(least);
   ties_->note_voltage(least);
   certificate_.allow_rounding(least);
@@ -388,7 +255,8 @@ bool Block::begin_segment() {
     std::vector<double> after;
     descriptor_.measure_states(next.z.data(), after);
     const double h = jump_steps_.first.time - time;
-    jump_details_.push_back(describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, impulse_share));
+    jump_details_.push_back(
+        describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, tolerance::told_impulse));
   }
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
   certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
@@ -410,15 +278,6 @@ void Block::finish_instant(const Instant& instant) {
   }
   if (instant.time == 0.0) start_projected_ = instant.jump;
   starting_ = false;
-}
-
-void Block::note_segment_impulses() {
-  impulses_.assign(signals_.size(), 0.0);
-  if (jump_impulses_.empty()) return;
-  for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const double impulse = Form::sum(signals_[i].z, jump_impulses_.data()), terms = Form::size_of(signals_[i].z, jump_terms_.data());
-    if (std::abs(impulse) > rounding_of_step * terms) impulses_[i] = impulse;
-  }
 }
 
 Point Block::point_of_segment(double tau, double time) {
@@ -498,7 +357,7 @@ void Block::pass(const ExactSegment::Passage& passage) {
     if (point_.time < std::min(next_break(), request_.stop)) segment_->note_end(passage.tau);
     return;
   }
-  const bool is_idle = passage.tau <= no_time * request_.stop;
+  const bool is_idle = passage.tau <= tolerance::no_time * request_.stop;
   if (!is_idle) segment_->unmute();
   if (is_idle && last_guard_ == passage.guard && passage.guard >= 0) segment_->mute(passage.guard);
   if (!is_idle) segment_->note_event(passage.tau);
@@ -514,7 +373,8 @@ void Block::pass(const ExactSegment::Passage& passage) {
 /// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.
 double Block::resolved_until(double tau) {
   double end = tau;
-  while (end - segment_tau_ > shortest_piece * tau && !is_resolved(segment_tau_, end)) end = segment_tau_ + 0.5 * (end - segment_tau_);
+  while (end - segment_tau_ > tolerance::shortest_piece * tau && !is_resolved(segment_tau_, end))
+    end = segment_tau_ + 0.5 * (end - segment_tau_);
   return end;
 }
 
@@ -531,11 +391,11 @@ bool Block::is_resolved(double from, double to) {
     const double start = segment_->signal(k, y);
     double size = std::max(signal_scale_[k], segment_->signal_terms(k, y)), last = 0.0;
     // A signal that begins far from what drives it is nothing but rounding at first.
-    const double noise = rounding_of_signals * signal_size(static_cast<int>(k));
+    const double noise = tolerance::signal_rounding * signal_size(static_cast<int>(k));
     for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
     for (std::size_t c = 0; c < last_coefficients; ++c)
       last = std::max(last, std::abs(series.coefficients()[linalg::legendre_points - 1 - c]));
-    if (std::max(last, std::abs(series(-1.0) - start)) > std::max(signal_rounding * size, noise)) return false;
+    if (std::max(last, std::abs(series(-1.0) - start)) > std::max(tolerance::piece_resolution * size, noise)) return false;
   }
   return true;
 }

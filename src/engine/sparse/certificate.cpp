@@ -4,16 +4,14 @@
 #include <cmath>
 #include <span>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
 constexpr std::uint64_t points_per_stride = 64;
-/// A row whose terms never exceed this fraction of the largest is judged against that fraction.
-constexpr double idle_row = 1e-3;
-constexpr double rounding_of_unknowns = 1e-11;
 
 }  // namespace
 
@@ -59,8 +57,8 @@ CertificateRecorder::Rounding CertificateRecorder::rounding_at(const Point& poin
   if (least_ == 0.0) return {};
   const std::span z(point.z);
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  return {rounding_of_unknowns * std::max(least_, largest(z.first(nodes))),
-          rounding_of_unknowns * std::max(least_, largest(z.subspan(nodes)))};
+  return {tolerance::unknown_rounding * std::max(least_, largest(z.first(nodes))),
+          tolerance::unknown_rounding * std::max(least_, largest(z.subspan(nodes)))};
 }
 
 void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising) {
@@ -101,13 +99,13 @@ void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& tr
 Certificate CertificateRecorder::check() const {
   Certificate certificate;
   certificate.points_checked = points_;
-  const double input_scale = std::max(input_scale_, idle_row * slack_scale_);  // where no current ever flows
+  const double input_scale = std::max(input_scale_, tolerance::idle_row * slack_scale_);  // where no current ever flows
   if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
   const double most = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
   for (std::size_t i = 0; i < size_.size(); ++i)
-    if (size_[i] > 0.0 && residual_[i] > rounding_of_unknowns * least_)
-      certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], idle_row * most));
+    if (size_[i] > 0.0 && residual_[i] > tolerance::unknown_rounding * least_)
+      certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], tolerance::idle_row * most));
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
   certificate.energy = std::max(certificate.energy, estimate_);
   return certificate;

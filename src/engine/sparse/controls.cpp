@@ -1,4 +1,5 @@
 #include "engine/sparse/controls.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +9,9 @@ namespace pwlsim::engine::sparse {
 double Control::level_size() const { return std::max({std::abs(on_level), std::abs(off_level), on_level - off_level}); }
 
 double Control::rounding(double largest_unknown) const {
-  constexpr double share = 1e-14;  // of the largest unknown; all are in volts
   double gain = 0.0;
   for (const Form::Part& part : value.z) gain = std::max(gain, std::abs(part.coefficient));
-  return share * gain * largest_unknown;
+  return tolerance::voltage_rounding * gain * largest_unknown;
 }
 
 std::vector<Control> controls_of(const model::Network& network, const Descriptor& descriptor) {

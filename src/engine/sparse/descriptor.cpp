@@ -6,7 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "base/log_mean.hpp"
+#include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "model/certificate.hpp"
 #include "model/forms.hpp"
 
@@ -16,12 +17,6 @@ namespace {
 
 using model::ground;
 using model::NodeIndex;
-
-/// Resistors below this fraction of R0 carry their own current.
-constexpr double low_resistance = 1e-6;
-constexpr double tie_share = 1e-3;  ///< of what is around
-/// Start values of a loop of capacitors agree to this part of the largest voltage in it.
-constexpr double loop_tolerance = 1e-13;
 
 /// Nodes between which voltages are known, the rest at zero. What contradicts what is known is left out.
 class Potentials {
@@ -156,7 +151,8 @@ void Descriptor::choose_scale() {
 }
 
 void Descriptor::number_unknowns() {
-  unknowns_ = model::Unknowns(network_, {.low_resistance = low_resistance * r0_, .capacitor_currents = capacitors_read(network_)});
+  unknowns_ =
+      model::Unknowns(network_, {.low_resistance = tolerance::low_resistance * r0_, .capacitor_currents = capacitors_read(network_)});
   scale_complementarities();
 }
 
@@ -213,7 +209,7 @@ void Descriptor::add_inductors() {
 
 void Descriptor::measure_fluxes() {
   for (const auto& k : network_.couplings) {
-    if (std::abs(k.coefficient) <= perfect_coupling) continue;
+    if (std::abs(k.coefficient) <= tolerance::perfect_coupling) continue;
     for (const int i : {k.inductor_a, k.inductor_b}) {
       auto& flux = states_[network_.capacitors.size() + static_cast<std::size_t>(i)].flux;
       if (!flux.empty()) continue;
@@ -311,7 +307,8 @@ double Descriptor::tie(double shift, const Position& on, const std::vector<int>&
   for (const int port : ports) {
     const auto i = static_cast<std::size_t>(port);
     const double admittance = around[i] > 0.0 ? around[i] : mean;
-    (on[i] != 0 ? closing.of_input : closing.of_slack)[i] = on[i] != 0 ? tie_share / admittance : tie_share * admittance;
+    (on[i] != 0 ? closing.of_input : closing.of_slack)[i] =
+        on[i] != 0 ? tolerance::tie_share / admittance : tolerance::tie_share * admittance;
   }
   return admittances.empty() ? 0.0 : *std::max_element(admittances.begin(), admittances.end());
 }
@@ -402,7 +399,7 @@ bool Descriptor::unknowns_of_states(const std::vector<double>& values, const std
     const auto at = [&](int node) { return node >= 0 ? z[static_cast<std::size_t>(node)] : 0.0; };
     const double missing = values[i] - states_[i].value(z.data());
     if (std::abs(missing) <=
-        loop_tolerance * std::max({std::abs(values[i]), std::abs(at(states_[i].plus)), std::abs(at(states_[i].minus))}))
+        tolerance::capacitor_loop * std::max({std::abs(values[i]), std::abs(at(states_[i].plus)), std::abs(at(states_[i].minus))}))
       continue;
     remains = true;
     const double charge = r0_ * states_[i].storage * missing;

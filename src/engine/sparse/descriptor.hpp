@@ -31,9 +31,6 @@ namespace pwlsim::engine::sparse {
 /// Which ports are on. Switches too: on is closed.
 using Position = std::vector<char>;
 
-/// A larger |k| counts as 1: the currents of the two inductors are not independent states.
-inline constexpr double perfect_coupling = 1.0 - 1e-9;
-
 /// value = Σ z-terms + Σ w-terms + constant.
 struct Form {
   struct Part {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "base/largest.hpp"
-#include "linalg/balance.hpp"
+#include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -29,25 +29,10 @@ constexpr double longer_than_last = 1.3;    ///< a segment is made for this much
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
-constexpr double shortest_share = 1e-15;             ///< of the run
-/// Of the terms of a guard: what LU leaves in constraints of index 2, and the tolerance.
-constexpr double least_noise = 1e-11, noise_of_tolerance = 10.0;
-constexpr double rounding_of_inputs = 1e-12, share_of_norm = 0.1;
-constexpr double rounding_of_voltages = 1e-14, rounding_of_rows = 2e-16;
-constexpr double rounding_of_jump = 1e-13;   ///< of the voltages before it
-constexpr double empty_row = 1e-13;          ///< of the row of the largest voltage, or input
-constexpr double most_empty = 1e-8;          ///< of the largest voltage, or input, however many digits orthogonalisation has cost
-constexpr double least_digits = 1e-10;       ///< of the largest voltage, and of the largest current: what may be rounding of vectors
-constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
-constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond are impulses
-constexpr double most_rounding = 1e-11;      ///< of the largest √energy, over a segment that is longer than it was made for
-constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
-constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
-constexpr double start_tolerance = 1e-8;     ///< of the largest √energy: rounding of a start
-constexpr double rounding_tolerance = 1e-9;  ///< of the largest √energy: an estimate that more vectors make no smaller
-constexpr double passed_share = 1e-4;        ///< of the segment: below zero for no longer, what has just passed zero is there
-constexpr int most_derivatives = 4;          ///< at the start: what begins with a higher power of time is at rest until it is visible
-constexpr double at_zero = 1e-10;            ///< of the largest value in the segment: a guard that is at zero together with another
+constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
+constexpr double most_rise = 1e6;                    ///< of them at the start of a segment: beyond are impulses
+constexpr double most_loss = 1e6;                    ///< of vectors by orthogonalisation, in roundings
+constexpr double least_share = 1.0 / 256.0;          ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
 
 /// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
@@ -135,9 +120,9 @@ bool ExactSegment::resolve() {
     if (!space_.is_sound()) break;
     const auto& points = space_.estimate(length_);
     estimate_ = largest_error(points);
-    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= rounding_tolerance * size_)) return true;
+    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
     if (space_.is_full()) break;
-    if (!(estimate_ < before) && before <= rounding_tolerance * size_) break;
+    if (!(estimate_ < before) && before <= tolerance::converged_rounding * size_) break;
     const int next = next_dimension(last, before, m, estimate_, tolerance_ * size_);
     before = estimate_;
     last = m;
@@ -147,7 +132,7 @@ bool ExactSegment::resolve() {
     }
     m = next;
   }
-  if (last == 0 || !(before <= rounding_tolerance * size_)) return false;
+  if (last == 0 || !(before <= tolerance::converged_rounding * size_)) return false;
   space_.shrink(last);
   estimate_ = before;
   if (space_.is_sound()) (void)space_.estimate(length_);
@@ -184,7 +169,7 @@ void ExactSegment::stretch(double longest) {
 bool ExactSegment::reaches(double longer) {
   const auto& points = space_.estimate(longer);
   const double most = largest_error(points);
-  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= most_rounding * size_) || !has_digits()) return false;
+  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits()) return false;
   estimate_ = most;
   length_ = longer;
   return true;
@@ -195,7 +180,7 @@ bool ExactSegment::reaches(double longer) {
 bool ExactSegment::has_digits() {
   const auto is_known = [&](double terms, double before, double after) {  // after a jump: with its impulses
     const double size = std::max(before, least_voltage_);
-    return rounding_of_rows * terms <= least_digits * std::clamp(after, size, most_rise * size);
+    return tolerance::row_rounding * terms <= tolerance::known_digits * std::clamp(after, size, most_rise * size);
   };
   const KrylovSpace::Sizes terms = space_.largest_terms(), first = space_.largest_first();
   return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
@@ -204,7 +189,7 @@ bool ExactSegment::has_digits() {
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
-  for (int cut = 0; cut < most_cuts && length > shortest_share * stop_; ++cut) {
+  for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
     const double shift = shift_for(length);
     const Factor* factor = factors.at(shift, start.on);
     if (!factor) return Opened::singular;
@@ -212,7 +197,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
-    if (space_.start_rounding() <= start_tolerance * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
+    if (space_.start_rounding() <= tolerance::start_rounding * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
         habits_[key_].turning = turning;
@@ -232,14 +217,14 @@ double ExactSegment::step(Factors& factors, const Start& start, std::vector<doub
   const double shift = shift_for(usual_length(start.on, start.longest));
   const Factor* factor = factors.at(shift, start.on);
   if (!factor || space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return 0.0;
-  if (!(space_.start_rounding() <= start_tolerance * std::max(peak_, space_.start_size()))) return 0.0;
+  if (!(space_.start_rounding() <= tolerance::start_rounding * std::max(peak_, space_.start_size()))) return 0.0;
   z = space_.first_unknowns();
   return 1.0 / shift;
 }
 
 bool ExactSegment::take_back(double h, std::vector<double>& z) {
   const linalg::Matrix& a = space_.flow().a();
-  if (!(estimate_ * (1.0 + h * a.norm()) <= rounding_tolerance * size_)) return false;
+  if (!(estimate_ * (1.0 + h * a.norm()) <= tolerance::converged_rounding * size_)) return false;
   const linalg::Vector y = space_.first() - h * (a * space_.first());
   space_.unknowns(y.data(), z);
   return true;
@@ -259,7 +244,7 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   }
   const Opened opened = build(factors, start);
   if (opened != Opened::yes) return opened;
-  if (!(space_.rounding_at_start() <= start_tolerance * size_)) return Opened::unresolved;
+  if (!(space_.rounding_at_start() <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
   located_ = false;
@@ -267,177 +252,6 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
   bound_guards();
   judge_start();
   return Opened::yes;
-}
-
-/// Rows: u or slack of each port that is no switch, then the margin of each control.
-void ExactSegment::take_guards(const Position& on) {
-  mode_ = std::make_unique<model::Mode>();
-  const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
-  mode_->guards.setZero(static_cast<Eigen::Index>(ports + controls_.size()), space_.dimension());
-  segment_.rows.clear();
-  for (std::size_t i = 0; i < ports; ++i) {
-    const Port& port = descriptor_.ports()[i];
-    if (port.blocks(on)) continue;
-    mode_->guards.row(static_cast<Eigen::Index>(i)) = (on[i] != 0 ? space_.row(port.row) : space_.row(port.slack)).transpose();
-    segment_.rows.push_back(static_cast<int>(i));
-  }
-  drop_empty_guards();
-  for (std::size_t i = 0; i < controls_.size(); ++i) {
-    const Control& control = controls_[i];
-    Form margin = control.value;
-    if (control.holds(on)) {
-      margin.constant -= control.off_level;
-    } else {
-      for (Form::Part& part : margin.z) part.coefficient = -part.coefficient;
-      for (Form::Part& part : margin.w) part.coefficient = -part.coefficient;
-      margin.constant = control.on_level - margin.constant;
-    }
-    const auto row = static_cast<int>(ports + i);
-    mode_->guards.row(row) = space_.row(margin).transpose();
-    segment_.rows.push_back(row);
-  }
-}
-
-/// Whether a port is off beside one that is on without resistance or drop.
-bool ExactSegment::is_short_circuited(int row) const {
-  if (row >= descriptor_.first_switch() || on_[static_cast<std::size_t>(row)] != 0) return false;
-  const auto& beside = beside_[static_cast<std::size_t>(row)];
-  return std::any_of(beside.begin(), beside.end(), [&](int port) { return on_[static_cast<std::size_t>(port)] != 0; });
-}
-
-/// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
-void ExactSegment::drop_empty_guards() {
-  if (segment_.rows.empty()) return;
-  node_terms_ = space_.largest_terms().voltage;
-  input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
-  const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
-  double input = least_voltage_;
-  for (const int row : segment_.rows)
-    if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
-  const double voltage = std::max(voltage_, least_voltage_);
-  free_.clear();
-  idle_.clear();
-  std::erase_if(segment_.rows, [&](int row) {
-    const bool is_short = is_short_circuited(row);
-    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
-    const bool is_empty = is_short || reach(row) <= std::min(empty_row * terms_of(row), most_empty * size);
-    if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
-    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
-    return is_empty;
-  });
-}
-
-/// What the search and the test of signs ask of a mode.
-void ExactSegment::bound_guards() {
-  model::Mode& m = *mode_;
-  m.n1 = m.ny = space_.dimension();
-  m.regular = true;
-  m.flow = space_.flow();
-  linalg::Matrix a = m.flow.a();
-  m.absolute_a = a.cwiseAbs();
-  m.norm_a = a.norm();
-  m.growth = std::max(0.0, linalg::logarithmic_norm(a));
-  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a);  // empty where nothing is to be gained
-  if (m.scale.size() > 0) {
-    m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
-    m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
-    m.scaled_input_block_norm.resize(0);
-  }
-  m.noise = std::max(least_noise, noise_of_tolerance * tolerance_);
-  m.absolute_guards = m.guards.cwiseAbs();
-  m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
-  m.guard_block_norm.resize(m.guards.rows(), 0);
-  m.input_block_norm.resize(0);
-  note_rounding();
-  for (const auto& [guard, factor] : muted_) m.guard_noise[guard] *= factor;
-  if (m.guard_noise.size() > 0) m.noise = std::max(m.noise, m.guard_noise.maxCoeff());
-}
-
-/// Noise of each guard, against the terms of its own row, which may be nothing but the rounding of what it is a difference of: voltages of nodes for a slack, the
-/// largest of all currents for a current.
-void ExactSegment::note_rounding() {
-  model::Mode& m = *mode_;
-  const Eigen::Map<const linalg::Vector> y(space_.first().data(), m.ny);
-  const linalg::Vector terms = m.absolute_guards * y.cwiseAbs();
-  const int ports = descriptor_.first_switch();
-  double input = 0.0;
-  for (int i = 0; i < ports; ++i)
-    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, terms[i]);
-  m.guard_noise.setConstant(m.guards.rows(), m.noise);
-  for (const int i : segment_.rows) {
-    double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
-                             : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
-    const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
-    const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
-    size = std::max(size, least_voltage_);
-    const double rounding = is_input ? relaxation_ * rounding_of_inputs : rounding_of_voltages;
-    if (is_input) m.guard_noise[i] *= relaxation_;
-    if (m.guard_norm[i] > 0.0)
-      m.guard_noise[i] = std::max(m.guard_noise[i], rounding_of_rows / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
-    if (least > 0.0) m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, rounding_of_jump * jump_voltage_ / least});
-  }
-}
-
-/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input.
-double ExactSegment::terms_of(int row) const {
-  const int ports = descriptor_.first_switch();
-  if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
-  return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
-}
-
-/// Of a control: its levels, and the terms of its form.
-double ExactSegment::rounding_size(const Control& control) const {
-  double size = std::max(control.level_size(), control.largest);
-  for (const Form::Part& part : control.value.z) size = std::max(size, std::abs(part.coefficient) * voltage_);
-  return size;
-}
-
-/// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
-void ExactSegment::judge_start() {
-  segment_.system = &system_;
-  segment_.mode = mode_.get();
-  segment_.anchor = start_;
-  segment_.y0.assign(space_.first().begin(), space_.first().end());
-  segment_.y = segment_.y0;
-  segment_.tau = segment_.certified = segment_.step = 0.0;
-  segment_.intervals = 0;
-  segment_.sampled = false;
-  segment_.turns = segment_.turns_without_modal_form = 0;
-  segment_.departures.resize(segment_.rows.size());
-  model::Verifier verifier;
-  if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
-  negative_.clear();
-  rising_.clear();
-  const linalg::Matrix& a = mode_->flow.a();
-  const linalg::Vector first = a * space_.first(), second = a * first;
-  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
-    model::Departure& departure = segment_.departures[i];
-    if (departure.order > most_derivatives) departure = {-1, 0.0};
-    if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
-    const int row = segment_.rows[i];
-    const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
-    const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + passed_share * std::min(length_, expected_) * slope >= 0.0;
-    if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
-    if (departure.value > 0.0) continue;
-    const double bend = linalg::row_times(mode_->guards, row, second.data());
-    if (row == passing_ && departure.order == 0 && is_soon_positive) {
-      departure = {1, slope};
-    } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
-      departure = {2, bend};
-    } else if (departure.order > 0 && value > 0.0 && takes_positive_) {
-      departure = {0, value};
-    } else {
-      negative_.push_back(row);
-    }
-  }
-}
-
-/// Of a guard's value at the start.
-double ExactSegment::rounding_of(int row) const {
-  const model::Mode& m = *mode_;
-  const double size = linalg::absolute_row_times(m.guards, row, segment_.y0.data());
-  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * space_.first().norm());
 }
 
 /// Most events come soon: what lies far beyond is looked at after that.
@@ -473,7 +287,8 @@ std::vector<int> ExactSegment::falling_guards(const std::vector<double>& y) cons
   for (const int row : segment_.rows) {
     if (row >= descriptor_.first_switch()) continue;
     const double value = linalg::row_times(mode_->guards, row, y.data());
-    if (std::abs(value) <= at_zero * mode_->absolute_guards.row(row).dot(space_.reach()) && guard_rate(row, y) < 0.0) guards.push_back(row);
+    if (std::abs(value) <= tolerance::guard_at_zero * mode_->absolute_guards.row(row).dot(space_.reach()) && guard_rate(row, y) < 0.0)
+      guards.push_back(row);
   }
   return guards;
 }
@@ -500,7 +315,7 @@ void ExactSegment::accept() {
   worst_ = std::max(worst_, relative_error());
 }
 
-void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, shortest_share * stop_); }
+void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, tolerance::shortest_segment * stop_); }
 
 void ExactSegment::note_end(double tau) { habits_[key_].length = longer_than_end * tau; }
 

@@ -4,17 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "lcp/condition.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double same_shift = 1e-11;
-constexpr double epsilon_share = 1e-3, least_epsilon = 1e-10, largest_epsilon = 1e-7;
-/// Smallest over largest pivot: below this a pivot may be nothing but rounding.
-constexpr double least_pivot_ratio = 3e-15;
 constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 256;
@@ -22,9 +19,6 @@ constexpr std::size_t fewest_factors = 3, most_factors = 256;
 constexpr std::size_t most_closings = 4;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
-constexpr double recovered = 1e-3;         ///< of a component of a solution, where a pivot may be rounding
-constexpr double least_soundness = 1e-11;  ///< residual of an update, of the largest term of its row
-constexpr double least_condition = 1e-4;   ///< of the small matrix, its diagonal scaled to one
 
 }  // namespace
 
@@ -51,12 +45,12 @@ void Factor::solve(std::vector<double>& r) const {
 Factors::Factors(const model::Network& network, const Descriptor& descriptor, double reltol)
     : descriptor_(descriptor),
       ordering_(descriptor.pattern()),
-      epsilon_(std::clamp(epsilon_share * reltol, least_epsilon, largest_epsilon)) {
+      epsilon_(std::clamp(tolerance::epsilon_share * reltol, tolerance::least_epsilon, tolerance::largest_epsilon)) {
   if (descriptor.passive()) parts_.emplace(network);
 }
 
 Factors::Entry* Factors::find(double shift, const Position& on) {
-  const auto is_it = [&](const Entry& entry) { return std::abs(entry.shift - shift) <= same_shift * shift && entry.on == on; };
+  const auto is_it = [&](const Entry& entry) { return std::abs(entry.shift - shift) <= tolerance::same_shift * shift && entry.on == on; };
   if (last_ < entries_.size() && is_it(entries_[last_])) return &entries_[last_];
   for (Entry& entry : entries_)
     if (is_it(entry)) return &entry;
@@ -88,7 +82,7 @@ linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closin
   descriptor_.matrix(entry.shift, closing, f.unit_, values_);
   const auto factored = pivots ? f.klu_->refactor_as(*pivots, values_) : f.klu_->factor(values_);
   if (factored != linalg::Factored::good) return factored;
-  const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < least_pivot_ratio;
+  const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < tolerance::doubtful_pivot;
   return may_be_rounding && !recovers(f, entry.shift, closing) ? linalg::Factored::singular : factored;
 }
 
@@ -103,7 +97,7 @@ bool Factors::recovers(const Factor& factor, double shift, const Descriptor::Clo
   linalg::multiply(descriptor_.pattern(), values_, solution.data(), right.data());
   factor.solve_base(right);
   for (std::size_t i = 0; i < n; ++i)
-    if (!(std::abs(right[i] - own(i)) <= recovered * own(i))) return false;
+    if (!(std::abs(right[i] - own(i)) <= tolerance::recovered * own(i))) return false;
   return true;
 }
 
@@ -170,7 +164,7 @@ bool Factors::update(Entry& entry) {
   for (const Entry& other : entries_) {
     if (&other == &entry || other.used == 0 || other.factor.closing_ || !other.factor.ties_.empty() || !other.factor.flips_.empty())
       continue;
-    if (std::abs(other.shift - entry.shift) > same_shift * entry.shift) continue;
+    if (std::abs(other.shift - entry.shift) > tolerance::same_shift * entry.shift) continue;
     of_base.clear();
     for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_closings; ++i)
       if (entry.on[i] != other.on[i]) of_base.push_back(static_cast<int>(i));
@@ -197,7 +191,7 @@ bool Factors::update(Entry& entry) {
   if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
   f.scale_ = s.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
   f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
-  if (!(lcp::reciprocal_condition(f.small_) > least_condition)) return false;
+  if (!(lcp::reciprocal_condition(f.small_) > tolerance::update_condition)) return false;
   if (!is_sound(f, entry)) return false;
   entry.factor = std::move(f);
   return true;
@@ -215,7 +209,7 @@ bool Factors::is_sound(const Factor& factor, const Entry& entry) {
   linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());
   linalg::multiply_absolute(descriptor_.pattern(), values_, solution.data(), size.data());
   for (std::size_t i = 0; i < n; ++i)
-    if (!(std::abs(product[i] - right[i]) <= least_soundness * (size[i] + std::abs(right[i])))) return false;
+    if (!(std::abs(product[i] - right[i]) <= tolerance::update_residual * (size[i] + std::abs(right[i])))) return false;
   return true;
 }
 

@@ -1,4 +1,5 @@
 #include "engine/sparse/fastest.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ std::vector<double> leakages(const model::Network& network) {
   std::vector<double> result;
   for (const auto& l : network.inductors) result.push_back(std::abs(l.inductance));
   for (const auto& k : network.couplings) {
-    if (std::abs(k.coefficient) > perfect_coupling) continue;
+    if (std::abs(k.coefficient) > tolerance::perfect_coupling) continue;
     for (const int i : {k.inductor_a, k.inductor_b}) {
       const double whole = std::abs(network.inductors[static_cast<std::size_t>(i)].inductance);
       double& left = result[static_cast<std::size_t>(i)];

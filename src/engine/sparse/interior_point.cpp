@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -11,9 +12,6 @@ namespace {
 
 constexpr int most_iterations = 60;
 constexpr double to_boundary = 0.995;
-/// At the end: mean of u s, of the largest of each in the run; and what u and s as forms of z may miss.
-constexpr double end_gap = 1e-20, end_residual = 1e-10;
-constexpr double least_start = 1e-3;  ///< of the largest u, or s
 /// Of what u, or s, was before the iteration: one of a port stays, the other goes.
 constexpr double stays = 0.5, goes = 0.1;
 
@@ -48,8 +46,8 @@ void InteriorPoint::start(const Stage& stage, const Position& on) {
   for (std::size_t i = 0; i < diodes; ++i) {
     if (is_free_[i] == 0) continue;
     const double u = miss_u_[i], s = miss_s_[i];
-    u_[i] = std::max(std::abs(u), least_start * most_u);
-    s_[i] = std::max(std::abs(s), least_start * most_s);
+    u_[i] = std::max(std::abs(u), tolerance::interior_start * most_u);
+    s_[i] = std::max(std::abs(s), tolerance::interior_start * most_s);
     miss_u_[i] = u - u_[i];
     miss_s_[i] = s - s_[i];
   }
@@ -151,7 +149,8 @@ bool InteriorPoint::solve(const Stage& stage, const PortScale& scale, Position& 
     take_residuals(stage, on);
     const double most_u = std::max(size_of(u_), scale.input), most_s = std::max(size_of(s_), scale.slack), mean = gap(0.0);
     if (!std::isfinite(mean)) return false;
-    if (mean <= end_gap * most_u * most_s && size_of(miss_u_) <= end_residual * most_u && size_of(miss_s_) <= end_residual * most_s) {
+    if (mean <= tolerance::interior_gap * most_u * most_s && size_of(miss_u_) <= tolerance::interior_residual * most_u &&
+        size_of(miss_s_) <= tolerance::interior_residual * most_s) {
       take_position(stage, std::vector(u_.size(), most_u), std::vector(s_.size(), most_s), on);
       return true;
     }

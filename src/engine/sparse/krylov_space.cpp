@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/largest.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -15,17 +15,6 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr double rounding_of_change = 1e-10;    ///< of T z: what is left of it after the others are taken out is rounding
-constexpr double least_change = 1e-15;          ///< of z itself: the same
-constexpr double little_change = 1e-13;         ///< of z: rounding of T z that is not looked at more closely
-constexpr double refined = 1e-15;               ///< of the √energy that counts: a correction so small is the last
-constexpr double rounding_of_solution = 4e-16;  ///< of its largest voltage, or current
-constexpr double rounding_of_sum = 1.1e-16;     ///< of its terms
-constexpr double residual_factor = 4.0;         ///< of what a solution's residual makes of the states, their rounding
-constexpr double little_rounding = 1e-9;        ///< the same: what the solution that begins a segment may be wrong by
-constexpr double worst_condition = 1e12;
-constexpr double held = 1e-9;  ///< of the largest unknown: what a position that fits leaves of a closing row
-constexpr int corrections = 3, most_refinements = 8;
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
 
@@ -40,202 +29,6 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
     sum = std::hypot(sum, state_weight_.back());
     if (state.is_current && state.storage != 0.0) weight_of_rates_ = std::hypot(weight_of_rates_, std::sqrt(r0 / std::abs(state.storage)));
   }
-}
-
-double KrylovSpace::source_part(const Form& form, const Vector& w, double one) const {
-  return Form::sum(form.w, w.data(), form.constant * one);
-}
-
-/// r −= H C ζ + g ζ₁
-void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const {
-  const Vector w = exosystem_.rows() * zeta;
-  descriptor_.add_sources(w.data(), r.data());
-  descriptor_.add_constants(zeta[exosystem_.constant()], r.data());
-}
-
-/// Closing rows of a right-hand side.
-void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
-  const Vector w = exosystem_.rows() * zeta;
-  const double one = zeta[exosystem_.constant()];
-  for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
-    const double given = source_part(port.slack, w, one);
-    const double weight = factor_->closing() ? factor_->closing()->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
-    r[static_cast<std::size_t>(port.row)] = -weight * given;
-  }
-}
-
-/// r := the unknowns; ζ goes with them.
-void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
-  close(zeta, r);
-  given_ = r;
-  factor_->solve(r);
-  settle(r, zeta);
-}
-
-/// What the factor leaves open or only nearly holds in a solution.
-void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
-  const Vector w = exosystem_.rows() * zeta;
-  const double one = zeta[exosystem_.constant()];
-  if (factor_->closing()) return correct(z, w, one);
-  if (!factor_->ties().empty()) return share_out(z, w, one);
-  for (std::size_t i = 0; i < on_.size(); ++i)
-    if (on_[i] == 0) z[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
-}
-
-/// Right-hand side of S z − z at the start, in right_.
-void KrylovSpace::begin_change(const Start& start, const Vector& zeta) {
-  change_.take(start.z, start.more, zeta, shift_);
-  right_ = change_.right();
-  const Descriptor::Closing* closing = factor_->closing() ? &*factor_->closing() : nullptr;
-  for (std::size_t i = 0; i < on_.size(); ++i) {
-    const double of_slack = closing ? closing->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
-    const double of_input = closing ? closing->of_input[i] : on_[i] != 0 ? 0.0 : 1.0;
-    const Port& port = descriptor_.ports()[i];
-    right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input);
-  }
-}
-
-/// Takes the factor's ε out again.
-void KrylovSpace::correct(std::vector<double>& z, const Vector& w, double one) {
-  for (int round = 0; round < corrections; ++round) {
-    product_.assign(z.size(), 0.0);
-    for (std::size_t i = 0; i < on_.size(); ++i) {
-      const Port& port = descriptor_.ports()[i];
-      const auto row = static_cast<std::size_t>(port.row);
-      product_[row] = on_[i] != 0 ? -(Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, one)) : -z[row];
-    }
-    factor_->solve(product_);
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] += product_[i];
-  }
-}
-
-/// Of what ties settle, the least squares of all free variables.
-void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one) const {
-  const auto& open = factor_->open();
-  if (open.empty()) return;
-  Vector moments = Vector::Zero(static_cast<Eigen::Index>(open.size()));
-  for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
-    const double value = port.response(on_[i] != 0, z.data()) + (on_[i] != 0 ? 0.0 : source_part(port.slack, w, one));
-    for (std::size_t j = 0; j < open.size(); ++j)
-      moments[static_cast<Eigen::Index>(j)] += value * port.response(on_[i] != 0, open[j].data());
-  }
-  const Vector shares = factor_->share_out(moments);
-  for (std::size_t j = 0; j < open.size(); ++j)
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] -= shares[static_cast<Eigen::Index>(j)] * open[j][i];
-}
-
-/// Whether what a position holds at zero is not.
-bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
-  if (!factor_->closing() && factor_->ties().empty()) return false;
-  const Vector w = exosystem_.rows() * zeta;
-  const double size = std::max(least_, largest(z));
-  for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
-    const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
-                                    : z[static_cast<std::size_t>(port.row)];
-    if (!(std::abs(rest) <= held * size)) return true;
-  }
-  return false;
-}
-
-void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, double* x) const {
-  const auto& states = descriptor_.states();
-  for (std::size_t i = 0; i < states.size(); ++i) *x++ = state_weight_[i] * states[i].value(z.data());
-  for (const double value : zeta) *x++ = zeta_weight_ * value;
-}
-
-double KrylovSpace::distance(const std::vector<double>& a, const std::vector<double>& b) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) {
-    const State& state = descriptor_.states()[i];
-    square += std::pow(state_weight_[i] * (state.value(a.data()) - state.value(b.data())), 2);
-  }
-  return std::sqrt(square);
-}
-
-double KrylovSpace::size_of_states(const std::vector<double>& z) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].value(z.data()), 2);
-  return std::sqrt(square);
-}
-
-/// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
-/// difference of their voltages in 1/shift, all of which may be far larger.
-double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
-  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
-  const double voltage = largest(std::span(z).first(nodes));
-  double rounding = voltage * (weight_of_voltages_ + weight_of_rates_ / shift_);
-  if (weight_of_currents_ > 0.0) {
-    sizes_.resize(z.size());
-    descriptor_.conduct_sizes(z.data(), sizes_.data());
-    rounding += largest(std::span(sizes_).first(nodes)) * weight_of_currents_;
-  }
-  return rounding_of_solution * rounding;
-}
-
-/// product_ := what `given_` and a solution d differ by.
-void KrylovSpace::find_residual(const std::vector<double>& d) {
-  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
-  product_.resize(d.size());
-  linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
-  for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
-}
-
-/// The same with sums in extended precision; the matrix is in `values_`.
-void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
-  const linalg::SparsePattern& pattern = descriptor_.pattern();
-  wide_.assign(given_.begin(), given_.end());
-  for (std::size_t j = 0; j < d.size(); ++j)
-    for (auto e = static_cast<std::size_t>(pattern.start[j]); e < static_cast<std::size_t>(pattern.start[j + 1]); ++e)
-      wide_[static_cast<std::size_t>(pattern.row[e])] -= static_cast<linalg::Wide>(values_[e]) * d[j];
-  product_.resize(d.size());
-  std::transform(wide_.begin(), wide_.end(), product_.begin(), [](linalg::Wide value) { return static_cast<double>(value); });
-}
-
-/// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.
-void KrylovSpace::refine(std::vector<double>& d, double counts) {
-  if (factor_->closing() || !factor_->ties().empty() || !(weight_of_currents_ > 0.0)) return;
-  sizes_.resize(d.size());
-  descriptor_.memory_sizes(d.data(), sizes_.data());
-  const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
-  if (!(rounding_of_solution * charging * weight_of_currents_ > counts)) return;
-  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
-  double before = INFINITY;
-  for (int round = 0; round < most_refinements; ++round) {
-    find_wide_residual(d);
-    factor_->solve(product_);
-    const double size = size_of_states(product_);
-    if (!(size < before)) return;
-    before = size;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] += product_[i];
-    if (!(before > counts)) return;
-  }
-}
-
-/// The same as `rounding_of_states`, of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d
-/// makes of them, which is the rounding of a row's terms at least, as chance may make it zero. The bound may be far too large: an inductor whose current is cut off has
-/// impulses of voltage, of which none reaches a capacitor.
-double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
-  const double bound = rounding_of_states(d);
-  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
-  find_residual(d);
-  sizes_.resize(d.size());
-  linalg::multiply_absolute(descriptor_.pattern(), values_, d.data(), sizes_.data());
-  for (std::size_t i = 0; i < d.size(); ++i) {
-    const double residual = product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
-    product_[i] = std::copysign(std::max(std::abs(residual), rounding_of_sum * sizes_[i]), sign);
-  }
-  factor_->solve(product_);
-  return std::min(bound, residual_factor * size_of_states(product_));
-}
-
-/// Of the norm of states that are differences of these unknowns.
-double KrylovSpace::rounding_of_sums(const std::vector<double>& z) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * descriptor_.states()[i].size(z.data()), 2);
-  return rounding_of_solution * std::sqrt(square);
 }
 
 /// Room for so many columns.
@@ -267,8 +60,8 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
-  refine(right_, refined * size);
-  rounding_ = rounding_of(right_, little_rounding * size);
+  refine(right_, tolerance::refined_solution * size);
+  rounding_ = rounding_of(right_, tolerance::first_solution * size);
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
@@ -304,9 +97,8 @@ std::vector<double> KrylovSpace::impulses() const {
   return z;
 }
 
-void KrylovSpace::add_vector() {
-  const int j = dimension_;
-  reserve(j + 2);
+/// T z of the last vector, in right_ and changes_.
+void KrylovSpace::apply(int j) {
   const Vector zeta = zetas_.col(j);
   const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.a() * zeta / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
@@ -321,9 +113,14 @@ void KrylovSpace::add_vector() {
   note_largest(vectors_, 0, j);
   note_largest(changes_, 2, j);
   zeta_changes_.col(j) = change;
+}
 
+void KrylovSpace::add_vector() {
+  const int j = dimension_;
+  reserve(j + 2);
+  apply(j);
   Vector x(measured_.rows()), c = Vector::Zero(j + 1);
-  measure(right_, change, x.data());
+  measure(right_, zeta_changes_.col(j), x.data());
   const double size = x.norm();
   const auto basis = measured_.leftCols(j + 1);
   for (int sweep = 0; sweep < 2; ++sweep) {
@@ -337,9 +134,9 @@ void KrylovSpace::add_vector() {
   h_matrix_.col(j).head(j + 1) = c;
   h_matrix_(j + 1, j) = h;
   dimension_ = j + 1;
-  const double nothing = std::max(rounding_of_change * size, least_change);
+  const double nothing = std::max(tolerance::new_direction * size, tolerance::least_direction);
   const bool adds_nothing = !(h > nothing);
-  delta_[j] = rounding_of(right_, adds_nothing ? little_change : std::min(h, little_change));
+  delta_[j] = rounding_of(right_, adds_nothing ? tolerance::little_direction : std::min(h, tolerance::little_direction));
   full_ = adds_nothing || !(h > delta_[j]);
   if (full_) return;
   note_lost(c, size, h);
@@ -374,7 +171,7 @@ void KrylovSpace::reduce() {
   const int m = dimension_;
   const Matrix h = h_matrix_.topLeftCorner(m, m), one = Matrix::Identity(m, m) + h;
   k_ = Eigen::PartialPivLU<Matrix>(one).inverse();
-  sound_ = k_.allFinite() && k_.norm() * one.norm() < worst_condition;
+  sound_ = k_.allFinite() && k_.norm() * one.norm() < tolerance::largest_condition;
   if (!sound_) return;
   const Matrix a = shift_ * (h * k_);
   h_ = h_matrix_(m, m - 1);

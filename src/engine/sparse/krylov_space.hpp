@@ -115,6 +115,8 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
   [[nodiscard]] double terms_of(const linalg::Vector& of_vectors, const linalg::Vector& of_changes) const;
   void note_largest(const linalg::Matrix& columns, Eigen::Index row, Eigen::Index j);
+  template <class Value>
+  [[nodiscard]] double norm_of_states(const Value& value) const;
   [[nodiscard]] double size_of_states(const std::vector<double>& z) const;
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
@@ -122,6 +124,7 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of(const std::vector<double>& d, double counts);
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
+  void apply(int j);
   void add_vector();
   void note_lost(const linalg::Vector& c, double size, double h);
   void reduce();

@@ -11,7 +11,8 @@
 namespace pwlsim::engine::sparse {
 
 struct Part {
-  explicit Part(model::Island i) : island(std::move(i)), gates(take_gates(island.network)), watched(watched_switches(island.network)), descriptor(island.network) {}
+  explicit Part(model::Island i)
+      : island(std::move(i)), gates(take_gates(island.network)), watched(watched_switches(island.network)), descriptor(island.network) {}
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 

@@ -5,31 +5,17 @@
 #include <numeric>
 #include <string_view>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/interior_point.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "lcp/solve.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// A sign is wrong beyond this fraction of the largest quantity of its kind; where positions repeat, beyond the next: ties of zero with zero, and
-/// the rounding of long chains.
-constexpr double sign_tolerance = 1e-10;
-/// In a network that is not passive a port may drive what is integrated twice before it answers: its margin counts to the last digit.
-constexpr double active_sign_tolerance = 1e-12;
-constexpr double tie_tolerance = 1e-8;
-/// Where there are only voltages as yet, currents are judged against this part of them over R0, and the other way round.
-constexpr double cross_scale = 1e-3;
 /// What ε alone holds does not go away when it is taken out: after these corrections it is still this part of what it was.
 constexpr int most_corrections = 3;
-constexpr double contradiction_share = 1e-3;
-constexpr double held_tolerance = 1e-10;  ///< of the largest voltage, or current: zero
-constexpr double rounding_of_voltages = 1e-14;
-constexpr double rounding_at_node = 1e-15;  ///< of what a resistor carries at that voltage
-constexpr double noise_share = 1e-6;        ///< of the largest current
-constexpr double good_backward_error = 1e-15;
-constexpr double rounding_of_sums = 1e-14;  ///< of the currents that meet in a part
 constexpr double far_away = 1e3;
 constexpr int most_iterations = 8;
 constexpr int most_decisions = 32;
@@ -54,7 +40,7 @@ PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double vo
 
 PortSolver::~PortSolver() = default;
 
-double PortSolver::input_size(double most) const { return std::max({most, present_input_, cross_scale * scale_.slack}); }
+double PortSolver::input_size(double most) const { return std::max({most, present_input_, tolerance::cross_scale * scale_.slack}); }
 
 /// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
 /// a bound for voltages anywhere. Where nothing can flow, all others being blocked, what resistors bring to the port's nodes still cancels to rounding only: that
@@ -73,7 +59,8 @@ double PortSolver::rounding_of_input(double shift, const Position& on, std::size
     for (std::size_t i = 0; i < ports.size(); ++i) values[static_cast<Eigen::Index>(i)] = ports[i].response(on[i] != 0, probe_.data());
     take_out_open(on, *factor, values, {&probe_});
   }
-  return std::max(rounding_of_voltages * voltage * std::abs(probe_[row]), rounding_at_node * voltage_ * descriptor_.conductance_at(port));
+  return std::max(tolerance::voltage_rounding * voltage * std::abs(probe_[row]),
+                  tolerance::node_rounding * voltage_ * descriptor_.conductance_at(port));
 }
 
 /// Sizes of the terms of each row of a stage's equations, in row_sizes_.
@@ -105,8 +92,8 @@ void PortSolver::measure_rows(const Stage& stage, const Position& on, const std:
 double PortSolver::rounding_by_rows(const Stage& stage, const Position& on, std::size_t port, const std::vector<double>& z) {
   const double anywhere = rounding_of_input(stage.shift, on, port, std::max(largest_voltage(z), largest_voltage(stage.from)));
   if (probe_.empty()) return anywhere;
-  const double of_rows = rounding_of_voltages * descriptor_.largest_product(probe_, row_sizes_);
-  return std::min(anywhere, std::max(of_rows, rounding_at_node * voltage_ * descriptor_.conductance_at(port)));
+  const double of_rows = tolerance::voltage_rounding * descriptor_.largest_product(probe_, row_sizes_);
+  return std::min(anywhere, std::max(of_rows, tolerance::node_rounding * voltage_ * descriptor_.conductance_at(port)));
 }
 
 double PortSolver::largest_voltage(const std::vector<double>& z) const {
@@ -171,8 +158,8 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
 
 /// Whether the rounding of a voltage times C/h is a current that counts, once any is known.
 bool PortSolver::is_noisy(double shift) const {
-  const double noise = rounding_of_voltages * scale_.slack * shift * descriptor_.largest_capacitance();
-  return scale_.input > 0.0 && noise > noise_share * scale_.input;
+  const double noise = tolerance::voltage_rounding * scale_.slack * shift * descriptor_.largest_capacitance();
+  return scale_.input > 0.0 && noise > tolerance::noisy_current * scale_.input;
 }
 
 /// One refinement, from the residual of every row, where that makes the worst of them smaller against its own terms (Skeel, Math. Comp. 35, 1980). `right_`:
@@ -180,7 +167,7 @@ bool PortSolver::is_noisy(double shift) const {
 void PortSolver::correct(double shift, const Position& on, const Factor& factor, std::vector<double>& step) {
   descriptor_.matrix(shift, descriptor_.closing(shift, on, 0.0), 1.0, values_);
   const double before = backward_error(step, residual_);
-  if (before <= good_backward_error) return;
+  if (before <= tolerance::good_backward_error) return;
   factor.solve(residual_);
   for (std::size_t i = 0; i < step.size(); ++i) residual_[i] += step[i];
   if (backward_error(residual_, refined_) < before) step.swap(residual_);
@@ -215,7 +202,7 @@ void PortSolver::block(const Position& on, const std::vector<double>& from, std:
 PortSolver::Sizes PortSolver::sizes(const std::vector<double>& z) const {
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
   const double current = std::max(scale_.input, largest(std::span(z).subspan(nodes)));
-  return {std::max({scale_.slack, largest(std::span(z).first(nodes)), cross_scale * current}), current};
+  return {std::max({scale_.slack, largest(std::span(z).first(nodes)), tolerance::cross_scale * current}), current};
 }
 
 /// What a tie carries must be nothing. Then what it settles is chosen: of all currents and voltages the least squares. Else the position contradicts
@@ -225,13 +212,13 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
   const auto& ports = descriptor_.ports();
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
   const Sizes size = sizes(z);
-  const double rounding = rounding_of_sums * factor.stiffest() * largest(std::span(step).first(nodes));
+  const double rounding = tolerance::sum_rounding * factor.stiffest() * largest(std::span(step).first(nodes));
   right_.assign(z.size(), 0.0);
   for (const int tie : factor.ties()) {
     const auto i = static_cast<std::size_t>(tie);
     const bool is_on = on[i] != 0;
     const double forced = stage.free_variable(ports[i], !is_on, z.data());
-    const double nothing = is_on ? held_tolerance * size.voltage : std::max(held_tolerance * size.current, rounding);
+    const double nothing = is_on ? tolerance::held_port * size.voltage : std::max(tolerance::held_port * size.current, rounding);
     if (!(std::abs(forced) > nothing)) continue;
     right_[static_cast<std::size_t>(ports[i].row)] = -forced;
     contradicted_ = true;
@@ -283,11 +270,11 @@ void PortSolver::refine(const Stage& stage, const Position& on, const Factor& fa
       last = std::max(last,
                       std::abs(right_[static_cast<std::size_t>(descriptor_.ports()[i].row)]) / (on[i] != 0 ? size.voltage : size.current));
     if (round == 0) first = last;
-    if (!(last > held_tolerance) || round == most_corrections) break;
+    if (!(last > tolerance::held_port) || round == most_corrections) break;
     factor.solve(right_);
     for (std::size_t i = 0; i < z.size(); ++i) refined_[i] += right_[i];
   }
-  contradicted_ = last > std::max(contradiction_share * first, held_tolerance);
+  contradicted_ = last > std::max(tolerance::contradiction * first, tolerance::held_port);
   if (contradicted_) return;
   for (std::size_t i = 0; i < z.size(); ++i) step[i] += refined_[i] - z[i];
   z.swap(refined_);
@@ -341,7 +328,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
 Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z, Search search) {
   disputed_.clear();
   descriptor_.hold_blocked(on);
-  Solved solved = iterate(stage, passive_ ? sign_tolerance : active_sign_tolerance, on, step, z);
+  Solved solved = iterate(stage, passive_ ? tolerance::port_sign : tolerance::active_port_sign, on, step, z);
   if (solved != Solved::no_position || contradicted_ || search == Search::newton) return solved;
   if (passive_ && (!repeated_ || disputed_.size() > few_disputed)) {
     Position guess = on;
@@ -349,7 +336,7 @@ Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& 
     if (solved == Solved::yes) on = guess;
     if (solved == Solved::yes || contradicted_) return solved;
   }
-  solved = iterate(stage, tie_tolerance, on, step, z);
+  solved = iterate(stage, tolerance::tied_port_sign, on, step, z);
   if (solved != Solved::no_position || contradicted_) return solved;
   return settle_dispute(stage, on, step, z);
 }
@@ -357,8 +344,9 @@ Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& 
 /// An interior solution, and its position made exact.
 Solved PortSolver::settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z) {
   if (!interior_) interior_ = std::make_unique<InteriorPoint>(descriptor_, factors_.ordering());
-  if (!interior_->solve(stage, {std::max(scale_.input, cross_scale * scale_.slack), scale_.slack}, on)) return Solved::no_position;
-  return iterate(stage, tie_tolerance, on, step, z);
+  if (!interior_->solve(stage, {std::max(scale_.input, tolerance::cross_scale * scale_.slack), scale_.slack}, on))
+    return Solved::no_position;
+  return iterate(stage, tolerance::tied_port_sign, on, step, z);
 }
 
 /// All that ever changed sides decide together; whoever they push over joins them.
@@ -366,7 +354,7 @@ Solved PortSolver::settle_dispute(const Stage& stage, Position& on, std::vector<
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   for (int round = 0; round < most_decisions; ++round) {
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;
-    const std::vector<int> wrong = violated(stage, on, z, tie_tolerance);
+    const std::vector<int> wrong = violated(stage, on, z, tolerance::tied_port_sign);
     if (wrong.empty()) return found(stage, on, z);
     dispute(wrong);
     if (decide(stage, on, z)) continue;

@@ -14,8 +14,8 @@ namespace {
 
 /// Vectors at which the error is looked at.
 constexpr std::array<int, 13> dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
-constexpr double tolerance = 1e-12;  ///< of the largest deviation so far
-constexpr double most_error = 1e-8;  ///< the same: where vectors are nothing but rounding
+constexpr double deviation_tolerance = 1e-12;  ///< of the largest deviation so far
+constexpr double most_error = 1e-8;            ///< the same: where vectors are nothing but rounding
 constexpr int smoothing_steps = 6;
 constexpr double gone = 1e-20;               ///< the same: it has decayed
 constexpr double least_share = 1e-4;         ///< of a segment: a shorter part is none
@@ -81,7 +81,7 @@ bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, dou
   return is_open && (length > 0.0 || resolve(1.0 / record.shift, unused));
 }
 
-/// Grows the space until its error is within the tolerance over the length, or over a part of it.
+/// Grows the space until its error is within the deviation_tolerance over the length, or over a part of it.
 bool SegmentDeviation::resolve(double length, double& reached) {
   reached = length;
   if (is_gone()) return true;
@@ -92,12 +92,12 @@ bool SegmentDeviation::resolve(double length, double& reached) {
     const auto& points = space_.estimate(length);
     error = 0.0;
     for (const auto& point : points) error = std::max(error, point.error);
-    if (error <= tolerance * scale_) break;
+    if (error <= deviation_tolerance * scale_) break;
     if (!space_.is_full() && m < dimensions.back()) continue;
     reached = 0.0;
     double part = 0.0;
     for (const auto& point : points) {
-      if (!(point.error <= tolerance * scale_)) break;
+      if (!(point.error <= deviation_tolerance * scale_)) break;
       reached = point.tau;
       part = std::max(part, point.error);
     }

@@ -8,8 +8,8 @@
 #include "engine/left_out.hpp"
 #include "engine/sparse/sparse_model.hpp"
 #include "engine/sparse/transient.hpp"
-#include "model/coupling.hpp"
 #include "model/islands.hpp"
+#include "model/structure_errors.hpp"
 
 namespace pwlsim::engine::sparse {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/largest.hpp"
-#include "base/log_mean.hpp"
+#include "base/arithmetic.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
@@ -21,8 +21,6 @@ using model::Network;
 /// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
-constexpr double rest_tolerance = 1e-9;
-constexpr double least_of_all = 1e-3;  ///< of the largest voltage or current: a state that counts
 
 double mean_time(const Descriptor& d) {
   LogMean mean;
@@ -98,8 +96,8 @@ class RestFinder {
     }
     double total = 0.0;
     for (const double value : z) total = std::max(total, std::abs(value));
-    return change[0] <= rest_tolerance * std::max(size[0], least_of_all * total) &&
-           change[1] <= rest_tolerance * std::max(size[1], least_of_all * total);
+    return change[0] <= tolerance::dc_rest * std::max(size[0], tolerance::dc_least * total) &&
+           change[1] <= tolerance::dc_rest * std::max(size[1], tolerance::dc_least * total);
   }
 
   /// All that their controls contradict; `together` false: only the first, for a latch that would change sides for ever. Where there are none, once
@@ -110,9 +108,9 @@ class RestFinder {
     bool flipped = false;
     const double unknown = largest(z);
     for (Control& control : controls_) {
-      const double slack = std::max(rest_tolerance * control.level_size(), control.rounding(unknown));
+      const double slack = std::max(tolerance::dc_rest * control.level_size(), control.rounding(unknown));
       const double margin = control.margin(on, control.value.value(z.data(), w_.data()));
-      const double rounding = std::max(slack, rest_tolerance * control.value.size(z.data(), w_.data()));
+      const double rounding = std::max(slack, tolerance::dc_rest * control.value.size(z.data(), w_.data()));
       const bool rests = at_rest && !control.has_rested && control.passes_at_rest(on) && margin <= rounding;
       if (!rests && margin >= -slack) continue;
       control.has_rested |= rests;

@@ -1,16 +1,10 @@
 #include "engine/sparse/start_change.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
 
 namespace pwlsim::engine::sparse {
-
-namespace {
-
-constexpr double rounding_of_row = 1e-14;    ///< of its terms
-constexpr double rounding_of_slack = 1e-12;  ///< of its terms, at a passage that has been located
-
-}  // namespace
 
 linalg::Vector after_step(const model::Exosystem& exosystem, double step, const linalg::Vector& zeta) {
   linalg::Vector result = zeta;
@@ -41,7 +35,7 @@ void StartChange::take(const std::vector<double>& z, const std::vector<double>& 
     descriptor_.rate_sizes(z_, w_.data(), sizes_.data());
   }
   for (std::size_t i = 0; i < right_.size(); ++i)
-    if (std::abs(right_[i]) <= rounding_of_row * sizes_[i]) right_[i] = 0.0;
+    if (std::abs(right_[i]) <= tolerance::sum_rounding * sizes_[i]) right_[i] = 0.0;
   descriptor_.add_sources(change_.data(), right_.data());
   for (std::size_t i = 0; i < more.size(); ++i) right_[i] += shift * more[i];
 }
@@ -50,7 +44,7 @@ double StartChange::closing(const Port& port, double of_slack, double of_input) 
   const bool has_sources = one_ != 0.0;
   double slack = has_sources ? port.slack.value(z_, w_.data()) : Form::sum(port.slack.z, z_);
   const double size = has_sources ? port.slack_size(z_, w_.data()) : Form::size_of(port.slack.z, z_);
-  if (std::abs(slack) <= rounding_of_slack * size) slack = 0.0;
+  if (std::abs(slack) <= tolerance::guard_sign * size) slack = 0.0;
   slack += Form::sum(port.slack.w, change_.data());
   return -of_slack * slack - of_input * z_[port.row];
 }

@@ -1,4 +1,5 @@
 #include "engine/sparse/stepper.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@ constexpr double b = step_weight;
 constexpr double error_weights[3] = {(4.0 * b - 1.0) / 3.0, -1.0 / 3.0, 2.0 * d / 3.0};
 /// The local error of SDIRK2 on z' = λ z is (3d² − 2d³ − 1/6) h³ z'''.
 constexpr double error_of_sdirk2 = (3.0 * d * d - 2.0 * d * d * d - 1.0 / 6.0) / d;
-constexpr double least_of_kind = 1e-3;
 
 }  // namespace
 
@@ -38,8 +38,8 @@ void StateScale::take(std::size_t i, double value) {
 double StateScale::size(std::size_t i, const std::vector<double>& z) const {
   const State& state = descriptor_.states()[i];
   const double own = state.is_current ? current_ : voltage_, other = state.is_current ? voltage_ : current_;
-  const double kind = std::max(own, least_of_kind * other);
-  return std::max({largest_[i], std::abs(state.measure(z.data())), least_of_kind * kind});
+  const double kind = std::max(own, tolerance::least_of_kind * other);
+  return std::max({largest_[i], std::abs(state.measure(z.data())), tolerance::least_of_kind * kind});
 }
 
 double StateScale::norm(const std::vector<double>& error, const std::vector<double>& z) const {

@@ -1,4 +1,5 @@
 #include "engine/sparse/tie_selector.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +8,6 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double at_zero = 1e-10;    ///< of the largest input, and of a slack's terms
-constexpr double rounding = 1e-14;   ///< of the largest terms that inputs were sums of
-constexpr double undecided = 1e-10;  ///< the same of a change
 constexpr int most_orders = 4;
 
 }  // namespace
@@ -23,8 +21,9 @@ bool TieSelector::find(const std::vector<double>& z, const std::vector<double>& 
   for (std::size_t i = 0; i < ports; ++i) {
     const Port& port = descriptor_.ports()[i];
     const double slack = std::abs(port.slack.value(z.data(), w.data()));
-    const bool is_zero = std::abs(z[static_cast<std::size_t>(port.row)]) <= std::max(at_zero * input, rounding * input_terms_) &&
-                         slack <= at_zero * std::max(voltage, port.slack_size(z.data(), w.data()));
+    const bool is_zero =
+        std::abs(z[static_cast<std::size_t>(port.row)]) <= std::max(tolerance::tied_port * input, tolerance::sum_rounding * input_terms_) &&
+        slack <= tolerance::tied_port * std::max(voltage, port.slack_size(z.data(), w.data()));
     at_zero_[i] = !port.blocks(on) && (is_zero || static_cast<int>(i) == passing);
   }
   return std::find(at_zero_.begin(), at_zero_.end(), 1) != at_zero_.end();
@@ -39,7 +38,7 @@ bool TieSelector::keep_undecided(const Position& on) {
     if (disputed_[i] == 0) continue;
     const Port& port = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : Form::size_of(port.slack.z, step_.data());
-    disputed_[i] = port.response(on[i] != 0, step_.data()) <= undecided * size;
+    disputed_[i] = port.response(on[i] != 0, step_.data()) <= tolerance::undecided_change * size;
     any |= disputed_[i] != 0;
   }
   return any;

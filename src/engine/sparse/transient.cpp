@@ -7,6 +7,7 @@
 
 #include "engine/remarks.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/tolerances.hpp"
 #include "linalg/legendre.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -15,12 +16,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double merge_fraction = 1e-14;
 constexpr std::size_t rows_per_block = 256;
 constexpr int steps_between_checks = 64;
 /// Residuals beyond so many tolerances are told; those of diodes that changed sides within the tolerance are below it.
 constexpr double doubtful_tolerances = 10.0;
-constexpr double broken_certificate = 1e-7;  ///< of a run of segments, whose tolerance is next to rounding
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -31,7 +30,7 @@ Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std:
     : request_(request),
       reltol_(reltol),
       method_(method),
-      tolerance_(merge_fraction * request.stop),
+      tolerance_(tolerance::merge * request.stop),
       rows_(request, sink, signals, rows_per_block, tolerance_) {
   for (const auto& part : parts) {
     tracks_.push_back(std::make_unique<Track>(*part, request, reltol, method));
@@ -246,7 +245,7 @@ void Transient::note_noise() {
     for (std::size_t k = 0; k < track->shares.size(); ++k)
       sizes[static_cast<std::size_t>(track->probes[k])] += track->block.signal_size(track->shares[k]);
   probe_noise_.resize(sizes.size(), 0.0);
-  for (std::size_t i = 0; i < sizes.size(); ++i) probe_noise_[i] = std::max(probe_noise_[i], Block::rounding_of_signals * sizes[i]);
+  for (std::size_t i = 0; i < sizes.size(); ++i) probe_noise_[i] = std::max(probe_noise_[i], tolerance::signal_rounding * sizes[i]);
 }
 
 /// A row before what the part's last step came upon; the one after it waits for the parts that come upon the same.
@@ -317,7 +316,7 @@ void Transient::finish() {
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
   const bool has_segments = method_ == Block::Method::segments;
-  const bool is_doubtful = worst > (has_segments ? broken_certificate : doubtful_tolerances * reltol_);
+  const bool is_doubtful = worst > (has_segments ? tolerance::doubtful_segments : doubtful_tolerances * reltol_);
   if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
     end_run(answer_,
             {Outcome::no_solution, "E-certificate",

@@ -8,7 +8,7 @@
 namespace pwlsim::model {
 
 /// The unknowns z of a network and the rows that give them, kept for certificates and for the operating point.
-struct Descriptor {
+struct Equations {
   Matrix g, f, ha, hw;      ///< original rows, before index reduction (m × m, m × stores, m × ports, m × n_ζ)
   Matrix sx;                ///< stores × m
   Matrix z_state, z_input;  ///< z = z_state·(ξ, ζ) + z_input·u

@@ -1,0 +1,192 @@
+/// ExactSegment: its guards, their rounding, and their signs at the start.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sparse/exact_segment.hpp"
+#include "engine/sparse/tolerances.hpp"
+#include "linalg/balance.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
+constexpr double share_of_norm = 0.1;
+constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
+
+}  // namespace
+
+/// Rows: u or slack of each port that is no switch, then the margin of each control.
+void ExactSegment::take_guards(const Position& on) {
+  mode_ = std::make_unique<model::Mode>();
+  const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
+  mode_->guards.setZero(static_cast<Eigen::Index>(ports + controls_.size()), space_.dimension());
+  segment_.rows.clear();
+  for (std::size_t i = 0; i < ports; ++i) {
+    const Port& port = descriptor_.ports()[i];
+    if (port.blocks(on)) continue;
+    mode_->guards.row(static_cast<Eigen::Index>(i)) = (on[i] != 0 ? space_.row(port.row) : space_.row(port.slack)).transpose();
+    segment_.rows.push_back(static_cast<int>(i));
+  }
+  drop_empty_guards();
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const Control& control = controls_[i];
+    Form margin = control.value;
+    if (control.holds(on)) {
+      margin.constant -= control.off_level;
+    } else {
+      for (Form::Part& part : margin.z) part.coefficient = -part.coefficient;
+      for (Form::Part& part : margin.w) part.coefficient = -part.coefficient;
+      margin.constant = control.on_level - margin.constant;
+    }
+    const auto row = static_cast<int>(ports + i);
+    mode_->guards.row(row) = space_.row(margin).transpose();
+    segment_.rows.push_back(row);
+  }
+}
+
+/// Whether a port is off beside one that is on without resistance or drop.
+bool ExactSegment::is_short_circuited(int row) const {
+  if (row >= descriptor_.first_switch() || on_[static_cast<std::size_t>(row)] != 0) return false;
+  const auto& beside = beside_[static_cast<std::size_t>(row)];
+  return std::any_of(beside.begin(), beside.end(), [&](int port) { return on_[static_cast<std::size_t>(port)] != 0; });
+}
+
+/// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
+void ExactSegment::drop_empty_guards() {
+  if (segment_.rows.empty()) return;
+  node_terms_ = space_.largest_terms().voltage;
+  input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
+  const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
+  double input = least_voltage_;
+  for (const int row : segment_.rows)
+    if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
+  const double voltage = std::max(voltage_, least_voltage_);
+  free_.clear();
+  idle_.clear();
+  std::erase_if(segment_.rows, [&](int row) {
+    const bool is_short = is_short_circuited(row);
+    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
+    const bool is_empty = is_short || reach(row) <= std::min(tolerance::empty_row * terms_of(row), tolerance::largest_empty_row * size);
+    if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
+    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
+    return is_empty;
+  });
+}
+
+/// What the search and the test of signs ask of a mode.
+void ExactSegment::bound_guards() {
+  model::Mode& m = *mode_;
+  m.n1 = m.ny = space_.dimension();
+  m.regular = true;
+  m.flow = space_.flow();
+  linalg::Matrix a = m.flow.a();
+  m.absolute_a = a.cwiseAbs();
+  m.norm_a = a.norm();
+  m.growth = std::max(0.0, linalg::logarithmic_norm(a));
+  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a);  // empty where nothing is to be gained
+  if (m.scale.size() > 0) {
+    m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
+    m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
+    m.scaled_input_block_norm.resize(0);
+  }
+  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * tolerance_);
+  m.absolute_guards = m.guards.cwiseAbs();
+  m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
+  m.guard_block_norm.resize(m.guards.rows(), 0);
+  m.input_block_norm.resize(0);
+  note_rounding();
+  for (const auto& [guard, factor] : muted_) m.guard_noise[guard] *= factor;
+  if (m.guard_noise.size() > 0) m.noise = std::max(m.noise, m.guard_noise.maxCoeff());
+}
+
+/// Noise of each guard, against the terms of its own row, which may be nothing but the rounding of what it is a difference of: voltages of nodes for a slack, the
+/// largest of all currents for a current.
+void ExactSegment::note_rounding() {
+  model::Mode& m = *mode_;
+  const Eigen::Map<const linalg::Vector> y(space_.first().data(), m.ny);
+  const linalg::Vector terms = m.absolute_guards * y.cwiseAbs();
+  const int ports = descriptor_.first_switch();
+  double input = 0.0;
+  for (int i = 0; i < ports; ++i)
+    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, terms[i]);
+  m.guard_noise.setConstant(m.guards.rows(), m.noise);
+  for (const int i : segment_.rows) {
+    double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
+                             : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
+    const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
+    const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
+    size = std::max(size, least_voltage_);
+    const double rounding = is_input ? relaxation_ * tolerance::input_rounding : tolerance::voltage_rounding;
+    if (is_input) m.guard_noise[i] *= relaxation_;
+    if (m.guard_norm[i] > 0.0)
+      m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
+    if (least > 0.0)
+      m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, tolerance::jump_rounding * jump_voltage_ / least});
+  }
+}
+
+/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input.
+double ExactSegment::terms_of(int row) const {
+  const int ports = descriptor_.first_switch();
+  if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
+  return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
+}
+
+/// Of a control: its levels, and the terms of its form.
+double ExactSegment::rounding_size(const Control& control) const {
+  double size = std::max(control.level_size(), control.largest);
+  for (const Form::Part& part : control.value.z) size = std::max(size, std::abs(part.coefficient) * voltage_);
+  return size;
+}
+
+/// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
+void ExactSegment::judge_start() {
+  segment_.system = &system_;
+  segment_.mode = mode_.get();
+  segment_.anchor = start_;
+  segment_.y0.assign(space_.first().begin(), space_.first().end());
+  segment_.y = segment_.y0;
+  segment_.tau = segment_.certified = segment_.step = 0.0;
+  segment_.intervals = 0;
+  segment_.sampled = false;
+  segment_.turns = segment_.turns_without_modal_form = 0;
+  segment_.departures.resize(segment_.rows.size());
+  model::Verifier verifier;
+  if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
+  negative_.clear();
+  rising_.clear();
+  const linalg::Matrix& a = mode_->flow.a();
+  const linalg::Vector first = a * space_.first(), second = a * first;
+  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
+    model::Departure& departure = segment_.departures[i];
+    if (departure.order > most_derivatives) departure = {-1, 0.0};
+    if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
+    const int row = segment_.rows[i];
+    const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
+    const double slope = linalg::row_times(mode_->guards, row, first.data());
+    const bool is_soon_positive =
+        value < 0.0 && slope > 0.0 && value + tolerance::just_passed * std::min(length_, expected_) * slope >= 0.0;
+    if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
+    if (departure.value > 0.0) continue;
+    const double bend = linalg::row_times(mode_->guards, row, second.data());
+    if (row == passing_ && departure.order == 0 && is_soon_positive) {
+      departure = {1, slope};
+    } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
+      departure = {2, bend};
+    } else if (departure.order > 0 && value > 0.0 && takes_positive_) {
+      departure = {0, value};
+    } else {
+      negative_.push_back(row);
+    }
+  }
+}
+
+/// Of a guard's value at the start.
+double ExactSegment::rounding_of(int row) const {
+  const model::Mode& m = *mode_;
+  const double size = linalg::absolute_row_times(m.guards, row, segment_.y0.data());
+  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * space_.first().norm());
+}
+
+}  // namespace pwlsim::engine::sparse

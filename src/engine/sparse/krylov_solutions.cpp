@@ -1,0 +1,216 @@
+/// KrylovSpace: solutions of the equations with a factor, and what rounding leaves in their states.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/arithmetic.hpp"
+#include "engine/sparse/krylov_space.hpp"
+#include "engine/sparse/tolerances.hpp"
+
+namespace pwlsim::engine::sparse {
+
+namespace {
+
+using linalg::Vector;
+
+constexpr double residual_factor = 4.0;  ///< of what a solution's residual makes of the states, their rounding
+constexpr int corrections = 3, most_refinements = 8;
+
+}  // namespace
+
+double KrylovSpace::source_part(const Form& form, const Vector& w, double one) const {
+  return Form::sum(form.w, w.data(), form.constant * one);
+}
+
+/// r −= H C ζ + g ζ₁
+void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const {
+  const Vector w = exosystem_.rows() * zeta;
+  descriptor_.add_sources(w.data(), r.data());
+  descriptor_.add_constants(zeta[exosystem_.constant()], r.data());
+}
+
+/// Closing rows of a right-hand side.
+void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
+  const Vector w = exosystem_.rows() * zeta;
+  const double one = zeta[exosystem_.constant()];
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double given = source_part(port.slack, w, one);
+    const double weight = factor_->closing() ? factor_->closing()->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
+    r[static_cast<std::size_t>(port.row)] = -weight * given;
+  }
+}
+
+/// r := the unknowns; ζ goes with them.
+void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
+  close(zeta, r);
+  given_ = r;
+  factor_->solve(r);
+  settle(r, zeta);
+}
+
+/// What the factor leaves open or only nearly holds in a solution.
+void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
+  const Vector w = exosystem_.rows() * zeta;
+  const double one = zeta[exosystem_.constant()];
+  if (factor_->closing()) return correct(z, w, one);
+  if (!factor_->ties().empty()) return share_out(z, w, one);
+  for (std::size_t i = 0; i < on_.size(); ++i)
+    if (on_[i] == 0) z[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
+}
+
+/// Right-hand side of S z − z at the start, in right_.
+void KrylovSpace::begin_change(const Start& start, const Vector& zeta) {
+  change_.take(start.z, start.more, zeta, shift_);
+  right_ = change_.right();
+  const Descriptor::Closing* closing = factor_->closing() ? &*factor_->closing() : nullptr;
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const double of_slack = closing ? closing->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
+    const double of_input = closing ? closing->of_input[i] : on_[i] != 0 ? 0.0 : 1.0;
+    const Port& port = descriptor_.ports()[i];
+    right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input);
+  }
+}
+
+/// Takes the factor's ε out again.
+void KrylovSpace::correct(std::vector<double>& z, const Vector& w, double one) {
+  for (int round = 0; round < corrections; ++round) {
+    product_.assign(z.size(), 0.0);
+    for (std::size_t i = 0; i < on_.size(); ++i) {
+      const Port& port = descriptor_.ports()[i];
+      const auto row = static_cast<std::size_t>(port.row);
+      product_[row] = on_[i] != 0 ? -(Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, one)) : -z[row];
+    }
+    factor_->solve(product_);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += product_[i];
+  }
+}
+
+/// Of what ties settle, the least squares of all free variables.
+void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one) const {
+  const auto& open = factor_->open();
+  if (open.empty()) return;
+  Vector moments = Vector::Zero(static_cast<Eigen::Index>(open.size()));
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double value = port.response(on_[i] != 0, z.data()) + (on_[i] != 0 ? 0.0 : source_part(port.slack, w, one));
+    for (std::size_t j = 0; j < open.size(); ++j)
+      moments[static_cast<Eigen::Index>(j)] += value * port.response(on_[i] != 0, open[j].data());
+  }
+  const Vector shares = factor_->share_out(moments);
+  for (std::size_t j = 0; j < open.size(); ++j)
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] -= shares[static_cast<Eigen::Index>(j)] * open[j][i];
+}
+
+/// Whether what a position holds at zero is not.
+bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
+  if (!factor_->closing() && factor_->ties().empty()) return false;
+  const Vector w = exosystem_.rows() * zeta;
+  const double size = std::max(least_, largest(z));
+  for (std::size_t i = 0; i < on_.size(); ++i) {
+    const Port& port = descriptor_.ports()[i];
+    const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
+                                    : z[static_cast<std::size_t>(port.row)];
+    if (!(std::abs(rest) <= tolerance::held_row * size)) return true;
+  }
+  return false;
+}
+
+void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, double* x) const {
+  const auto& states = descriptor_.states();
+  for (std::size_t i = 0; i < states.size(); ++i) *x++ = state_weight_[i] * states[i].value(z.data());
+  for (const double value : zeta) *x++ = zeta_weight_ * value;
+}
+
+/// √Σ (weight·value)² over the states.
+template <class Value>
+double KrylovSpace::norm_of_states(const Value& value) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) square += std::pow(state_weight_[i] * value(descriptor_.states()[i]), 2);
+  return std::sqrt(square);
+}
+
+double KrylovSpace::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  return norm_of_states([&](const State& state) { return state.value(a.data()) - state.value(b.data()); });
+}
+
+double KrylovSpace::size_of_states(const std::vector<double>& z) const {
+  return norm_of_states([&](const State& state) { return state.value(z.data()); });
+}
+
+/// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
+/// difference of their voltages in 1/shift, all of which may be far larger.
+double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double voltage = largest(std::span(z).first(nodes));
+  double rounding = voltage * (weight_of_voltages_ + weight_of_rates_ / shift_);
+  if (weight_of_currents_ > 0.0) {
+    sizes_.resize(z.size());
+    descriptor_.conduct_sizes(z.data(), sizes_.data());
+    rounding += largest(std::span(sizes_).first(nodes)) * weight_of_currents_;
+  }
+  return tolerance::solution_rounding * rounding;
+}
+
+/// product_ := what `given_` and a solution d differ by.
+void KrylovSpace::find_residual(const std::vector<double>& d) {
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  product_.resize(d.size());
+  linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
+  for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
+}
+
+/// The same with sums in extended precision; the matrix is in `values_`.
+void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
+  const linalg::SparsePattern& pattern = descriptor_.pattern();
+  wide_.assign(given_.begin(), given_.end());
+  for (std::size_t j = 0; j < d.size(); ++j)
+    for (auto e = static_cast<std::size_t>(pattern.start[j]); e < static_cast<std::size_t>(pattern.start[j + 1]); ++e)
+      wide_[static_cast<std::size_t>(pattern.row[e])] -= static_cast<linalg::Wide>(values_[e]) * d[j];
+  product_.resize(d.size());
+  std::transform(wide_.begin(), wide_.end(), product_.begin(), [](linalg::Wide value) { return static_cast<double>(value); });
+}
+
+/// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.
+void KrylovSpace::refine(std::vector<double>& d, double counts) {
+  if (factor_->closing() || !factor_->ties().empty() || !(weight_of_currents_ > 0.0)) return;
+  sizes_.resize(d.size());
+  descriptor_.memory_sizes(d.data(), sizes_.data());
+  const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
+  if (!(tolerance::solution_rounding * charging * weight_of_currents_ > counts)) return;
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  double before = INFINITY;
+  for (int round = 0; round < most_refinements; ++round) {
+    find_wide_residual(d);
+    factor_->solve(product_);
+    const double size = size_of_states(product_);
+    if (!(size < before)) return;
+    before = size;
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] += product_[i];
+    if (!(before > counts)) return;
+  }
+}
+
+/// The same as `rounding_of_states`, of a solution d of the factor with right-hand side `given_`: where the bound is more than what counts, it is what the residual of d
+/// makes of them, which is the rounding of a row's terms at least, as chance may make it zero. The bound may be far too large: an inductor whose current is cut off has
+/// impulses of voltage, of which none reaches a capacitor.
+double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
+  const double bound = rounding_of_states(d);
+  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
+  find_residual(d);
+  sizes_.resize(d.size());
+  linalg::multiply_absolute(descriptor_.pattern(), values_, d.data(), sizes_.data());
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const double residual = product_[i], sign = residual != 0.0 ? residual : i % 2 == 0 ? 1.0 : -1.0;
+    product_[i] = std::copysign(std::max(std::abs(residual), tolerance::term_rounding * sizes_[i]), sign);
+  }
+  factor_->solve(product_);
+  return std::min(bound, residual_factor * size_of_states(product_));
+}
+
+/// Of the norm of states that are differences of these unknowns.
+double KrylovSpace::rounding_of_sums(const std::vector<double>& z) const {
+  return tolerance::solution_rounding * norm_of_states([&](const State& state) { return state.size(z.data()); });
+}
+
+}  // namespace pwlsim::engine::sparse

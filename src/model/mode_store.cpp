@@ -1,0 +1,129 @@
+#include "model/mode_store.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "model/build_mode.hpp"
+#include "model/tolerances.hpp"
+
+namespace pwlsim::model {
+
+namespace {
+
+/// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
+constexpr double brief_per_unseen = 1e4;
+constexpr std::size_t most_remembered = 6;
+
+}  // namespace
+
+ModeStore::Entry& ModeStore::look_up(const IndexSet& set) {
+  Entry& entry = *known_.try_emplace(set).first;
+  recent_[next_recent_++ % recent_.size()] = &entry;
+  return entry;
+}
+
+const Mode& ModeStore::mode(const IndexSet& set) {
+  auto& slot = known(set).mode;
+  if (!slot) slot = build_mode(system_, set);
+  return *slot;
+}
+
+const Mode* ModeStore::slow_mode(const IndexSet& set) {
+  Known& about = known(set);
+  if (!about.slow_is_known) {
+    about.slow_is_known = true;
+    const Mode& whole = mode(set);
+    if (unseen_ > 0.0 && system_.ports > 0) split(about, whole);
+  }
+  return about.slow.get();
+}
+
+/// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ) are split off alone, too: in the mode itself each of
+/// their time constants would be millions of the others.
+void ModeStore::split(Known& about, const Mode& whole) {
+  if (!whole.regular || whole.ny == 0) return;
+  const double longest = brief_per_unseen * unseen_;
+  const Rates rates = rates_by_speed(whole, longest);
+  about.slow = build_slow_mode(system_, whole, rates, shifted_, longest);
+  whole.slow = about.slow.get();
+  if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
+  about.brief = build_slow_mode(system_, whole, rates, shifted_, unseen_ / time_constants_to_rest);
+  if (!about.brief) return;
+  if (about.brief->n1 > about.slow->n1)
+    about.brief->slow = about.slow.get();
+  else
+    about.brief.reset();
+}
+
+/// A mode and its slow motions are one.
+void ModeStore::mark_visited(const Mode& mode) {
+  if (mode.visits++ > 0) return;
+  const Known& about = known(mode.active);
+  const auto was_visited = [&](const std::unique_ptr<Mode>& twin) { return twin && twin.get() != &mode && twin->visits > 0; };
+  if (!was_visited(about.mode) && !was_visited(about.slow) && !was_visited(about.brief)) ++visited_;
+}
+
+void ModeStore::remember(const IndexSet& wanted, const Mode& after) {
+  auto& list = known(wanted).successors;
+  std::erase_if(list, [&](const Mode* m) { return m == &after || m->active == after.active; });
+  list.insert(list.begin(), &after);
+  if (list.size() > most_remembered) list.pop_back();
+}
+
+void ModeStore::remember_way(const IndexSet& wanted, const Way& way) {
+  auto& list = known(wanted).ways;
+  list.insert(list.begin(), way);
+  if (list.size() > most_remembered) list.pop_back();
+}
+
+/// Ports that are zero on both sides may stand on either: where many are active a part may float, where few are a current may circulate.
+Matrix ModeStore::open_directions(const Mode& mode) const {
+  IndexSet most = mode.active, fewest = mode.active;
+  for (int i = 0; i < system_.diodes; ++i)
+    if (mode.guard_norm[i] == 0.0) {
+      most.set(i, true);
+      fewest.set(i, false);
+    }
+  Matrix directions = mode.free_inputs.cols() > 0 ? mode.free_inputs : Matrix(system_.ports, 0);
+  for (const IndexSet& set : {most, fewest}) {
+    if (set == mode.active) continue;
+    const Matrix found = build_mode(system_, set)->free_inputs;
+    if (found.cols() == 0) continue;
+    Matrix both(system_.ports, directions.cols() + found.cols());
+    both << directions, found;
+    directions = std::move(both);
+  }
+  return directions;
+}
+
+std::vector<std::size_t> ModeStore::open_outputs() const {
+  std::vector<char> open(system_.outputs.size(), 0);
+  if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
+  for (const auto& [set, known] : known_) {
+    const Mode* visited = nullptr;
+    for (const auto* mode : {&known.mode, &known.brief, &known.slow})
+      if (*mode && (*mode)->visits > 0) visited = mode->get();
+    if (!visited) continue;
+    const Matrix directions = open_directions(*visited);
+    if (directions.cols() == 0) continue;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Vector moved = directions.transpose() * system_.outputs[i].input;
+      const Vector size = directions.cwiseAbs().transpose() * system_.outputs[i].input.cwiseAbs();
+      if (((moved.cwiseAbs() - tolerance::open_signal * size).array() > 0.0).any()) open[i] = 1;
+    }
+  }
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (open[i] != 0) numbers.push_back(i);
+  return numbers;
+}
+
+double ModeStore::rate_doubt() const {
+  double doubt = 0.0;
+  for (const auto& [set, known] : known_)
+    for (const auto* mode : {&known.brief, &known.slow})
+      if (*mode && (*mode)->visits > 0) doubt = std::max(doubt, (*mode)->decays->rate_doubt);
+  return doubt;
+}
+
+}  // namespace pwlsim::model
