@@ -5,7 +5,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "base/name_list.hpp"
+#include "base/names.hpp"
 #include "base/names.hpp"
 
 namespace pwlsim::circuit {

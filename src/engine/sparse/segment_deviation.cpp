@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/largest.hpp"
+#include "base/arithmetic.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -81,7 +81,7 @@ bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, dou
   return is_open && (length > 0.0 || resolve(1.0 / record.shift, unused));
 }
 
-/// Grows the space until its error is within the deviation_tolerance over the length, or over a part of it.
+/// Grows the space until its error is within the tolerance over the length, or over a part of it.
 bool SegmentDeviation::resolve(double length, double& reached) {
   reached = length;
   if (is_gone()) return true;
