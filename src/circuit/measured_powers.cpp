@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "base/names.hpp"
-#include "base/names.hpp"
 
 namespace pwlsim::circuit {
 namespace {
