@@ -63,9 +63,16 @@ double Locator::noise_of(const Segment& s, int row) const {
   return model::guard_rounding(*s.mode, row, s.y.data(), size, tolerance::graze);
 }
 
+/// The same of a guard at rest: one that the mode was accepted with below zero falls where it is twice as far below.
+double Locator::noise_at_rest(const Segment& s, std::size_t i) const {
+  const model::Departure& start = s.departures[i];
+  const double noise = noise_of(s, s.rows[i]);
+  return start.order == 0 ? std::max(noise, -fallen_further * start.value) : noise;
+}
+
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
 bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
-  if (s.tau > 0.0 && g_[i] <= 0.0) return true;
+  if (g_[i] <= 0.0 && (s.tau > 0.0 || s.departures[i].order == 0)) return true;
   if (s.decays_fail && g_[i] <= noise_of(s, s.rows[i]) && s.departures[i].order == 0) return true;
   return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
 }
@@ -181,7 +188,7 @@ void Locator::end_values(const Segment& s, double h) {
 Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const model::Departure& start = s.departures[i];
   if (is_at_rest(s, i)) {
-    const double noise = noise_of(s, s.rows[i]);
+    const double noise = noise_at_rest(s, i);
     if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
     return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }

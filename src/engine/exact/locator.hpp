@@ -158,12 +158,13 @@ class Locator {
   bool try_interval(Segment& segment, double h, double end, Located& located, bool& decided);
   bool polish(const Segment& segment, int row, double& tau);
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
+  [[nodiscard]] double noise_at_rest(const Segment& segment, std::size_t i) const;
   [[nodiscard]] bool is_at_rest(const Segment& s, std::size_t i) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
   static constexpr int series_order = 10;  ///< of the Taylor models
   /// Relative to its rounding, for a guard that leaves zero within an interval: in a longer one it could fall again unseen.
-  static constexpr double leaving_zero = 1e3;
+  static constexpr double leaving_zero = 1e3, fallen_further = 2.0;
 
   std::size_t size_ = 0;  ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;

@@ -223,7 +223,7 @@ void Locator::series_state(const Segment& s, double step, double* out) {
 /// rounding is multiplied by powers of rate·h.
 Locator::Isolated Locator::leave_rest(const Segment& s, std::size_t i, double h) {
   state_at(s, h, at_.data());
-  const double noise = noise_of(s, s.rows[i]);
+  const double noise = noise_at_rest(s, i);
   const double end = linalg::row_times(s.mode->guards, s.rows[i], at_.data());
   if (end < -noise) return {Verdict::one_root, 0.0, h, find_root(s, i, 0.0, h, 0.5 * h, noise), noise};
   return {end <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided};
