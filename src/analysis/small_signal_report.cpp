@@ -9,7 +9,11 @@
 
 namespace pwlsim::analysis {
 
+namespace {
+
 using Complex = std::complex<double>;
+
+}  // namespace
 
 std::string small_signal_csv(const SmallSignalResult& result) {
   std::string text = "frequency";
