@@ -164,7 +164,9 @@ class Locator {
 
   static constexpr int series_order = 10;  ///< of the Taylor models
   /// Relative to its rounding, for a guard that leaves zero within an interval: in a longer one it could fall again unseen.
-  static constexpr double leaving_zero = 1e3, fallen_further = 2.0;
+  static constexpr double leaving_zero = 1e3;
+  /// Of where a guard was when its mode was accepted, below zero: from there on it has fallen.
+  static constexpr double fallen_further = 2.0;
 
   std::size_t size_ = 0;  ///< states the buffers are made for
   std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
