@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -496,24 +497,21 @@ class Finder {
     if (card_.points != points_when_omitted) run.step = {orbit.period / card_.points, ""};
     run.use_initial_conditions = true;
     run.span = card_.span;
-    const bool is_driven = !state_.common.sources.empty();
+    std::function<engine::Answer(const engine::Request&, engine::RowSink&)> from_begin;
     if (has_segments_) {
-      state_.simulate = [map = state_.map, begin = state_.begin, period = orbit.period](engine::Request request, engine::RowSink& sink) {
-        RepeatedPieces repeated(request.probes, period, true);
-        request.probes = repeated.probes();
-        engine::Answer answer = map->run(begin, request, sink);
-        if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
-        return answer;
+      from_begin = [map = state_.map, begin = state_.begin](const auto& request, auto& sink) { return map->run(begin, request, sink); };
+    } else {
+      state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
+      from_begin = [march = march_, model = model_, begin = orbit.begin](const auto& request, auto& sink) {
+        return march->run(begin, request, sink);
       };
-      return;
     }
-    state_.orbit.begin.signals = steady::signals_at_end(*model_, orbit.trace, orbit.period);
-    state_.simulate = [march = march_, model = model_, begin = orbit.begin, period = orbit.period, is_driven](engine::Request request,
-                                                                                                              engine::RowSink& sink) {
+    const bool is_driven = !state_.common.sources.empty();
+    state_.simulate = [from_begin, period = orbit.period, is_driven](engine::Request request, engine::RowSink& sink) {
       RepeatedPieces repeated(request.probes, period, is_driven);
       request.probes = repeated.probes();
       if (!is_driven && request.probes.sink != nullptr && request.stop >= period) request.stop = RepeatedPieces::self_timed_end(period);
-      engine::Answer answer = march->run(begin, request, sink);
+      engine::Answer answer = from_begin(request, sink);
       if (answer.outcome == engine::Outcome::completed) answer.probed = repeated.repeat(answer.probed);
       return answer;
     };

@@ -222,6 +222,35 @@ void multiply_repeatedly(const Matrix& a, int k, double* powers) {
   for (int i = 0; i < k; ++i) multiply(a, powers + i * n, powers + (i + 1) * n);
 }
 
+WideMatrix rows_of(const WideMatrix& m, const std::vector<int>& numbers) {
+  WideMatrix result(static_cast<Eigen::Index>(numbers.size()), m.cols());
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    for (std::size_t i = 0; i < numbers.size(); ++i) result(static_cast<Eigen::Index>(i), j) = m(numbers[i], j);
+  return result;
+}
+
+WideMatrix columns_of(const WideMatrix& m, const std::vector<int>& numbers) {
+  WideMatrix result(m.rows(), static_cast<Eigen::Index>(numbers.size()));
+  for (std::size_t j = 0; j < numbers.size(); ++j) result.col(static_cast<Eigen::Index>(j)) = m.col(numbers[j]);
+  return result;
+}
+
+double append_to_hessenberg(const Eigen::Ref<const Matrix>& basis, Vector& x, Matrix& h) {
+  const Eigen::Index j = basis.cols();
+  Vector taken = Vector::Zero(j);
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    const Vector more = basis.transpose() * x;
+    x.noalias() -= basis * more;
+    taken += more;
+  }
+  const double norm = x.norm();
+  h.conservativeResize(j + 1, j);
+  h.row(j).setZero();
+  h.col(j - 1).head(j) = taken;
+  h(j, j - 1) = norm;
+  return norm;
+}
+
 WideMatrix product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, itself); }
 
 WideMatrix absolute_product(const WideMatrix& x, const WideMatrix& y) { return product_of(x, y, magnitude); }

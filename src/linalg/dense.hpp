@@ -2,6 +2,7 @@
 /// Dense vectors and matrices, and the few operations that the small systems of a mode need in inner loops.
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace pwlsim::linalg {
 
@@ -61,6 +62,14 @@ void copy(const double* x, Eigen::Index n, double* y);
   for (Eigen::Index i = 0; i < n; ++i) sum += (x[i] - y[i]) * (x[i] - y[i]);
   return sum;
 }
+
+/// The rows, or columns, of M with these numbers, in their order. Loops: Eigen's views by index cost as much as products at the sizes at hand.
+[[nodiscard]] WideMatrix rows_of(const WideMatrix& m, const std::vector<int>& numbers);
+[[nodiscard]] WideMatrix columns_of(const WideMatrix& m, const std::vector<int>& numbers);
+
+/// A step of Arnoldi's method (Golub & Van Loan, Matrix Computations, §10.5): takes from x what lies in the span of the orthonormal columns (n × j), by Gram and Schmidt's method, twice, and
+/// appends to H (j × (j − 1)) the column of what was taken and of ‖x‖ then, which is returned.
+double append_to_hessenberg(const Eigen::Ref<const Matrix>& basis, Vector& x, Matrix& h);
 
 /// X·Y and |X||Y|, column by column: at the sizes at hand the cost is that of the arithmetic.
 [[nodiscard]] WideMatrix product(const WideMatrix& x, const WideMatrix& y);

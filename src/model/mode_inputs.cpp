@@ -28,17 +28,9 @@ ModeInputs::Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
   ModeInputs::Restricted r;
   for (int i = 0; i < static_cast<int>(s.d.rows()); ++i)
     if (active.contains(i)) r.j.push_back(i);
-  const auto q = static_cast<Eigen::Index>(r.j.size());
-  r.b.resize(s.b.rows(), q);
-  r.c.resize(q, s.c.cols());
-  r.d.resize(q, q);
-  // Loops: views by index cost as much as three products here.
-  for (Eigen::Index a = 0; a < q; ++a) {
-    const Eigen::Index j = r.j[static_cast<std::size_t>(a)];
-    for (Eigen::Index i = 0; i < r.b.rows(); ++i) r.b(i, a) = s.b(i, j);
-    for (Eigen::Index i = 0; i < r.c.cols(); ++i) r.c(a, i) = s.c(j, i);
-    for (Eigen::Index b = 0; b < q; ++b) r.d(a, b) = s.d(j, r.j[static_cast<std::size_t>(b)]);
-  }
+  r.b = linalg::columns_of(s.b, r.j);
+  r.c = linalg::rows_of(s.c, r.j);
+  r.d = linalg::columns_of(linalg::rows_of(s.d, r.j), r.j);
   return r;
 }
 

@@ -17,8 +17,10 @@ namespace pwlsim::model {
 namespace {
 
 using Eigen::Index;
+using linalg::columns_of;
 using linalg::Matrix;
 using linalg::product;
+using linalg::rows_of;
 using linalg::Vector;
 using linalg::Wide;
 using linalg::WideElimination;
@@ -89,20 +91,6 @@ struct Resolvent {
   WideMatrix inputs;              ///< U
   WideMatrix free;                ///< directions of u_J that nothing decides
 };
-
-/// Rows and columns of the active ports.
-WideMatrix rows_of(const WideMatrix& m, const std::vector<int>& active) {
-  WideMatrix result(static_cast<Index>(active.size()), m.cols());
-  for (Index j = 0; j < m.cols(); ++j)
-    for (std::size_t i = 0; i < active.size(); ++i) result(static_cast<Index>(i), j) = m(active[i], j);
-  return result;
-}
-
-WideMatrix columns_of(const WideMatrix& m, const std::vector<int>& active) {
-  WideMatrix result(m.rows(), static_cast<Index>(active.size()));
-  for (std::size_t j = 0; j < active.size(); ++j) result.col(static_cast<Index>(j)) = m.col(active[j]);
-  return result;
-}
 
 /// False where the mode is not regular.
 bool make_resolvent(const System& system, const ShiftedSystem& shifted, const std::vector<int>& active, Resolvent& result) {

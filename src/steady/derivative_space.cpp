@@ -46,19 +46,10 @@ bool DerivativeSpace::grow() {
   Vector image = vectors_.col(j);
   if (!phi_.apply(image)) return false;
   mapped_.col(j) = image;
-  Vector x = phi_.measure(image), c = Vector::Zero(j + 1);
+  Vector x = phi_.measure(image);
   const double size = x.norm();
-  const auto basis = measured_.leftCols(j + 1);
-  for (int sweep = 0; sweep < 2; ++sweep) {
-    const Vector u = basis.transpose() * x;
-    x.noalias() -= basis * u;
-    c += u;
-  }
-  const double h = x.norm();
-  h_.conservativeResize(j + 2, j + 1);
-  h_.row(j + 1).setZero();
-  h_.col(j).head(j + 1) = c;
-  h_(j + 1, j) = h;
+  const double h = linalg::append_to_hessenberg(measured_.leftCols(j + 1), x, h_);
+  const Vector c = h_.col(j).head(j + 1);
   dimension_ = j + 1;
   full_ = !(h > nothing * std::max(size, 1.0)) || dimension_ >= x.size();
   if (full_) return true;

@@ -119,20 +119,11 @@ void KrylovSpace::add_vector() {
   const int j = dimension_;
   reserve(j + 2);
   apply(j);
-  Vector x(measured_.rows()), c = Vector::Zero(j + 1);
+  Vector x(measured_.rows());
   measure(right_, zeta_changes_.col(j), x.data());
   const double size = x.norm();
-  const auto basis = measured_.leftCols(j + 1);
-  for (int sweep = 0; sweep < 2; ++sweep) {
-    const Vector u = basis.transpose() * x;
-    x.noalias() -= basis * u;
-    c += u;
-  }
-  const double h = x.norm();
-  h_matrix_.conservativeResize(j + 2, j + 1);
-  h_matrix_.row(j + 1).setZero();
-  h_matrix_.col(j).head(j + 1) = c;
-  h_matrix_(j + 1, j) = h;
+  const double h = linalg::append_to_hessenberg(measured_.leftCols(j + 1), x, h_matrix_);
+  const Vector c = h_matrix_.col(j).head(j + 1);
   dimension_ = j + 1;
   const double nothing = std::max(tolerance::new_direction * size, tolerance::least_direction);
   const bool adds_nothing = !(h > nothing);
