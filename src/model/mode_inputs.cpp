@@ -17,6 +17,7 @@ using linalg::product;
 using linalg::wide_clean_product;
 using linalg::wide_clean_sum;
 using linalg::wide_cleaned;
+using linalg::WideMatrix;
 using linalg::WideVector;
 
 /// Of D_JJ, from which on inputs share their rounding.
