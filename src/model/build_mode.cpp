@@ -42,8 +42,8 @@ class ModeMaker {
   }
 
   /// Null where the mode leaves no fast decays.
-  std::unique_ptr<Mode> run_slow(const Mode& whole, const Rates& rates, ShiftedSystems& shifted, double longest) {
-    manifold_ = slow_manifold(s_, whole, rates, inputs_.ports(), shifted, longest);
+  std::unique_ptr<Mode> run_slow(const Mode& whole, const Cut& cut, ShiftedSystems& shifted) {
+    manifold_ = slow_manifold(s_, whole, cut, inputs_.ports(), shifted);
     if (!manifold_) return nullptr;
     mode_->regular = true;
     inputs_.take(*manifold_, *mode_);
@@ -317,10 +317,9 @@ std::unique_ptr<Mode> build_mode(const System& system, const IndexSet& active) {
   return ModeMaker(system, held).run();
 }
 
-std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Rates& rates, ShiftedSystems& shifted,
-                                      double longest) {
-  if (!whole.regular || whole.ny == 0 || !has_fast_decays(system, rates, longest)) return nullptr;
-  return ModeMaker(system, whole.active).run_slow(whole, rates, shifted, longest);
+std::unique_ptr<Mode> build_slow_mode(const System& system, const Mode& whole, const Cut& cut, ShiftedSystems& shifted) {
+  if (!whole.regular || whole.ny == 0 || cut.fast == 0) return nullptr;
+  return ModeMaker(system, whole.active).run_slow(whole, cut, shifted);
 }
 
 }  // namespace pwlsim::model

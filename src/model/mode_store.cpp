@@ -44,15 +44,14 @@ void ModeStore::split(Known& about, const Mode& whole) {
   if (!whole.regular || whole.ny == 0) return;
   const double longest = brief_per_unseen * unseen_;
   const Rates rates = rates_by_speed(whole, longest);
-  about.slow = build_slow_mode(system_, whole, rates, shifted_, longest);
+  const Cut cut = find_cut(system_, rates, longest);
+  about.slow = build_slow_mode(system_, whole, cut, shifted_);
   whole.slow = about.slow.get();
   if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
-  about.brief = build_slow_mode(system_, whole, rates, shifted_, unseen_ / time_constants_to_rest);
-  if (!about.brief) return;
-  if (about.brief->n1 > about.slow->n1)
-    about.brief->slow = about.slow.get();
-  else
-    about.brief.reset();
+  const Cut brief = find_cut(system_, rates, unseen_ / time_constants_to_rest);
+  if (brief.fast == cut.fast) return;
+  about.brief = build_slow_mode(system_, whole, brief, shifted_);
+  if (about.brief) about.brief->slow = about.slow.get();
 }
 
 /// A mode and its slow motions are one.

@@ -47,12 +47,6 @@ constexpr Wide least_progress = 0.1L;  ///< … to this (that of the lift: at al
 constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
 
-/// How many of the mode's motions are decays with a time constant of at most `longest`, far faster than the rest; and the rates on both sides of the cut.
-struct Cut {
-  Index fast = 0;
-  double slow_rate = 0.0, fast_rate = 0.0, fastest_rate = 0.0;
-};
-
 Cut find_cut_of(const System& system, const Rates& rates, double longest, double ratio) {
   Cut cut;
   for (std::size_t i = 0; i < rates.size(); ++i) {
@@ -62,11 +56,6 @@ Cut find_cut_of(const System& system, const Rates& rates, double longest, double
     if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate, std::abs(rates.front())};
   }
   return cut;
-}
-
-Cut find_cut(const System& system, const Rates& rates, double longest) {
-  const Cut cut = find_cut_of(system, rates, longest, gap);
-  return cut.fast > 0 ? cut : find_cut_of(system, rates, longest, least_gap);
 }
 
 /// Powers of two s with s_i |m_ij| s_j about one at most, in each row and column.
@@ -248,7 +237,8 @@ class SlowMotion {
 
 class Splitter {
  public:
-  Splitter(const System& system, const Mode& whole, Cut cut) : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
+  Splitter(const System& system, const Mode& whole, const Cut& cut)
+      : system_(system), whole_(whole), cut_(cut), n_(system.n), nz_(system.n_zeta) {
     // What the mode itself holds at zero is faster still: a jump.
     fast_ = cut.fast + (system.n - whole.n1);
   }
@@ -432,12 +422,13 @@ const ShiftedSystem& ShiftedSystems::at(Wide shift) {
   return result;
 }
 
-bool has_fast_decays(const System& system, const Rates& rates, double longest) { return find_cut(system, rates, longest).fast > 0; }
+Cut find_cut(const System& system, const Rates& rates, double longest) {
+  const Cut cut = find_cut_of(system, rates, longest, gap);
+  return cut.fast > 0 ? cut : find_cut_of(system, rates, longest, least_gap);
+}
 
-std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates, const std::vector<int>& active,
-                                          ShiftedSystems& shifted, double longest) {
-  const Cut cut = find_cut(system, rates, longest);
-  if (cut.fast == 0) return std::nullopt;
+std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Cut& cut, const std::vector<int>& active,
+                                          ShiftedSystems& shifted) {
   return Splitter(system, whole, cut).run(active, shifted);
 }
 

@@ -69,12 +69,18 @@ class ShiftedSystems {
   std::map<linalg::Wide, ShiftedSystem> known_;
 };
 
-/// Whether a mode of these rates has decays with a time constant of at most `longest`, s, that are much faster than the rest.
-[[nodiscard]] bool has_fast_decays(const System& system, const Rates& rates, double longest);
+/// How many of a mode's motions are plain decays far faster than the rest (none: no cut), and the rates on both sides of the cut, 1/s.
+struct Cut {
+  Eigen::Index fast = 0;
+  double slow_rate = 0.0, fast_rate = 0.0, fastest_rate = 0.0;
+};
 
-/// Of `whole`, the mode of the active ports, whose rates are given. None where it has no such decays, or if the fast part is not a plain decay.
-[[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Rates& rates,
-                                                        const std::vector<int>& active, ShiftedSystems& shifted, double longest);
+/// The cut with the slowest decays whose time constant is at most `longest`, s.
+[[nodiscard]] Cut find_cut(const System& system, const Rates& rates, double longest);
+
+/// Of `whole`, the mode of the active ports, whose rates have this cut. None if the fast part is not a plain decay.
+[[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Cut& cut,
+                                                        const std::vector<int>& active, ShiftedSystems& shifted);
 
 struct Feedback {
   linalg::WideMatrix inputs;       ///< as SlowManifold::feedback

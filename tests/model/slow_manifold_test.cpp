@@ -35,7 +35,7 @@ TwoRates rates(double delta) {
 
 std::unique_ptr<Mode> slow_mode_of(const System& system, const Mode& whole, double longest) {
   ShiftedSystems shifted(system);
-  return build_slow_mode(system, whole, rates_by_speed(whole, longest), shifted, longest);
+  return build_slow_mode(system, whole, find_cut(system, rates_by_speed(whole, longest), longest), shifted);
 }
 
 }  // namespace
