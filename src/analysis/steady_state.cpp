@@ -29,7 +29,7 @@ namespace pwlsim::analysis {
 namespace {
 
 using circuit::Compiled;
-using Trigger = circuit::SteadyState::Trigger;
+using Trigger = circuit::SteadyStateAnalysis::Trigger;
 using steady::Orbit;
 using steady::Verdict;
 
@@ -298,7 +298,7 @@ class Finder {
   }
 
   engine::RunState start() {
-    const engine::Start from =
+    const engine::RunStart from =
         card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
     return from;
@@ -491,7 +491,7 @@ class Finder {
     }
     Compiled& own = state_.compiled;
     own.measurements = compiled_.orbit_measurements;
-    circuit::Transient& run = own.analyses.transient.emplace();
+    circuit::TransientAnalysis& run = own.analyses.transient.emplace();
     run.stop = {orbit.period, ""};
     constexpr int points_when_omitted = 1000;
     if (card_.points != points_when_omitted) run.step = {orbit.period / card_.points, ""};
@@ -518,7 +518,7 @@ class Finder {
   }
 
   const Compiled& compiled_;
-  const circuit::SteadyState& card_;
+  const circuit::SteadyStateAnalysis& card_;
   const std::atomic<int>& interrupt_;
   EngineChoice choice_;
   bool has_segments_;

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "engine/exact/certificate.hpp"
 #include "engine/exact/control_probe.hpp"
 #include "engine/exact/island_run.hpp"
 #include "engine/exact/jump_recorder.hpp"
@@ -13,6 +12,7 @@
 #include "engine/exact/piece_maker.hpp"
 #include "engine/exact/port_watch.hpp"
 #include "engine/exact/probe_impulses.hpp"
+#include "engine/exact/segment_certifier.hpp"
 
 namespace pwlsim::engine {
 
@@ -99,7 +99,7 @@ class RunRecorders {
  private:
   const std::vector<IslandRun>& islands_;
   ObserverFeed feed_;
-  CertificateRecorder certificate_;
+  SegmentCertifier certificate_;
   JumpRecorder jumps_;
   LossWatch losses_;
   ThresholdWatch thresholds_;

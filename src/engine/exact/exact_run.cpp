@@ -1,4 +1,4 @@
-#include "engine/exact/transient.hpp"
+#include "engine/exact/exact_run.hpp"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
+ExactRun::ExactRun(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
     : model_(exact_model),
       request_(request),
       watching_(watching),
@@ -52,7 +52,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
 }
 
-void Transient::make_clocks() {
+void ExactRun::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
     for (const model::Control& control : system.clocked) clocks_.emplace_back(system, control, tolerance_);
@@ -65,7 +65,7 @@ void Transient::make_clocks() {
   }
 }
 
-void Transient::make_groups() {
+void ExactRun::make_groups() {
   std::vector<IslandRun*> order = running_;
   std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->system().size() < b->system().size(); });
   std::vector<std::size_t> place(islands_.size(), order.size());
@@ -91,7 +91,7 @@ void Transient::make_groups() {
     if (const std::size_t to = place_of_switch(clock.driven()); to < order.size()) groups_[group_of[to]].clocks.push_back(&clock);
 }
 
-Answer Transient::run(const RunState& start) {
+Answer ExactRun::run(const RunState& start) {
   const auto clock = Clock::now();
   answer_.outcome = Outcome::completed;
   if (begin(start)) march();
@@ -116,7 +116,7 @@ Answer Transient::run(const RunState& start) {
   return std::move(answer_);
 }
 
-void Transient::march() {
+void ExactRun::march() {
   for (bool going = !is_ended_by_observer_; going;) {
     const double time = next_instant();
     if (!rows_before(time, false)) break;
@@ -134,7 +134,7 @@ void Transient::march() {
 }
 
 /// Takes an island to the present time, which ends the run within its segment. False: its mode does not hold there.
-bool Transient::leave(IslandRun& island) {
+bool ExactRun::leave(IslandRun& island) {
   recorders_.last(number_of(island), now_);
   island.open(now_, 0.0);
   recorders_.left(number_of(island), now_);
@@ -142,19 +142,19 @@ bool Transient::leave(IslandRun& island) {
 }
 
 /// The other parts, where an event of one ends the run, are taken to that time.
-void Transient::close_others() {
+void ExactRun::close_others() {
   for (IslandRun* island : running_)
     if (!island->is_open() && island->segment().anchor < now_ && !leave(*island)) return;
 }
 
 /// The state just before `stop`, where what happens belongs to the next run.
-void Transient::stop_short() {
+void ExactRun::stop_short() {
   now_ = request_.stop;
   for (IslandRun* island : running_)
     if (!leave(*island)) return;
 }
 
-RunState Transient::state() const {
+RunState ExactRun::state() const {
   RunState state{{}, on_, {}, now_};
   for (const IslandRun& island : islands_) {
     model::Vector x = Eigen::Map<const model::Vector>(island.x.data(), island.system().size());
@@ -166,7 +166,7 @@ RunState Transient::state() const {
 }
 
 /// States as given, switches where the start has them, then the instant itself.
-bool Transient::begin(const RunState& start) {
+bool ExactRun::begin(const RunState& start) {
   if (request_.sampler != nullptr) request_.sampler->begin();
   begin_ = start.time;
   is_start_given_ = request_.use_initial_conditions && start.active.empty();
@@ -203,7 +203,7 @@ bool Transient::begin(const RunState& start) {
 
 /// A group looks as far as nothing happens to it, whatever happens elsewhere: else an answer would depend, in its last digits, on what other parts run
 /// beside it, that is on what is saved.
-double Transient::next_instant() {
+double ExactRun::next_instant() {
   double horizon = request_.stop;
   if (request_.sampler != nullptr) horizon = std::min(horizon, request_.sampler->next());
   const double limit = horizon;
@@ -219,7 +219,7 @@ double Transient::next_instant() {
   return horizon;
 }
 
-void Transient::open_island(IslandRun& island, Instant& instant) {
+void ExactRun::open_island(IslandRun& island, Instant& instant) {
   Opened& opened = opened_[number_of(island)];
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
@@ -236,7 +236,7 @@ void Transient::open_island(IslandRun& island, Instant& instant) {
   }
 }
 
-void Transient::open_event_islands(double time, Instant& instant) {
+void ExactRun::open_event_islands(double time, Instant& instant) {
   std::fill(opened_.begin(), opened_.end(), Opened::no);
   for (IslandRun* island : running_) {
     const bool breaks = island->next_break() <= time + tolerance_;
@@ -247,7 +247,7 @@ void Transient::open_event_islands(double time, Instant& instant) {
 }
 
 /// The signals are those just before what happens at `time`.
-bool Transient::ask_sampler(double time) {
+bool ExactRun::ask_sampler(double time) {
   row(time, sampled_.data());
   settings_.clear();
   if (!request_.sampler->sample(time, std::span(sampled_).subspan(1), settings_)) {
@@ -260,7 +260,7 @@ bool Transient::ask_sampler(double time) {
 }
 
 /// Whether a clock, a breakpoint or an event of an island is due.
-bool Transient::is_due(double time, Instant& instant) const {
+bool ExactRun::is_due(double time, Instant& instant) const {
   bool any = false;
   for (const model::Clock& clock : clocks_) {
     if (clock.next().time > time + tolerance_) continue;
@@ -277,7 +277,7 @@ bool Transient::is_due(double time, Instant& instant) const {
 }
 
 /// The rows before (row_before_) and after an event.
-bool Transient::push_event_rows(double time) {
+bool ExactRun::push_event_rows(double time) {
   row_before_[0] = rows_.begin_event(time);
   std::copy(row_before_.begin(), row_before_.end(), rows_.room());
   if (!accepted(rows_.push())) return false;
@@ -286,7 +286,7 @@ bool Transient::push_event_rows(double time) {
   return accepted(rows_.push());
 }
 
-bool Transient::handle(double time) {
+bool ExactRun::handle(double time) {
   if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
   Instant instant;
   instant.time = time;
@@ -310,7 +310,7 @@ bool Transient::handle(double time) {
 }
 
 /// What a jump costs where the switches that flipped last have opened.
-void Transient::note_loss(const IslandRun& island, const Instant& instant) {
+void ExactRun::note_loss(const IslandRun& island, const Instant& instant) {
   std::vector<std::string> opened;
   const model::System& system = island.system();
   for (const int i : last_flips_) {
@@ -324,7 +324,7 @@ void Transient::note_loss(const IslandRun& island, const Instant& instant) {
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.
-void Transient::note_mode_changes(Instant& instant) {
+void ExactRun::note_mode_changes(Instant& instant) {
   for (IslandRun* island : running_) {
     const model::Mode* before = modes_before_[number_of(*island)];
     if (island->is_open() && before && island->mode != before && island->changes_visibly(*before)) instant.mode_change = true;
@@ -332,7 +332,7 @@ void Transient::note_mode_changes(Instant& instant) {
 }
 
 /// Rows with a time before `time` (or at it, when inclusive).
-bool Transient::rows_before(double time, bool inclusive) {
+bool ExactRun::rows_before(double time, bool inclusive) {
   while (rows_.is_due(time, inclusive)) {
     const double row_time = rows_.next_time();
     const RowFeed::Pushed pushed = rows_.push_next(*this);
@@ -342,22 +342,22 @@ bool Transient::rows_before(double time, bool inclusive) {
   return true;
 }
 
-void Transient::row(double time, double* row) {
+void ExactRun::row(double time, double* row) {
   std::fill(row, row + rows_.width(), 0.0);
   row[0] = time;
   for (auto& island : islands_) island.add_signals(time, row + 1);
 }
 
-bool Transient::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
+bool ExactRun::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
 
 /// Whether the run goes on after a row.
-bool Transient::accepted(RowFeed::Pushed pushed) {
+bool ExactRun::accepted(RowFeed::Pushed pushed) {
   if (pushed == RowFeed::Pushed::handed_over && is_interrupted()) fail(interrupted(now_));
   if (pushed == RowFeed::Pushed::handed_over && request_.progress) request_.progress(now_);
   return take(pushed != RowFeed::Pushed::refused) && answer_.outcome == Outcome::completed;
 }
 
-bool Transient::take(bool accepted) {
+bool ExactRun::take(bool accepted) {
   if (!accepted && answer_.outcome == Outcome::completed) fail({Outcome::sink_stopped, "", ""});
   return accepted;
 }

@@ -15,7 +15,7 @@ namespace pwlsim::engine {
 ///  - KCL/KVL: every row of F x + G z + H_a a + H_w ζ and of x' − S_x z against the largest sum of its terms' magnitudes over the
 ///    run (the rows before index reduction and before ports were chosen);
 ///  - energy: change of ½|x|² over an interval against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
-class CertificateRecorder {
+class SegmentCertifier {
  public:
   /// A segment that is examined.
   struct Sample {
