@@ -97,7 +97,7 @@ Answer ExactRun::run(const RunState& start) {
   if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   take(rows_.flush());
-  recorders_.end_pieces(now_);
+  recorders_.run_ended(now_);
   const PieceMaker& pieces = recorders_.pieces();
   if (pieces.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
   answer_.time = now_;
@@ -105,11 +105,11 @@ Answer ExactRun::run(const RunState& start) {
   for (auto& island : islands_) {
     if (!island.mode || island.is_open()) continue;
     island.look_at_end(now_);
-    recorders_.look_at_controls(number_of(island), now_);
+    recorders_.reached_end(at(island, now_));
     if (answer_.outcome == Outcome::completed) holds(island);
   }
   for (const auto& island : islands_)
-    if (island.mode && !island.is_open()) recorders_.last(number_of(island), now_);
+    if (island.mode && !island.is_open()) recorders_.ends_within(at(island, now_));
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
   finish();
@@ -135,9 +135,9 @@ void ExactRun::march() {
 
 /// Takes an island to the present time, which ends the run within its segment. False: its mode does not hold there.
 bool ExactRun::leave(IslandRun& island) {
-  recorders_.last(number_of(island), now_);
+  recorders_.ends_within(at(island, now_));
   island.open(now_, 0.0);
-  recorders_.left(number_of(island), now_);
+  recorders_.left(at(island, now_));
   return holds(island);
 }
 
@@ -173,14 +173,14 @@ bool ExactRun::begin(const RunState& start) {
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   is_ready_.assign(islands_.size(), 0);
-  recorders_.before_start(start.signals);
+  recorders_.run_begins(start.signals);
   for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
     if (!start.active.empty()) island->wanted = start.active[number_of(*island)];
     island->open_at_start();
-    recorders_.started(number_of(*island));
+    recorders_.started(at(*island, begin_));
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -191,12 +191,13 @@ bool ExactRun::begin(const RunState& start) {
   instant.time = now_ = begin_;
   for (IslandRun* island : running_) {
     island->evaluate_sources(instant.time);
-    recorders_.at_start(number_of(*island));
-    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(number_of(*island));
-    recorders_.after_start(number_of(*island));
+    const IslandAt start_of_island = at(*island, begin_);
+    recorders_.opened(start_of_island, {});
+    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(start_of_island);
+    recorders_.start_is_known(start_of_island);
   }
   if (!settle(instant, true)) return false;
-  recorders_.run_has_started();
+  recorders_.run_has_begun();
   if (instant.jumps > 0 && is_start_given_) answer_.remarks.push_back(projected_start());
   return true;
 }
@@ -224,15 +225,16 @@ void ExactRun::open_island(IslandRun& island, Instant& instant) {
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
-  recorders_.opens(number_of(island), instant.time, length);
-  const bool breaks = island.next_break() <= instant.time + tolerance_, ends_segment = RunRecorders::is_new(island);
+  recorders_.opens(at(island, instant.time), length);
+  const Opening opening{!island.is_open() && island.mode != nullptr, opened == Opened::from_outside,
+                        island.next_break() <= instant.time + tolerance_};
   island.open(instant.time, instant.late);
   // What holds nothing but sources has not been brought along.
   if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
-  recorders_.opened(number_of(island), instant.time, ends_segment, opened == Opened::from_outside, breaks);
+  recorders_.opened(at(island, instant.time), opening);
   if (island.take_breakpoints(instant.time)) {
     instant.source_edge = true;
-    recorders_.sources_jumped(number_of(island));
+    recorders_.sources_jumped(at(island, instant.time));
   }
 }
 
@@ -320,7 +322,7 @@ void ExactRun::note_loss(const IslandRun& island, const Instant& instant) {
     if ((on_[static_cast<std::size_t>(i)] != 0) == inverted) opened.push_back(info.name);
   }
   const model::Vector now = Eigen::Map<const model::Vector>(island.x.data(), system.size());
-  recorders_.lost(number_of(island), instant.time, now, opened);
+  recorders_.jumped_by_switches(at(island, instant.time), now, opened);
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.

@@ -48,6 +48,7 @@ class ExactRun : private RowSource {
   };
 
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
+  [[nodiscard]] IslandAt at(const IslandRun& island, double time) const { return {number_of(island), island, time}; }
   void make_clocks();
   void make_groups();
   bool begin(const RunState& start);

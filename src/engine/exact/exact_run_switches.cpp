@@ -28,10 +28,10 @@ bool ExactRun::settle(Instant& instant, bool at_start) {
     recorders_.settled(instant.time, !at_start || !is_start_given_);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
-      recorders_.closes(number_of(*island), instant.time);
+      recorders_.closes(at(*island, instant.time));
       if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
       island->close(instant.time, on_);
-      recorders_.closed(number_of(*island));
+      recorders_.closed(at(*island, instant.time));
     }
     is_ended_by_observer_ = !recorders_.instant_ended(instant.time, instant.jumps > 0, on_);
     return true;
@@ -55,7 +55,7 @@ bool ExactRun::select_open(const std::vector<IslandRun*>& islands, Instant& inst
 bool ExactRun::selects(IslandRun& island, Instant& instant) {
   const model::Selected& selected = island.select();
   instant.jumps += selected.jumps;
-  recorders_.selected(number_of(island), selected);
+  recorders_.selected(at(island, instant.time), selected);
   if (selected.choice == model::Choice::found) return true;
   if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
   note_several(island, selected, instant.time);

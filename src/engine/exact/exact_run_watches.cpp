@@ -320,7 +320,7 @@ void ExactRun::finish() {
   count();
   note_doubtful_events();
   note_open_signals();
-  recorders_.hand_over(clocks_, on_, answer_);
+  recorders_.hand_over({clocks_, on_}, answer_);
   note_choices();
   certify();
   answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());

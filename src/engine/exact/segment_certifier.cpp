@@ -158,8 +158,8 @@ EnergyBalance energy_balance(const IslandModel& island, const model::Mode& mode,
 
 }  // namespace
 
-void SegmentCertifier::start(const IslandModel& island, const double* x) {
-  starts_.emplace_back(&island, Eigen::Map<const Vector>(x, island.extraction.system.size()));
+void SegmentCertifier::start_is_known(const IslandAt& island) {
+  starts_.emplace_back(&island.run.model(), Eigen::Map<const Vector>(island.run.x.data(), island.run.system().size()));
 }
 
 void SegmentCertifier::add(const IslandModel& island, const Segment& segment, double length) {
